@@ -46,16 +46,23 @@ export class HandInSpace {
     return this.isLeadable && this.model.hello.world.tools[0]?.turns === true;
   }
 
-  /** Where it is led from: what was asked for last, what the server says, or where the tool is that nobody holds. */
+  /** The tool that nobody holds: as it is seen, or else as it began. */
+  get tool() {
+    const began = this.model.hello?.world.tools[0];
+    const { position = began?.position_m ?? [0, 0, 0], orientation = began?.orientation ?? [1, 0, 0, 0] } = this.space?.tool() ?? {};
+    return { position, orientation };
+  }
+
+  /** Where it is led from: what was asked for last, what the server says, or where the tool is. */
   get fromM() {
-    return this.led.value ?? this.model.state?.hand_m ?? this.space?.tool().position ?? [0, 0, 0];
+    return this.led.value ?? this.model.state?.hand_m ?? this.tool.position;
   }
 
   /** What it is turned from. */
   get turnedFrom() {
     const { hello, state } = this.model;
     const told = state?.hand_m ? (state.hand_orientation ?? hello.world.tools[0].orientation) : null;
-    return this.turned.value ?? told ?? this.space?.tool().orientation ?? [1, 0, 0, 0];
+    return this.turned.value ?? told ?? this.tool.orientation;
   }
 
   lead(toM) {

@@ -176,13 +176,6 @@ export class Space {
     return tool ? { position: tool.position.toArray(), orientation: [w, x, y, z] } : {};
   }
 
-  /** Where the tool of the first lane is [m] and how it is turned, w, x, y, z; both undefined until that is known. */
-  tool() {
-    const tool = this.lanes[0]?.tools[0];
-    const [x, y, z, w] = tool?.quaternion.toArray() ?? [];
-    return tool ? { position: tool.position.toArray(), orientation: [w, x, y, z] } : {};
-  }
-
   /** Where the newest picture shows a tool, on the canvas in pixels; for tests, and for a finger that aims at it. */
   toolOnCanvas(lane = 0) {
     const tool = this.lanes[lane]?.tools[0]?.position;

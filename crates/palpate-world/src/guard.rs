@@ -126,8 +126,16 @@ impl Account {
         }
     }
 
-    /// Begins with the energy that bodies, contacts and joints have now, by books that began before. It does not allocate.
-    pub fn begin_at(&mut self, books: &Books) {
+    /// Begins with the energy that bodies, contacts and joints have now, by books that began before. What acted in the last
+    /// interval counts for those before it, too. It does not allocate.
+    pub fn begin_at(&mut self, books: &Books, (commands, torque_commands): (&Commands, &Commands)) {
+        for (place, acted) in self.acted.iter_mut().enumerate() {
+            let tool = place % self.tools;
+            *acted = [
+                commands.passed(tool).sent,
+                torque_commands.passed_or_none(tool),
+            ];
+        }
         let bodies: f64 = books.bodies.iter().map(|book| book.kinetic).sum();
         let contacts: f64 = books.contacts.iter().map(|book| book.stored).sum();
         let joints: f64 = books.joints.iter().map(|book| book.stored).sum();

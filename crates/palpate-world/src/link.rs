@@ -192,6 +192,34 @@ fn rigid_world() -> Rigid {
 }
 
 impl Link {
+    /// A new joint in a world that runs: its point and its axes are where the description has them, and it bears the bodies as they
+    /// stand `now`, which may be elsewhere than they are `described`.
+    pub fn is_borne(&mut self, described: &[Part], now: &[Part]) {
+        let of_second = |parts: &[Part]| match self.second {
+            Some(second) => parts[second].rigid,
+            None => rigid_world(),
+        };
+        let (one, other) = (described[self.first].rigid, of_second(described));
+        let place = one.position + one.orientation * self.on_first;
+        let axes = self.frame.map(|axis| other.orientation * axis);
+        let (one, other) = (now[self.first].rigid, of_second(now));
+        self.place = place;
+        self.on_first = one.orientation.inverse() * (place - one.position);
+        self.on_second = other.orientation.inverse() * (place - other.position);
+        self.frame = axes.map(|axis| other.orientation.inverse() * axis);
+        if let Holds::Angle { mark, .. } = &mut self.holds {
+            *mark = one.orientation.inverse() * axes[1];
+        }
+        self.find_moves(now);
+    }
+
+    fn find_moves(&mut self, parts: &[Part]) {
+        let of_second = self
+            .second
+            .map_or(0.0, |second| moves_at(&parts[second], self.on_second));
+        self.moves = [moves_at(&parts[self.first], self.on_first), of_second];
+    }
+
     /// Holds what a link of the same bearing held before, in another world: the coordinate goes on.
     pub fn stays_at(&mut self, before: &Self, parts: &[Part]) {
         self.on_first = before.on_first;
@@ -203,10 +231,7 @@ impl Link {
         {
             *mark = *was;
         }
-        let of_second = self
-            .second
-            .map_or(0.0, |second| moves_at(&parts[second], self.on_second));
-        self.moves = [moves_at(&parts[self.first], self.on_first), of_second];
+        self.find_moves(parts);
     }
 
     /// Goes on with the force of a link of the same bearing before, in another world.

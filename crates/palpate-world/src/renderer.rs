@@ -304,7 +304,6 @@ impl WorldRenderer {
         memory: &mut Memory,
         positions: &[Vector],
     ) {
-        state.now.forget_sides();
         self.method.begin(self, state, memory, positions);
         let _ = self.method.plan(self, state, memory);
     }
@@ -400,7 +399,7 @@ impl WorldRenderer {
     }
 
     /// Writes what can be read from a state.
-    fn publish(&self, state: &mut Progress, memory: &Memory) {
+    pub(crate) fn publish(&self, state: &mut Progress, memory: &Memory) {
         self.show_bodies(state);
         memory.publish(state);
         let sent = state.forces.iter().zip(&state.torques);

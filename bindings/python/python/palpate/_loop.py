@@ -290,7 +290,7 @@ class Loop(_palpate.Loop):
         A world may have other masses, weights, shapes, laws of contact, joints, places and another method; the devices, the
         bodies and the pairs that may touch stay, and so do the period and the limits of the loop. A body of which the tables
         have the same place and motion as before goes on from where it is, as fast as it is; another is put where they say.
-        The force passes over to the new one in a tenth of a second. The books of energy begin anew.
+        The device is held as by the world before for three ticks, and the force passes over in a tenth of a second. The books of energy go on.
 
         Args:
             world: Another world, of a loop of a world.

@@ -9,8 +9,11 @@ use crate::actuator::{Actuator, ActuatorParams};
 
 /// Longest step of the integration \[s\]: a device turns by a small part of a turn in it.
 const LONGEST_STEP: f64 = 6.25e-5;
-/// Longest step in units of the time in which a device gives way in its hand: the method of order 5 is stable up to 3.3.
+/// Longest step in units of the time in which a device gives way in its hand. The method of order 5 is stable up to 3.3 against a
+/// damper,
 const STEP_IN_RATES: f64 = 2.0;
+/// and up to 1 against a spring alone, which counts as so much faster.
+const SPRING: f64 = 2.2;
 /// Longest step in lags of the actuator.
 const STEP_IN_LAGS: f64 = 0.125;
 
@@ -34,12 +37,12 @@ pub struct HeldTurning {
 /// Bound of the rates of a device in its hand \[rad/s\].
 fn rate(turning: &Turning) -> f64 {
     let least = turning.inertia.iter().fold(f64::INFINITY, |a, b| a.min(*b));
-    turning.hand.damping / least + (turning.hand.stiffness / least).sqrt()
+    turning.hand.damping / least + SPRING * (turning.hand.stiffness / least).sqrt()
 }
 
 impl HeldTurning {
     /// Fastest rate of a device in its hand that a loop can follow in the time of a tick \[rad/s\]: the hand's damping over the least
-    /// moment of inertia, and the root of its stiffness over that.
+    /// moment of inertia, and 2.2 times the root of its stiffness over that.
     pub const FASTEST: f64 = STEP_IN_RATES / LONGEST_STEP;
 
     /// A device as it is at the start, with an actuator about each axis that gives no torque yet.
@@ -59,8 +62,8 @@ impl HeldTurning {
             return Err(InvalidParameter {
                 name: "turning",
                 value: rate,
-                allowed: "at most 32000 rad/s: the damping of the hand over the least moment of inertia, and the root of its \
-                          stiffness over that; a larger inertia or a softer hand",
+                allowed: "at most 32000 rad/s: the damping of the hand over the least moment of inertia, and 2.2 times the \
+                          root of its stiffness over that; a larger inertia or a softer hand",
             });
         }
         Actuator::new(actuator)?;

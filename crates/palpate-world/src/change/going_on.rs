@@ -54,7 +54,8 @@ impl WorldRenderer {
     ///
     /// What goes on, and how it is booked, [`changed`](Self::changed) says. Method and loop may be other ones: then the
     /// method begins with devices that were at rest at the last sample, and a guard with the energy that is there. What is under
-    /// way to the devices stays where both are told the same of the actuators. It allocates nothing.
+    /// way to the devices stays where both are told the same of the actuators. A new joint has its point and axis where this world
+    /// says, and holds the bodies as they stand now. It allocates nothing.
     pub fn go_on(
         &self,
         state: &mut WorldState,
@@ -74,7 +75,6 @@ impl WorldRenderer {
         new.intended_torques.copy_from_slice(&old.intended_torques);
         new.forces.copy_from_slice(&old.forces);
         new.torques.copy_from_slice(&old.torques);
-        new.tools.copy_from_slice(&old.tools);
         let is_same_guard = here.guard == there.guard;
         if is_same_guard {
             new.guard.copy_from(&old.guard);
@@ -93,6 +93,7 @@ impl WorldRenderer {
             // Where the method itself says what a contact holds, another method knows nothing of it.
             if let Some(was) = was
                 && point.is_held == before.points[*was].is_held
+                && (is_same_method || !point.is_held)
             {
                 *touch = old.now.touches[*was];
             }
@@ -123,19 +124,20 @@ impl WorldRenderer {
         new.guard.appeared(-stored);
         let befores = |joint: usize| old.now.links.iter().filter(move |link| link.joint == joint);
         for (joint, was) in succession.joints.iter().enumerate() {
-            let Some(was) = was else {
-                continue;
-            };
             let links = new.now.links.iter_mut();
             let links = links.filter(|link| link.joint == joint);
-            for (link, before) in links.zip(befores(*was)) {
-                link.goes_on_from(before);
+            match was {
+                Some(was) => links
+                    .zip(befores(*was))
+                    .for_each(|(link, before)| link.goes_on_from(before)),
+                None => links.for_each(|link| link.is_borne(&self.parts, &new.now.parts)),
             }
         }
         self.settle(new, &New::Since(succession));
         if is_same_method {
             let points = &succession.points;
             state.memory.goes_on_from(&past.memory, points);
+            state.progress.tools.copy_from_slice(&past.progress.tools);
         } else if state.progress.tracking.in_progress {
             self.meet_devices(&mut state.progress, &mut state.memory);
             // What that changes is from outside: no force that was held has made it.
@@ -145,10 +147,12 @@ impl WorldRenderer {
                 book.outside += book.observed - before;
                 book.observed = before;
             }
+            self.publish(&mut state.progress, &state.memory);
         }
         if !is_same_guard {
             let progress = &mut state.progress;
-            progress.guard.begin_at(&progress.books);
+            let commands = (&progress.commands, &progress.torque_commands);
+            progress.guard.begin_at(&progress.books, commands);
         }
     }
 

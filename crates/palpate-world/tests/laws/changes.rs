@@ -3,8 +3,8 @@
 use palpate_world::{
     BasicParams, Body, BodyState, Contact, ContactLaw, ContactState, CoupledParams, Free,
     GodObjectParams, Joint, JointKind, JointLaw, Mode, Motion, NOT_TURNED, Party, Place, Sample,
-    Shape, Side, Tool, Vector, VirtualCouplingParams, World, WorldGuard, WorldGuardParams,
-    WorldLoop, WorldMethod, WorldRenderer, WorldState,
+    Shape, Side, Tool, Vector, VirtualCouplingParams, World, WorldLoop, WorldMethod, WorldRenderer,
+    WorldState,
 };
 
 use crate::common::{FAR, ball, plane, world};
@@ -19,7 +19,7 @@ fn block(name: &str) -> Body {
 }
 
 /// A block that rests on a floor, with friction.
-fn on_floor() -> World {
+pub fn on_floor() -> World {
     let law = ContactLaw::spring(2000.0)
         .with_friction(0.3)
         .with_damping(2.0);
@@ -30,7 +30,7 @@ fn on_floor() -> World {
     world(0.005, bodies, law)
 }
 
-fn methods() -> [WorldMethod; 4] {
+pub fn methods() -> [WorldMethod; 4] {
     [
         BasicParams::default().into(),
         VirtualCouplingParams {
@@ -50,19 +50,19 @@ fn methods() -> [WorldMethod; 4] {
 }
 
 /// A tool that pushes the block from the side, from sample to sample.
-fn pushed(sample: usize) -> [Vector; 1] {
+pub fn pushed(sample: usize) -> [Vector; 1] {
     let way = 1e-3 * f64::from(u16::try_from(sample).unwrap_or(u16::MAX)) * 0.05;
     [[-HALF - 0.006 + way, 0.003, HALF]]
 }
 
-fn start(world: &World, method: WorldMethod) -> (WorldRenderer, WorldState) {
+pub fn start(world: &World, method: WorldMethod) -> (WorldRenderer, WorldState) {
     let renderer = WorldRenderer::new(world, WorldLoop::new(1e-3), method).expect("renderable");
     let state = renderer.start();
     (renderer, state)
 }
 
 /// Each book says where its energy comes from, over the whole run.
-fn assert_balanced(state: &WorldState, kinetic_at_start: f64) {
+pub fn assert_balanced(state: &WorldState, kinetic_at_start: f64) {
     let books = state.books();
     let mut sum = -kinetic_at_start;
     for book in books.bodies.iter().chain([&books.gone.bodies]) {
@@ -109,99 +109,6 @@ fn a_world_that_is_changed_to_itself_goes_on_as_it_would_have() {
         assert!((moved - expected).abs() < 1e-9 && moved > 1e-3, "{moved}");
         let created = [&state, &beside].map(|state| state.books().created());
         assert!((created[0] - created[1]).abs() < 1e-9, "{created:?}");
-    }
-}
-
-/// The renderer of the same world by another method, and the state that goes on in it.
-fn other(
-    world: &World,
-    in_loop: WorldLoop,
-    method: WorldMethod,
-    before: (&WorldRenderer, &WorldState),
-) -> (WorldRenderer, WorldState) {
-    let mut renderer = WorldRenderer::new(world, in_loop, method).expect("renderable");
-    let succession = renderer.succeed(before.0, &[]).expect("the same tools");
-    let mut state = renderer.start();
-    renderer.go_on(&mut state, before, &succession);
-    (renderer, state)
-}
-
-/// From every method to every other, in the middle of a push: bodies and books go on, and no force leaps.
-#[test]
-fn another_method_goes_on_with_the_bodies_and_finds_the_device() {
-    let world = on_floor();
-    for from in methods() {
-        for to in methods() {
-            let words = format!("{} to {}", from.name(), to.name());
-            let (renderer, mut state) = start(&world, from.clone());
-            for sample in 0..500 {
-                renderer.step(&mut state, &Sample::at(&pushed(sample)));
-            }
-            let (next, mut gone_on) = other(
-                &world,
-                WorldLoop::new(1e-3),
-                to.clone(),
-                (&renderer, &state),
-            );
-            assert_eq!(gone_on.bodies(), state.bodies(), "{words}");
-            let created = [&state, &gone_on].map(|state| state.books().created());
-            assert!(
-                (created[0] - created[1]).abs() < 1e-12,
-                "{words}: {created:?}"
-            );
-            assert_balanced(&gone_on, 0.0);
-            let mut most = 0.0_f64;
-            for sample in 500..800 {
-                let positions = pushed(sample);
-                let output = next.step(&mut gone_on, &Sample::at(&positions));
-                assert_eq!(output.fault, None, "{words}");
-                let force = output.forces[0].iter().map(|x| x * x).sum::<f64>().sqrt();
-                most = most.max(force);
-                renderer.step(&mut state, &Sample::at(&positions));
-                let [one, before] = [&gone_on, &state].map(|state| state.bodies()[1].position);
-                let apart = (one[0] - before[0]).abs();
-                let allowed = if sample == 500 { 2e-6 } else { 1e-3 };
-                assert!(apart < allowed, "{words}, sample {sample}: {apart} m");
-            }
-            assert!((0.1..3.0).contains(&most), "{words}: {most} N");
-            assert_balanced(&gone_on, 0.0);
-        }
-    }
-}
-
-/// A guard that comes later knows what there is: the energy of a ball that flies is there for the device, and where nothing
-/// is, nothing is given.
-#[test]
-fn a_guard_that_comes_later_begins_with_the_energy_that_is_there() {
-    for (speed, is_limited) in [(5.0, false), (0.0, true)] {
-        let free = Free::of_mass(0.1).moving([speed, 0.0, 0.0]);
-        let bodies = vec![
-            plane("floor", [0.0, 0.0, 1.0]),
-            ball("ball", 0.01, free).at([1.0, 0.0, 1.0]),
-        ];
-        let world = world(0.005, bodies, ContactLaw::spring(200_000.0));
-        let (renderer, mut state) = start(&world, BasicParams::default().into());
-        // 20 N, which have stored a millijoule.
-        let pressed = [[0.0, 0.0, 0.0049]];
-        for _ in 0..50 {
-            renderer.step(&mut state, &Sample::at(&pressed));
-        }
-        let guard = WorldGuard::Limit(WorldGuardParams {
-            largest_speed: 1.0,
-            largest_turning: 10.0,
-            allowance: 1e-4,
-            late: 1,
-        });
-        let in_loop = WorldLoop {
-            guard,
-            ..WorldLoop::new(1e-3)
-        };
-        let method = BasicParams::default().into();
-        let (next, mut gone_on) = other(&world, in_loop, method, (&renderer, &state));
-        for sample in 0..20 {
-            let output = next.step(&mut gone_on, &Sample::at(&pressed));
-            assert_eq!(output.limited.guard, is_limited, "{speed} m/s, {sample}");
-        }
     }
 }
 
@@ -297,7 +204,7 @@ fn a_contact_that_gets_stiffer_books_the_energy_of_it() {
 }
 
 /// A block on a hinge above it.
-fn pendulum() -> World {
+pub fn pendulum() -> World {
     // The spring knows the angle.
     let law = JointLaw {
         spring: 0.02,

@@ -16,6 +16,7 @@ mod conservation;
 mod engine;
 mod floor;
 mod god_object;
+mod going_on;
 mod grasp;
 mod guard;
 mod hulls;
