@@ -207,7 +207,7 @@ impl Flags {
         let device_mass = self.device_mass.or_else(|| file?.device_mass());
         let actuation = self.actuation.actuation(period, file)?;
         warn_of_resonance(file, &self.actuation, device_mass, &contact, period);
-        let quantum = || file?.sensor_quantum();
+        let quantum = || file?.told_quantum();
         Ok(ReplaySetup {
             contact,
             loop_params: self.limits(LoopParams::new(period)),

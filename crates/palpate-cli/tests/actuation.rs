@@ -54,6 +54,19 @@ fn piped(folder: &Folder, flags: &str) -> Vec<f64> {
     forces.collect()
 }
 
+/// A sensor that was found to err more than its steps do is told as one whose steps err as much.
+#[test]
+fn the_noise_of_a_calibrated_sensor_is_told() {
+    let folder = folder();
+    let file = "calibration_format = 1\nperiod_s = 0.001\nsensor_quantum_m = 1e-6\n";
+    folder.write("steps.toml", file);
+    folder.write("noisy.toml", format!("{file}sensor_noise_m = 5e-6\n"));
+    let of = |flags: &str| piped(&folder, &format!("--method coupled {flags}"));
+    let noisy = of("--device-file noisy.toml");
+    assert_ne!(noisy, of("--device-file steps.toml"));
+    assert_eq!(noisy, of("--encoder-quantum 0.000017320508075688773"));
+}
+
 #[test]
 fn a_pipe_commands_what_the_actuator_is_to_get() {
     let folder = folder();

@@ -50,7 +50,7 @@ pub struct PointMassDevice {
     pub transmission: Option<Transmission>,
     /// Cogging of the motor.
     pub cogging: Option<Cogging>,
-    /// Standard deviation of the sensor's white noise, before its quantum `[m]`. No renderer is told.
+    /// Standard deviation of the sensor's white noise, before its quantum `[m]`; what a renderer is told of it is [`Told`](crate::Told)'s.
     pub noise: f64,
     /// The hand that holds it.
     pub hand: Hand,

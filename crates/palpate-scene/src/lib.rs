@@ -38,7 +38,7 @@ pub use hand::{Grip, Hand, Intention, Wave};
 pub use linkage::{HandForceAt, Linkage};
 pub use parameter::SceneParameter;
 pub use timing::{Dropped, Jitter, RateCollapse, Timing};
-pub use told::Told;
+pub use told::{Told, quantum_of};
 pub use write::Unwritable;
 
 use std::collections::HashMap;
@@ -172,7 +172,7 @@ impl Scene {
             stiffness: self.contact.stiffness,
             period: self.loop_params.period,
             device_mass: Some(self.told_device_mass.unwrap_or(self.device.mass())),
-            encoder_quantum: self.device.encoder_quantum(),
+            encoder_quantum: self.told_quantum(),
             recorded: false,
             stored_energy: stored_energy(&self.contact, self.object, self.device.position()),
         };

@@ -39,6 +39,7 @@ pub enum SceneParameter {
     Lag,
     Gain,
     ToldDelay,
+    ToldSensorNoise,
     Jitter,
     JitterDeviation,
     DropProbability,
@@ -93,6 +94,7 @@ impl SceneParameter {
             Self::Lag => "loop.lag_s",
             Self::Gain => "loop.gain",
             Self::ToldDelay => "told.delay_s",
+            Self::ToldSensorNoise => "told.sensor_noise_m",
             Self::Jitter => "loop.jitter_s",
             Self::JitterDeviation => "loop.jitter_deviation_s",
             Self::DropProbability => "loop.drop_probability",
@@ -160,7 +162,8 @@ impl ParameterName for SceneParameter {
             | Self::Swing
             | Self::Backlash
             | Self::CoggingPitch
-            | Self::SensorNoise => "m",
+            | Self::SensorNoise
+            | Self::ToldSensorNoise => "m",
             Self::DeviceVelocity => "m/s",
             Self::ViscousFriction | Self::HandDamping => "N s/m",
             Self::CoulombFriction

@@ -25,9 +25,17 @@ pub struct Told {
     pub gain: Option<f64>,
     /// Standard deviation of the gain.
     pub gain_deviation: Option<f64>,
+    /// Standard deviation of the position sensor's error `[m]`, where it is more than the quantum makes.
+    pub sensor_noise: Option<f64>,
     /// What is flexible between the motor and the rest of the device: nothing that a renderer knows of,
     /// where nothing is told.
     pub transmission: Option<Transmission<f64>>,
+}
+
+/// The quantum of a sensor whose rounding errs with a standard deviation of `noise` `[m]`: it errs evenly over its quantum.
+#[must_use]
+pub fn quantum_of(noise: f64) -> f64 {
+    12.0_f64.sqrt() * noise
 }
 
 /// `[told]` of a scene file.
@@ -40,6 +48,7 @@ pub(super) struct RawTold {
     lag_deviation_s: Option<Spanned<f64>>,
     gain: Option<Spanned<f64>>,
     gain_deviation: Option<Spanned<f64>>,
+    sensor_noise_m: Option<Spanned<f64>>,
     resonance_hz: Option<Spanned<f64>>,
     resonance_damping_ratio: Option<Spanned<f64>>,
     flexible_mass_fraction: Option<Spanned<f64>>,
@@ -86,6 +95,7 @@ impl RawTold {
             lag_deviation: take(Parameter::LagDeviation.into(), self.lag_deviation_s),
             gain: take(Parameter::Gain.into(), self.gain),
             gain_deviation: take(Parameter::GainDeviation.into(), self.gain_deviation),
+            sensor_noise: take(Of::ToldSensorNoise, self.sensor_noise_m),
             transmission,
         }
     }
@@ -93,7 +103,7 @@ impl RawTold {
 
 impl Told {
     /// The values that a renderer checks, with the parameter of each.
-    pub(super) fn checked(&self) -> [(Range, Of, Option<f64>); 5] {
+    pub(super) fn checked(&self) -> [(Range, Of, Option<f64>); 6] {
         [
             (
                 Range::NotNegative,
@@ -112,11 +122,21 @@ impl Told {
                 Parameter::GainDeviation.into(),
                 self.gain_deviation,
             ),
+            (Range::NotNegative, Of::ToldSensorNoise, self.sensor_noise),
         ]
     }
 }
 
 impl Scene {
+    /// The quantum that a renderer is told `[m]`: that of the sensor, or of one that errs as much as it is told.
+    #[must_use]
+    pub fn told_quantum(&self) -> f64 {
+        let quantum = self.device.encoder_quantum();
+        self.told
+            .sensor_noise
+            .map_or(quantum, |noise| quantum_of(noise).max(quantum))
+    }
+
     /// What a renderer is told of delay, lag and gain: what is true, but for [`Told`], and at most as long
     /// a delay as a renderer can be told.
     #[must_use]

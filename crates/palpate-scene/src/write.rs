@@ -301,6 +301,7 @@ impl File {
             lag_deviation,
             gain,
             gain_deviation,
+            sensor_noise,
             transmission,
         } = *told;
         if *told == Told::default() {
@@ -313,6 +314,7 @@ impl File {
         self.if_given("lag_deviation_s", lag_deviation);
         self.if_given("gain", gain);
         self.if_given("gain_deviation", gain_deviation);
+        self.if_given("sensor_noise_m", sensor_noise);
         if let Some(transmission) = transmission {
             self.number("resonance_hz", transmission.resonance);
             self.number("resonance_damping_ratio", transmission.damping_ratio);

@@ -80,7 +80,7 @@ pub fn excite(
     }
 }
 
-/// What a calibration says of delay, lag, gain and transmission, of the quantities that are `taken` from it.
+/// What a calibration says of delay, lag, gain, sensor and transmission, of the quantities that are `taken` from it.
 #[must_use]
 pub fn told(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Told {
     let known = |quantity: Quantity| {
@@ -112,6 +112,7 @@ pub fn told(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Told
         lag_deviation: of_lag,
         gain: gain.map(|gain| gain.value),
         gain_deviation: gain.and_then(|gain| gain.standard_deviation),
+        sensor_noise: known(Quantity::SensorNoise).map(|noise| noise.value),
         transmission: transmission(calibration, &taken),
     }
 }

@@ -193,19 +193,22 @@ fn coupled_needs_to_be_told_and_a_calibration_is_nearly_the_truth() {
 fn in_steps_mass_and_friction_matter_little_and_time_much() {
     let judged = judged(Set::Steps, 16);
     let conditions = Set::Steps.conditions();
-    let median = |words: &str| {
+    let errors = |words: &str| {
         let place = conditions.iter().position(|one| one.to_string() == words);
         let place = place.unwrap_or_else(|| panic!("{words} is no step"));
-        summary(&judged, 0, place).unwrap().error[0]
+        summary(&judged, 0, place).unwrap().error
     };
+    let median = |words: &str| errors(words)[0];
     for condition in &conditions {
-        println!("{condition}: {:.2} %", median(&condition.to_string()));
+        println!("{condition}: {:.2?} %", errors(&condition.to_string()));
     }
     assert!(median("a perfect loop") < 1.0);
     assert!(median("friction 30 % of the user's force") < 2.0);
     assert!(median("delay .3 T, untold") > 20.0);
     assert!(median("delay .3 T, told .3 T") < 0.1 * median("delay .3 T, untold"));
     assert!(median("lag .3 ms + delay .5 T, both told") < 2.0);
+    let ninety = |words: &str| errors(words)[2];
+    assert!(ninety("sensor noise 5 um, told") < 0.8 * ninety("sensor noise 5 um, untold"));
     let mistold = median("the same, the delay told .02 T wrong");
     assert!(mistold > median("lag .3 ms + delay .5 T, both told") && mistold < 15.0);
 }

@@ -199,6 +199,7 @@ impl ActuationFlags {
             told.lag_deviation = known.lag_deviation.or(told.lag_deviation);
             told.gain = known.gain.or(told.gain);
             told.gain_deviation = known.gain_deviation.or(told.gain_deviation);
+            told.sensor_noise = known.sensor_noise.or(told.sensor_noise);
         }
         // What a flag says is so, and is told.
         if let Some(periods) = self.delay {

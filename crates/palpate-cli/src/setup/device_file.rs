@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use palpate::{Contact, LARGEST_DELAY, Mass};
 use palpate_calibrate::{Calibration, Known, Quantity};
 use palpate_files::bounded::DEVICE;
-use palpate_scene::Told;
+use palpate_scene::{Told, quantum_of};
 use palpate_study::calibrated;
 use palpate_study::text::digits;
 
@@ -110,7 +110,18 @@ impl DeviceFile {
         self.calibration.value(Quantity::SensorQuantum)
     }
 
-    /// What it says of delay, lag, gain and transmission; not what `flags` say beside it.
+    /// The quantum that a renderer is told `[m]`: that of the sensor, or of one that errs as much as this one was found to.
+    pub fn told_quantum(&self) -> Option<f64> {
+        let noise = self.calibration.value(Quantity::SensorNoise);
+        let quantum = self.sensor_quantum();
+        noise
+            .map(quantum_of)
+            .into_iter()
+            .chain(quantum)
+            .reduce(f64::max)
+    }
+
+    /// What it says of delay, lag, gain, sensor and transmission; not what `flags` say beside it.
     pub fn told(&self, flags: &ActuationFlags) -> Told {
         calibrated::told(&self.calibration, |quantity| {
             flags.beside(quantity).is_none()
@@ -130,6 +141,7 @@ impl DeviceFile {
                 }
                 Quantity::DeviceMass => flags.device_mass.map(|_| "--device-mass"),
                 Quantity::SensorQuantum => flags.encoder_quantum.map(|_| "--encoder-quantum"),
+                Quantity::SensorNoise => None,
                 // Only its deviation is.
                 Quantity::DelayPlusLag if has_delay => continue,
                 Quantity::Delay | Quantity::DelayPlusLag | Quantity::Lag | Quantity::Gain => {

@@ -36,6 +36,7 @@ fn flag_of(parameter: SceneParameter) -> Option<Cow<'static, str>> {
         | SceneParameter::Cogging
         | SceneParameter::CoggingPitch
         | SceneParameter::SensorNoise
+        | SceneParameter::ToldSensorNoise
         | SceneParameter::CommandJitter
         | SceneParameter::HandForce
         | SceneParameter::Tremor

@@ -494,8 +494,11 @@ delay_samples = 0 -> [told]\ndelay_deviation_s = -1e-5
 delay_samples = 0 -> [told]\nlag_s = nan
   26:9: told.lag_s is NaN s, but must be finite and not below 0
   nan
+delay_samples = 0 -> [told]\nsensor_noise_m = -1e-6
+  26:18: told.sensor_noise_m is -0.000001 m, but must be finite and not below 0
+  -1e-6
 delay_samples = 0 -> [told]\ndelay = 1
-  26:1: unknown key delay, did you mean delay_s? Known here: delay_s, delay_deviation_s, lag_s, lag_deviation_s, gain, gain_deviation, resonance_hz, resonance_damping_ratio, flexible_mass_fraction
+  26:1: unknown key delay, did you mean delay_s? Known here: delay_s, delay_deviation_s, lag_s, lag_deviation_s, gain, gain_deviation, sensor_noise_m, resonance_hz, resonance_damping_ratio, flexible_mass_fraction
   delay
 delay_samples = 0 -> [told]\nresonance_hz = 0\nresonance_damping_ratio = 0.1\nflexible_mass_fraction = 0.5
   26:16: told.resonance_hz is 0 Hz, but must be finite and greater than 0

@@ -72,7 +72,7 @@ fn every_key_is_written() {
             "delay_samples = 0",
             "delay_s = 0.0123\ncommand_jitter_s = 0.001\nlag_s = 3e-4\ngain = 0.97\n\n[told]\n\
              delay_s = 0.013\ndelay_deviation_s = 1e-5\nlag_s = 2e-4\nlag_deviation_s = 1e-4\n\
-             gain = 1.01\ngain_deviation = 0.02\nresonance_hz = 140\nresonance_damping_ratio = 0.03\n\
+             gain = 1.01\ngain_deviation = 0.02\nsensor_noise_m = 5e-6\nresonance_hz = 140\nresonance_damping_ratio = 0.03\n\
              flexible_mass_fraction = 0.4",
         ),
         (

@@ -169,6 +169,7 @@ fn calibrate(scene: &mut Scene, chance: &mut Chance) {
         delay_deviation: Some(deviation),
         gain: Some(scene.actuator.gain * (1.0 + gain_error)),
         gain_deviation: Some(third * GAIN_ERROR),
+        sensor_noise: truth.sensor_noise,
         ..Told::default()
     };
 }

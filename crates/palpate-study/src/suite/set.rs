@@ -195,15 +195,23 @@ impl Telling {
     }
 }
 
-/// The mean delay of a scene's commands, with the deviation of its jitter, and lag and gain as they are.
+/// The mean delay of a scene's commands, with the deviation of its jitter, how much its sensor errs, and lag and gain as they are.
 pub(super) fn truth(scene: &Scene) -> Told {
     let jitter = scene.timing.command_jitter;
     Told {
         delay: Some(scene.delay.seconds() + 0.5 * jitter),
         delay_deviation: (jitter > 0.0).then(|| jitter / 12.0_f64.sqrt()),
+        sensor_noise: true_noise(scene),
         transmission: true_transmission(scene),
         ..Told::default()
     }
+}
+
+/// The standard deviation of a sensor's error `[m]`, of noise and quantum together, where there is noise.
+pub(super) fn true_noise(scene: &Scene) -> Option<f64> {
+    let noise = scene.device.noise();
+    let of_quantum = scene.device.encoder_quantum() / 12.0_f64.sqrt();
+    (noise > 0.0).then(|| noise.hypot(of_quantum))
 }
 
 /// The transmission of a scene's device with the mass of the hand beyond it.

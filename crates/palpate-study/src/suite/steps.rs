@@ -2,7 +2,7 @@
 
 use palpate_scene::{ActuatorParams, Delay, Scene, Told, Transmission};
 
-use super::set::truth;
+use super::set::{true_noise, truth};
 
 /// What is not perfect, and what the renderer is told of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +21,8 @@ pub enum Step {
     Flexible,
     Friction,
     Noise,
+    /// The same noise, told.
+    NoiseTold,
 }
 
 /// Error of a mistold delay in periods.
@@ -30,7 +32,7 @@ const LAG: f64 = 3e-4;
 
 impl Step {
     /// Every step, in order.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Nothing,
         Self::ShortDelay,
         Self::DelayUntold,
@@ -44,6 +46,7 @@ impl Step {
         Self::Flexible,
         Self::Friction,
         Self::Noise,
+        Self::NoiseTold,
     ];
 
     /// Those that change the device, and with it the ideal.
@@ -65,7 +68,8 @@ impl Step {
             Self::Quantum => "lag .3 ms + delay .5 T told, quantum 10 um",
             Self::Flexible => "flexible 150 Hz",
             Self::Friction => "friction 30 % of the user's force",
-            Self::Noise => "sensor noise 5 um",
+            Self::Noise => "sensor noise 5 um, untold",
+            Self::NoiseTold => "sensor noise 5 um, told",
         }
     }
 
@@ -143,9 +147,12 @@ impl Step {
                     device.coulomb_friction = 0.3 * device.hand.force;
                 }
             }
-            Self::Noise => {
+            Self::Noise | Self::NoiseTold => {
                 if let Some(device) = scene.device.point_mass_mut() {
                     device.noise = 5e-6;
+                }
+                if self == Self::NoiseTold {
+                    scene.told.sensor_noise = true_noise(scene);
                 }
             }
         }
