@@ -147,7 +147,8 @@ fn what_is_told_of_delay_and_lag_takes_coupled_to_what_the_actuator_can_do() {
             delay: Some(0.0),
             lag: Some(0.0),
             ..Told::default()
-        };
+            sensor_noise: None,
+    };
         let nothing = error(&scene, MethodName::Coupled);
         println!("{name}: told the truth {truth:.2} %, nothing {nothing:.2} %");
         assert!(truth < 0.1 * nothing);
