@@ -147,8 +147,7 @@ fn what_is_told_of_delay_and_lag_takes_coupled_to_what_the_actuator_can_do() {
             delay: Some(0.0),
             lag: Some(0.0),
             ..Told::default()
-            sensor_noise: None,
-    };
+        };
         let nothing = error(&scene, MethodName::Coupled);
         println!("{name}: told the truth {truth:.2} %, nothing {nothing:.2} %");
         assert!(truth < 0.1 * nothing);
@@ -307,6 +306,7 @@ fn a_scene_of_all_of_it_reads_back_from_its_file_to_the_same_run() {
         lag_deviation: Some(2e-4),
         gain: Some(1.01),
         gain_deviation: Some(0.02),
+        sensor_noise: Some(5e-6),
         transmission: None,
     };
     scene.device.point_mass_mut().unwrap().noise = 1e-6;
