@@ -20,7 +20,7 @@ import palpate
 import pytest
 
 from conftest import Program
-from test_loop import ENDS, NONE, PATIENCE, guardians, loop, read_until, threads_here, two_diy, until, wall
+from test_loop import ENDS, NONE, PATIENCE, ends_at_zero, loop, read_until, threads_here, two_diy, until, wall
 
 FLOOR = {"name": "floor", "fixed": True, "shape": {"half_space": {"normal": [0, 0, 1], "offset_m": 0.0}}}
 
@@ -337,6 +337,9 @@ device = palpate.devices.TwoDiy(sys.argv[1], start_pose=(130, 50), origin=(0.019
 loop = palpate.Loop(device, world, priority=0, stall_after=50.0, oscillation=math.inf)
 {begin}
     while not loop.status.force[1] < -0.5:
+        if loop.status.motors_off or not loop.status.running:
+            print("lost", flush=True)
+            os._exit(0)
         loop.read(wait=60.0)
         time.sleep(0.001)
     print("presses", flush=True)
@@ -348,23 +351,4 @@ loop = palpate.Loop(device, world, priority=0, stall_after=50.0, oscillation=mat
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the emulated board needs Linux")
 @pytest.mark.parametrize("how", ENDS)
 def test_however_python_ends_the_board_holds_no_torque(how: str, program: Program, tmp_path: Path) -> None:
-    begin, then, number, code = ENDS[how]
-    with two_diy(program, tmp_path) as (port, board):
-        command = [sys.executable, "-c", RUNS.format(begin=begin, then=then), str(port)]
-        pipe = subprocess.PIPE
-        with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, text=True) as python:
-            assert python.stdin is not None and python.stdout is not None and python.stderr is not None
-            assert python.stdout.readline() == "presses\n", python.stderr.read()
-            guards = guardians(python.pid)
-            assert len(guards) == 1, "one guardian beside the loop"
-            if number is not None:
-                python.send_signal(number)
-            else:
-                python.stdin.write("go on\n")
-                python.stdin.flush()
-            done = python.wait(PATIENCE)
-            assert code is None or done == code
-            # It is there until the board is known to hold no torque.
-            until("the end of the guardian", lambda: not any(Path("/proc", guard).exists() for guard in guards))
-    assert board.largest_torque > 0.001, board.said
-    assert board.last_torques == [0.0, 0.0], board.said
+    ends_at_zero(RUNS, how, program, tmp_path)

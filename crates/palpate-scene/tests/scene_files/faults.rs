@@ -512,7 +512,7 @@ delay_samples = 0 -> [told]\nresonance_hz = 9\nresonance_damping_ratio = 0.1\nfl
 delay_samples = 0 -> [told]\nresonance_hz = 150
   26:16: a transmission is told by resonance_hz, resonance_damping_ratio and flexible_mass_fraction, all three
   150"#,
-        14,
+        15,
     );
 }
 
