@@ -20,7 +20,7 @@ import palpate
 import pytest
 
 from conftest import Program
-from test_loop import ENDS, NONE, PATIENCE, ends_at_zero, loop, read_until, threads_here, two_diy, until, wall
+from test_loop import ENDS, NONE, PATIENCE, ends_at_zero, loop, read_until, threads_here, until, wall
 
 FLOOR = {"name": "floor", "fixed": True, "shape": {"half_space": {"normal": [0, 0, 1], "offset_m": 0.0}}}
 
