@@ -32,7 +32,8 @@ pub struct Told {
     pub transmission: Option<Transmission<f64>>,
 }
 
-/// The quantum of a sensor whose rounding errs with a standard deviation of `noise` `[m]`: it errs evenly over its quantum.
+/// The quantum `[m]` of a sensor whose rounding errors have the standard deviation `noise` `[m]`. Rounding errors are spread
+/// evenly over the quantum, so the quantum is √12 times the deviation.
 #[must_use]
 pub fn quantum_of(noise: f64) -> f64 {
     12.0_f64.sqrt() * noise
@@ -128,7 +129,7 @@ impl Told {
 }
 
 impl Scene {
-    /// The quantum that a renderer is told `[m]`: that of the sensor, or of one that errs as much as it is told.
+    /// The quantum that a renderer is told `[m]`: the larger one of the sensor's own quantum and of what the told noise means.
     #[must_use]
     pub fn told_quantum(&self) -> f64 {
         let quantum = self.device.encoder_quantum();

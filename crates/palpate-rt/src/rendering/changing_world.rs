@@ -129,11 +129,14 @@ impl Worlds {
         self.generation
     }
 
-    /// Renders `world` from the next tick on, as it goes on from the last sample; `described` is what it renders. A body goes on
-    /// from where it is, as fast as it is, where place and motion at the start are described as before; else it is put there.
-    /// What goes on besides, and how it is booked, [`WorldRenderer::changed`](palpate_world::WorldRenderer::changed) says; another
-    /// method knows nothing of the device yet. The device is held as by the world before for three samples, and the difference
-    /// fades in [`CHANGE_DURATION`](crate::CHANGE_DURATION). Its number.
+    /// Renders `world` from the next tick on. `described` is the world that it renders. Returns the number of this change.
+    ///
+    /// - A body keeps its place and its velocity if `described` and the world before give the same place and motion at the
+    ///   start. Otherwise the body is put where `described` says.
+    /// - [`WorldRenderer::changed`](palpate_world::WorldRenderer::changed) says what else goes on, and how the energy is booked.
+    ///   Another method knows nothing of the device yet.
+    /// - For three samples the device gets the force of the world before. The difference to the new force then fades in
+    ///   [`CHANGE_DURATION`](crate::CHANGE_DURATION).
     ///
     /// # Errors
     /// Another period, other devices, bodies or pairs that may touch, or a device that stands elsewhere; too many at once.

@@ -49,13 +49,16 @@ impl New<'_> {
 }
 
 impl WorldRenderer {
-    /// Goes on from `before`, another renderer and its state, between two samples: from now on `state`, which this renderer has
-    /// [started](Self::start), is what that one was. `succession` is what [`succeed`](Self::succeed) has found for the two.
+    /// Puts `state` where the world of another renderer is, between two samples. This renderer has [started](Self::start) `state`;
+    /// `before` is the other renderer with its state, and `succession` is what [`succeed`](Self::succeed) found for the two
+    /// renderers. It allocates nothing.
     ///
-    /// What goes on, and how it is booked, [`changed`](Self::changed) says. Method and loop may be other ones: then the
-    /// method begins with devices that were at rest at the last sample, and a guard with the energy that is there. What is under
-    /// way to the devices stays where both are told the same of the actuators. A new joint has its point and axis where this world
-    /// says, and holds the bodies as they stand now. It allocates nothing.
+    /// - [`changed`](Self::changed) says which bodies, contacts and joints go on, and how their energy is booked.
+    /// - The method may be another one, or have other settings. It then takes the devices to be at rest where the last sample
+    ///   found them.
+    /// - The guard may be another one. It then begins with the energy that bodies, contacts and joints have now.
+    /// - Forces that are under way to the devices stay under way if period and actuators are the same in both loops.
+    /// - A new joint takes its point and axis from this world, and holds the bodies where they are now.
     pub fn go_on(
         &self,
         state: &mut WorldState,
