@@ -357,6 +357,23 @@ fn a_distance_grid_is_kept_in_its_file_and_made_anew_where_that_is_of_another_me
     let keys = "distance_grid = { spacing_m = 0.001, file = \"./parts/part.grid\" }";
     read(folder, &part_with(keys)).unwrap();
     assert!(folder.join("parts/part.grid").exists());
+    // A link would lead elsewhere, be it the file or its folder.
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::symlink;
+        symlink(outside.path(), folder.join("away")).unwrap();
+        symlink(&root, folder.join("linked.grid")).unwrap();
+        for name in ["away/part.grid", "linked.grid"] {
+            let keys = format!("distance_grid = {{ spacing_m = 0.001, file = {name:?} }}");
+            let said = read(folder, &part_with(&keys)).map(|_| ()).unwrap_err();
+            let said = said.join("; ");
+            assert!(
+                said.contains(name) && said.contains("symbolic link"),
+                "{said}"
+            );
+        }
+        assert!(!Path::new(&root).exists());
+    }
     // Where nothing can be kept, the scene is whole all the same.
     let keys = "distance_grid = { spacing_m = 0.001, file = \"nowhere/part.grid\" }";
     let file = read(folder, &part_with(keys)).unwrap();

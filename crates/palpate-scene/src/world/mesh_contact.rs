@@ -90,14 +90,27 @@ impl RawDistanceGrid {
 fn beside(folder: &Path, name: &str) -> Result<PathBuf, String> {
     let is_below = |part| matches!(part, Component::Normal(_) | Component::CurDir);
     let has_name = Path::new(name).file_name().is_some();
-    if has_name && Path::new(name).components().all(is_below) {
-        Ok(folder.join(name))
-    } else {
-        Err(format!(
+    if !(has_name && Path::new(name).components().all(is_below)) {
+        return Err(format!(
             "distance_grid.file is {name:?}: allowed is a file beside the scene's or in a folder there, by a name without '..' that \
              does not begin at the root"
-        ))
+        ));
     }
+    let mut path = folder.to_owned();
+    for part in Path::new(name).components() {
+        path.push(part);
+        if path
+            .symlink_metadata()
+            .is_ok_and(|found| found.is_symlink())
+        {
+            return Err(format!(
+                "distance_grid.file is {name:?}, but {} is a symbolic link: allowed is a file that lies beside the scene's or in a \
+                 folder there",
+                path.display()
+            ));
+        }
+    }
+    Ok(path)
 }
 
 /// What a file has.
