@@ -3,6 +3,9 @@
 mod common;
 mod recordings;
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
 use common::{Folder, taps, trace_text};
 
 const COMMANDS: [&str; 26] = [
@@ -117,46 +120,72 @@ fn with_what_examples_read(command: &str) -> Folder {
     folder
 }
 
+/// An example of a help text: the command that it belongs to, what to run, and what to give it.
+struct Example {
+    command: &'static str,
+    arguments: String,
+    input: String,
+}
+
+/// The examples in the help of a command, or of the program.
+fn examples_of(command: &'static str) -> Vec<Example> {
+    let taps = trace_text(&taps(0.001, 0.5));
+    let help = Folder::new().succeed(&format!("{command} --help"));
+    let examples = help.split("Example").last().unwrap();
+    let lines = examples.lines().filter(|line| line.contains("palpate "));
+    let examples = lines.map(|line| {
+        let example = line.split("palpate ").nth(1).unwrap();
+        // A remark stands behind a wide gap.
+        let arguments = example.split("   ").next().unwrap();
+        let arguments = arguments.split(" > ").next().unwrap();
+        // A shell would find this file.
+        let mut arguments = arguments.replace("users/*.toml", "users/wall.toml");
+        if command == "live" {
+            // Until ctrl-C, and where another test may listen.
+            arguments += " --listen 127.0.0.1:0";
+            if !arguments.contains("--duration") {
+                arguments += " --duration 0.2";
+            }
+        }
+        let input = if example.contains(" - ") {
+            taps.clone()
+        } else {
+            "0\n".into()
+        };
+        Example {
+            command,
+            arguments,
+            input,
+        }
+    });
+    examples.collect()
+}
+
 #[test]
 fn the_examples_of_the_help_are_understood() {
-    let taps = trace_text(&taps(0.001, 0.5));
-    let mut tried = 0;
     // A calibration needs a device in a loop, and a page about a device what a calibration has written.
     let not_tried = ["completions", "calibrate", "report"];
-    for command in COMMANDS
-        .iter()
-        .filter(|name| !not_tried.contains(name))
+    let commands = COMMANDS.iter().filter(|name| !not_tried.contains(name));
+    let examples: Vec<Example> = commands
         .chain([&""])
-    {
-        let help = Folder::new().succeed(&format!("{command} --help"));
-        let examples = help.split("Example").last().unwrap();
-        for line in examples.lines().filter(|line| line.contains("palpate ")) {
-            let example = line.split("palpate ").nth(1).unwrap();
-            // A remark stands behind a wide gap.
-            let arguments = example.split("   ").next().unwrap();
-            let arguments = arguments.split(" > ").next().unwrap();
-            // A shell would find this file.
-            let mut arguments = arguments.replace("users/*.toml", "users/wall.toml");
-            if *command == "live" {
-                // Until ctrl-C, and where another test may listen.
-                arguments += " --listen 127.0.0.1:0";
-                if !arguments.contains("--duration") {
-                    arguments += " --duration 0.2";
-                }
-            }
-            let arguments = &arguments;
-            let input = if example.contains(" - ") {
-                taps.clone()
-            } else {
-                "0\n".into()
-            };
-            let folder = with_what_examples_read(command);
-            let answer = folder.palpate_reading(input, arguments);
+        .flat_map(|command| examples_of(command))
+        .collect();
+    assert!(examples.len() >= 46, "{} examples", examples.len());
+    let next = AtomicUsize::new(0);
+    let try_some = || {
+        while let Some(example) = examples.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let folder = with_what_examples_read(example.command);
+            let arguments = &example.arguments;
+            let answer = folder.palpate_reading(example.input.clone(), arguments);
             assert_eq!(answer.code, 0, "palpate {arguments}: {answer:?}");
-            tried += 1;
         }
-    }
-    assert!(tried >= 46, "{tried} examples");
+    };
+    // Most of them use one processor.
+    thread::scope(|threads| {
+        for _ in 0..thread::available_parallelism().map_or(1, usize::from) {
+            threads.spawn(try_some);
+        }
+    });
 }
 
 #[test]
