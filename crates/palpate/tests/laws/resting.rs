@@ -163,6 +163,46 @@ fn what_a_hand_damps_comes_to_rest_however_light_the_object() {
     println!("worst deviation {worst:.3} of the force");
 }
 
+/// The table of docs/coupled.md.
+#[test]
+fn how_light_an_object_may_be_to_come_to_rest() {
+    let period = 0.01;
+    for delay in [0, 1] {
+        for kc in [8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0] {
+            let mut swings = Vec::new();
+            for mass in [0.1 * MASS, 0.3 * MASS] {
+                for hand in HANDS {
+                    for force in [9.81 * mass, 3.0] {
+                        for told in [0.7, 1.0, 1.5] {
+                            let stays = Stays {
+                                contact: Contact::object(kc * mass / (period * period), mass),
+                                force,
+                                hand,
+                                period,
+                                delay,
+                            };
+                            swings.push(left_after(&stays, coupled(told)).0);
+                        }
+                    }
+                }
+            }
+            swings.sort_by(f64::total_cmp);
+            let within = |part: f64| swings.iter().filter(|&&swing| swing <= part).count();
+            println!(
+                "Kc {kc}, delay {delay}: of {} {} within 1 %, {} within 5 %, median {:.4}, worst {:.4}",
+                swings.len(),
+                within(0.01),
+                within(0.05),
+                swings[swings.len() / 2],
+                swings[swings.len() - 1]
+            );
+            let rests = if kc <= 20.0 { 0.01 } else { 0.05 };
+            let few = usize::from(kc > 25.0);
+            assert!(within(rests) + few >= swings.len(), "Kc {kc}: {swings:?}");
+        }
+    }
+}
+
 #[test]
 fn a_light_block_rests_on_a_held_device() {
     // The contacts that swung for ever while the relative motion knew of no damper.
