@@ -356,8 +356,10 @@ class two_diy:
         self.end = Emulated()
 
     def __enter__(self) -> tuple[Path, Emulated]:
-        self.process = subprocess.Popen(self.command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-        until("the emulator", self.port.exists)
+        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        # Its name stands there before it answers; the emulator says when it does.
+        assert self.process.stdout is not None
+        assert self.process.stdout.readline() == f"{self.port}\n"
         return self.port, self.end
 
     def __exit__(self, *_: object) -> None:
