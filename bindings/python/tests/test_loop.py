@@ -391,8 +391,10 @@ def test_an_inverse3_behind_its_service(program: Program) -> None:
 
 
 RUNS = """
-import math, os, sys, time
+import math, os, signal, sys, time
 import palpate
+# A shell that runs the tests in the background has its programs ignore ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 device = palpate.devices.TwoDiy(sys.argv[1], start_pose=(130, 50), origin=(0.019, 0.11), normal=(0, 1))
 renderer = palpate.Renderer(stiffness=300.0, mass=math.inf, period=0.004, method="basic", soft_start=0.0)
 loop = palpate.Loop(device, renderer, priority=0, stall_after=50.0, oscillation=math.inf)
