@@ -3,6 +3,7 @@
 #[path = "../balance/mod.rs"]
 mod balance;
 mod common;
+mod distance_grid;
 mod grids;
 mod moving;
 mod refusals;

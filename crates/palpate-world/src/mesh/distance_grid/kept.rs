@@ -22,7 +22,7 @@ pub enum GridBytesError {
 }
 
 /// The first bytes of a grid.
-pub(super) const MAGIC: &[u8] = b"palpate distance grid 1\n";
+const MAGIC: &[u8] = b"palpate distance grid 1\n";
 /// Bytes before the coefficients, after the magic: nine numbers of eight bytes.
 const HEADER: usize = 9 * 8;
 
