@@ -248,6 +248,51 @@ fn a_pressed_wall_comes_to_rest() {
     }
 }
 
+/// Largest speed `[m/s]` of a device from 1.5 to 2 s after it began to press a wall, by an encoder of 10 um of which a quantum is
+/// told `[m]`.
+fn speed_on_a_wall_by_an_encoder(told: f64) -> f64 {
+    let period = 0.001;
+    let loop_params = LoopParams {
+        actuation: Actuation::after_samples(1, period),
+        speed_limit: None,
+        ..LoopParams::new(period)
+    };
+    let params = CoupledParams::new(0.2).with_encoder_quantum(told);
+    let renderer = Renderer::new(Contact::wall(10_000.0), loop_params, params).unwrap();
+    let mut state = renderer.start(ObjectState::at_rest(0.005)).unwrap();
+    let mut device = Held {
+        mass: 0.2,
+        stiffness: 30.0,
+        damping: 1.0,
+        push: 2.0,
+        position: 0.0,
+        velocity: 0.0,
+    };
+    let (mut late, mut fastest) = (0.0, 0.0_f64);
+    for tick in 0..2000 {
+        let measured = (device.position / 1e-5).round() * 1e-5;
+        let output = renderer.step(&mut state, Sample::at(measured));
+        device.hold(
+            core::mem::replace(&mut late, output.force_on_device),
+            period,
+        );
+        if tick > 1500 {
+            fastest = fastest.max(device.velocity.abs());
+        }
+    }
+    fastest
+}
+
+/// A limit, not an aim: docs/coupled.md.
+#[test]
+fn a_coarse_encoder_leaves_a_pressed_wall_in_slow_motion() {
+    for (told, most) in [(0.0, 0.004), (1e-5, 0.02)] {
+        let fastest = speed_on_a_wall_by_an_encoder(told);
+        println!("quantum told {told:e} m: up to {:.1} mm/s", 1e3 * fastest);
+        assert!(fastest < most, "{fastest} m/s with {told:e} m told");
+    }
+}
+
 #[test]
 fn the_plain_spring_does_not_come_to_rest_there() {
     let mut swings = 0;
