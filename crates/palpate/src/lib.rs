@@ -78,6 +78,7 @@ pub use parameter::{
     Allowed, Parameter, ParameterError, ParameterName, ParameterValue, Range, Unit,
 };
 pub use predict::{LONGEST_WINDOW, Prediction, PredictionMemory, PredictionName};
+pub use predict::{SensorInterval, SensorNoise};
 pub use render::*;
 pub use rendering::{CHANGE_DURATION, Change, ChangeError, Rendering, Running};
 pub use sample::{Fault, Limited, Output, Phase, Sample};

@@ -5,6 +5,7 @@ mod lateness;
 mod observer;
 mod placed;
 mod prediction;
+mod sensor_noise;
 mod steps;
 mod transmission;
 
@@ -13,5 +14,6 @@ pub(crate) use observer::{Measurement, Motion, Observer, ObserverParams};
 pub(crate) use placed::Placed;
 pub(crate) use prediction::{LONGEST_WINDOW_SETTING, PREDICTION, Predictor};
 pub use prediction::{Prediction, PredictionMemory, PredictionName};
+pub use sensor_noise::{SensorInterval, SensorNoise};
 pub use steps::LONGEST_WINDOW;
 pub(crate) use transmission::{Flexure, Sway};

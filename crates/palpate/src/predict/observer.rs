@@ -234,13 +234,14 @@ impl<S: Scalar> Observer<S> {
     /// Takes the sample at the end of an interval. Returns the device at the interval's beginning as
     /// the sample makes it look now (the one-step smoothed state, but for theta and lambda, which are
     /// the same at both ends), and what else it tells: nothing, where its numbers overflow and it
-    /// begins anew.
+    /// begins anew. `measurement_variance`: of the sample's position, not below the one that is told `[m^2]`.
     // A function of its own wherever a tick is compiled: it needs most of the registers, and a tick around it more.
     #[inline(never)]
     pub fn update(
         &mut self,
         params: &ObserverParams<S>,
         measurement: &Measurement<S>,
+        measurement_variance: S,
     ) -> (Motion<S>, Option<Update<S>>) {
         let Measurement {
             moved,
@@ -280,7 +281,7 @@ impl<S: Scalar> Observer<S> {
         ];
         // What is not known of the force that was held: a kick that is not there, or is there twice.
         let kicked = before.mobility * held.impulse_deviation * h;
-        let measurement_variance = params.measurement_variance + kicked * kicked;
+        let measurement_variance = measurement_variance + kicked * kicked;
         let unseen = measurement_variance + q * sixth * sixth;
         let mut covariance = self.covariance;
         let mut expected = covariance.expected_innovation(&transition[0], unseen);

@@ -301,7 +301,7 @@ impl<S: Scalar> Predictor<S> {
                 held_force,
             } = &mut memory.0
             {
-                observer.update(params, measurement);
+                observer.update(params, measurement, params.measurement_variance);
                 *held_force = measurement.held.mean;
             }
             return;

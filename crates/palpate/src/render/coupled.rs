@@ -13,7 +13,9 @@ use crate::actuator::Held;
 use crate::contact::{Contact, LoopParams, Mass};
 use crate::motion::{Displacement, ObjectMotion};
 use crate::parameter::{ParameterError, ParameterValue};
-use crate::predict::{Flexure, Lateness, Observer, ObserverParams, Placed, Sway};
+use crate::predict::{
+    Flexure, Lateness, Observer, ObserverParams, Placed, SensorInterval, SensorNoise, Sway,
+};
 use crate::relative_motion::Relative;
 
 /// Coupled rendering by name.
@@ -156,6 +158,7 @@ pub struct CoupledMemory<S> {
     /// Stretch of the device's transmission at the last sample.
     sway: Sway<S>,
     lateness: Lateness<S>,
+    sensor_noise: SensorNoise<S>,
     /// Part of the avatar's speed that no force is going to make up for `[m/s]`.
     given_up: S,
     /// Shift of the object by placement over the last interval `[m]`.
@@ -173,6 +176,12 @@ impl<S: Scalar> CoupledMemory<S> {
     /// By how much later than told the commands begin, as far as it has been learned `[s]`.
     pub fn lateness(&self) -> S {
         self.lateness.mean
+    }
+
+    /// Standard deviation of the position sensor's noise, its rounding included, as far as free motion has shown any `[m]`: the
+    /// estimate less its own deviation. 0 where nothing was found.
+    pub fn sensor_noise(&self) -> S {
+        self.sensor_noise.deviation()
     }
 
     /// Effective mass of the device with the hand that holds it, as far as it has been learned
@@ -273,7 +282,17 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             behind = flexure.behind(&sway);
             measurement.moved += flexure.behind(&memory.sway) - behind;
         }
-        let (smoothed, lesson) = observer.update(&self.observer, &measurement);
+        let told = self.observer.measurement_variance;
+        let interval = SensorInterval {
+            moved: ended.device_moved,
+            elapsed: ended.elapsed,
+            pushed: before.mobility * ended.held.mean * ended.elapsed * ended.elapsed,
+            expected: before.velocity * ended.elapsed,
+        };
+        // Without a force the device's mass is not learned, so there is nothing to unlearn.
+        let _ = memory.sensor_noise.take(&interval, told);
+        let variance = memory.sensor_noise.variance(told);
+        let (smoothed, lesson) = observer.update(&self.observer, &measurement, variance);
         if let Some(lesson) = lesson.as_ref().filter(|_| self.timing_deviation > S::ZERO) {
             let (held, elapsed, told) = (&ended.held, ended.elapsed, self.timing_deviation);
             let learned = memory
@@ -441,9 +460,12 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         // A loop's delay stays what it is.
         let mut lateness = memory.lateness;
         lateness.begin_anew();
+        let mut sensor_noise = memory.sensor_noise;
+        sensor_noise.interrupted();
         *memory = CoupledMemory {
             observer,
             lateness,
+            sensor_noise,
             // A wall that waited for a sample still has to go back to its place.
             avatar: if object_known {
                 memory.avatar

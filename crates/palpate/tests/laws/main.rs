@@ -20,6 +20,7 @@ mod popc;
 mod readings;
 mod resting;
 mod seh;
+mod sensor_noise;
 #[cfg(feature = "serde")]
 mod serde_forms;
 mod side_by_side;

@@ -1,0 +1,286 @@
+//! By how much a position sensor errs beyond its quantum, found while nothing is touched.
+
+use crate::Scalar;
+
+/// The white noise of a position sensor, learned from free motion.
+///
+/// White noise of variance R in the positions gives two third differences in a row, d_(k-1) and d_k, the covariance
+/// -15 R. A motion that is smooth over four samples gives them the same sign. So the mean of -d_k d_(k-1)/15 is
+/// at most R, as long as the motion is smooth over four samples. Intervals with a held force are left out, because the force
+/// bends the motion at each sample. Intervals in which the device moves by less than a few told quanta are left out, because the
+/// rounding errors then have a pattern.
+///
+/// Along one axis. Coupled rendering has one of its own; this type is public for programs that observe a device themselves.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SensorNoise<S> {
+    /// Duration of the last interval `[s]`.
+    elapsed: S,
+    /// Velocity over the last interval `[m/s]`,
+    velocity: S,
+    /// by how much it differed from the one before `[m/s]`,
+    change: S,
+    /// and that difference from the one before it `[m/s]`.
+    bend: S,
+    /// How many free intervals came in a row: at most [`BEFORE_ONE_COUNTS`].
+    in_a_row: u8,
+    /// Sum of -d_k d_(k-1) `[m^2]`,
+    sum: S,
+    /// of so many intervals.
+    count: S,
+    /// The variance that is reckoned with `[m^2]`; 0 where that is what was told.
+    found: S,
+    /// The variance that an observer has reckoned with when it began `[m^2]`; 0 where that is what was told.
+    begun_with: S,
+}
+
+/// What an interval says of the sensor.
+#[derive(Clone, Copy, Debug)]
+pub struct SensorInterval<S> {
+    /// By how much the measured position has changed `[m]`.
+    pub moved: S,
+    /// Duration of the interval `[s]`.
+    pub elapsed: S,
+    /// By how much the force that was held has moved the device `[m]`.
+    pub pushed: S,
+    /// By how much the device was expected to move `[m]`.
+    pub expected: S,
+}
+
+/// Two third differences take four intervals.
+const BEFORE_ONE_COUNTS: u8 = 4;
+/// Covariance of two third differences in a row over the variance of a position, less its sign.
+const COVARIANCE: f64 = 15.0;
+/// Standard deviation of the estimate of R from n intervals, as a part of it: this over the square root of n, for Gaussian noise
+/// (Bartlett's formula for a sample covariance, with the covariances 20, -15, 6 and -1 of third differences).
+const DEVIATION: f64 = 2.51;
+/// A variance is believed that is more than what was told times this factor: rounding errors are not quite white, and what is less
+/// matters little,
+const MUCH: f64 = 2.0;
+/// by so many of its deviations more.
+const DOUBTS: f64 = 3.0;
+/// Number of intervals that are remembered: beyond it both sums are halved, so that a noise that changes is followed.
+const REMEMBERED: f64 = 1024.0;
+/// Intervals of which one is longer than the other by more than this part are not in a row.
+const UNEVEN: f64 = 0.2;
+/// A device that moves by less than so many quanta a sample shows the pattern of its rounding, and no noise.
+const QUANTA: f64 = 4.0;
+/// Part of the sensor's deviation that a held force may move the device by, in an interval that counts as free.
+const UNSEEN: f64 = 0.1;
+/// What one interval says counts as this multiple of the mean at most: who knocks on a device kicks it once.
+const OUTLIER: f64 = 10.0;
+/// Number of intervals from which on that holds: before, what is usual is not known.
+const BEFORE_OUTLIERS: f64 = 16.0;
+/// An observer that has reckoned with less than the variance over this factor has learned the noise as a motion.
+const MISJUDGED: f64 = 4.0;
+/// Largest standard deviation that is believed `[m]`: what is more is the hand of somebody who shakes the device.
+const MOST: f64 = 2e-5;
+
+impl<S: Scalar> SensorNoise<S> {
+    /// Takes an interval that a sample ends, of a sensor that is told to have this variance `[m^2]`. Whether the sensor errs by so much
+    /// more than an observer has reckoned with so far that what the observer has learned is wrong: it should begin anew.
+    pub fn take(&mut self, interval: &SensorInterval<S>, told: S) -> bool {
+        let square = |x: S| x * x;
+        let longer = interval.elapsed.max(self.elapsed);
+        let even = (interval.elapsed - self.elapsed).abs() <= S::from_f64(UNEVEN) * longer;
+        let free = square(interval.pushed) <= S::from_f64(UNSEEN * UNSEEN) * told;
+        if !(even && free) {
+            self.in_a_row = 0;
+        }
+        self.in_a_row = (self.in_a_row + u8::from(free)).min(BEFORE_ONE_COUNTS);
+        let velocity = interval.moved / interval.elapsed;
+        let change = velocity - self.velocity;
+        let bend = change - self.change;
+        let product = -(bend * self.bend) * square(interval.elapsed);
+        (self.elapsed, self.velocity, self.change, self.bend) =
+            (interval.elapsed, velocity, change, bend);
+        let quantum = S::from_f64(12.0) * told;
+        let moves = square(interval.expected) >= S::from_f64(QUANTA * QUANTA) * quantum;
+        let counts = self.in_a_row == BEFORE_ONE_COUNTS && moves && product.is_finite();
+        counts && self.count_in(product, told)
+    }
+
+    // A call of its own: it has a root and divisions, and in contact nothing counts.
+    #[inline(never)]
+    fn count_in(&mut self, product: S, told: S) -> bool {
+        let mut product = product;
+        if self.count >= S::from_f64(BEFORE_OUTLIERS) {
+            let usual = (S::from_f64(COVARIANCE) * told).max(self.sum / self.count);
+            product = product.within(S::from_f64(OUTLIER) * usual);
+        }
+        self.sum += product;
+        self.count += S::ONE;
+        if self.count >= S::from_f64(REMEMBERED) {
+            self.sum = S::HALF * self.sum;
+            self.count = S::HALF * self.count;
+        }
+        self.found = self.beyond(told);
+        let misjudged = self.found > S::from_f64(MISJUDGED) * self.begun_with.max(told);
+        if misjudged {
+            self.begun_with = self.found;
+        }
+        misjudged
+    }
+
+    /// The estimate less one of its standard deviations, where there is more beyond doubt than `told` `[m^2]`; or 0.
+    fn beyond(&self, told: S) -> S {
+        let count = self.count.max(S::ONE);
+        let deviation = S::from_f64(DEVIATION) / count.sqrt();
+        let mean = self.sum / (S::from_f64(COVARIANCE) * count);
+        let unsure = told * (S::from_f64(MUCH) + S::from_f64(DOUBTS) * deviation);
+        if mean <= unsure || deviation >= S::ONE {
+            return S::ZERO;
+        }
+        (mean * (S::ONE - deviation)).min(S::from_f64(MOST * MOST))
+    }
+
+    /// The variance of a measured position `[m^2]`: what is `told`, or, where free motion shows beyond doubt that there is more,
+    /// the estimate less one of its standard deviations.
+    #[inline]
+    #[must_use]
+    pub fn variance(&self, told: S) -> S {
+        self.found.max(told)
+    }
+
+    /// Standard deviation of the sensor's error, as far as free motion shows any `[m]`: the estimate less its own deviation, whatever
+    /// was told; or 0.
+    #[must_use]
+    pub fn deviation(&self) -> S {
+        self.beyond(S::ZERO).sqrt()
+    }
+
+    /// Samples are missing: what comes now does not follow on what was there.
+    pub fn interrupted(&mut self) {
+        self.in_a_row = 0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PERIOD: f64 = 0.001;
+
+    /// Normal numbers of deviation 1, always the same: sums of twelve of a linear congruential generator's.
+    fn normal() -> impl FnMut() -> f64 {
+        let mut state = 1_u64;
+        move || {
+            let mut sum = -6.0;
+            for _ in 0..12 {
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1_442_695_040_888_963_407);
+                sum += (state >> 11) as f64 / (1_u64 << 53) as f64;
+            }
+            sum
+        }
+    }
+
+    /// What is found in the positions of so many samples, with a quantum that is told.
+    fn found(samples: usize, quantum: f64, mut position: impl FnMut(f64) -> f64) -> f64 {
+        let told = (quantum * quantum).max(1e-18) / 12.0;
+        let mut noise = SensorNoise::default();
+        let mut last = position(0.0);
+        for k in 1..samples {
+            let now = position(k as f64 * PERIOD);
+            let interval = SensorInterval {
+                moved: now - last,
+                elapsed: PERIOD,
+                pushed: 0.0,
+                expected: now - last,
+            };
+            noise.take(&interval, told);
+            last = now;
+        }
+        noise.variance(told).sqrt()
+    }
+
+    /// A hand that swings and trembles.
+    fn hand(t: f64) -> f64 {
+        0.05 * (6.0 * t).sin() + 0.0005 * (60.0 * t).sin()
+    }
+
+    #[test]
+    fn noise_of_a_sensor_in_a_moving_hand_is_found() {
+        for deviation in [1e-7, 1e-6, 1e-5] {
+            let mut normal = normal();
+            let found = found(1000, 0.0, |t| hand(t) + deviation * normal());
+            assert!(
+                (0.85..=1.05).contains(&(found / deviation)),
+                "{found:e} of {deviation:e}"
+            );
+        }
+    }
+
+    #[test]
+    fn few_samples_say_less_than_there_is() {
+        let mut normal = normal();
+        let deviation = 5e-6;
+        let mut position = |t| hand(t) + deviation * normal();
+        assert!(found(8, 0.0, &mut position) < 1e-9);
+        for _ in 0..50 {
+            let found = found(40, 0.0, &mut position);
+            assert!(found < 1.3 * deviation, "{found:e}");
+        }
+    }
+
+    #[test]
+    fn a_hand_alone_is_no_noise() {
+        assert!(found(3000, 0.0, hand) < 1e-9);
+        // Nor is dry friction, whose acceleration changes its sign.
+        let rubbed = |t: f64| {
+            let phase = (5.0 * t).fract();
+            let (sign, half) = if phase < 0.5 {
+                (1.0, phase)
+            } else {
+                (-1.0, phase - 0.5)
+            };
+            sign * 0.5 * half * (0.5 - half)
+        };
+        assert!(found(3000, 0.0, rubbed) < 1e-9);
+    }
+
+    #[test]
+    fn a_knock_is_no_noise() {
+        // A device that is stopped and pushed back, a quarter of a metre a second each way, five times a second.
+        let knocked = |t: f64| 0.05 * ((5.0 * t).fract() - 0.5).abs();
+        let found = found(3000, 1e-6, knocked);
+        assert!(found < 1e-6, "{found:e}");
+    }
+
+    #[test]
+    fn rounding_that_is_told_is_no_noise() {
+        let quantum = 1e-5;
+        let rounded = |position: f64| (position / quantum).round() * quantum;
+        for speed in [0.0, 0.001, 0.005, 0.006, 0.05, 0.3, 1.0] {
+            let found = found(1000, quantum, |t| {
+                rounded(speed * (t + 0.2 * t * t) + 1e-6 * (60.0 * t).sin())
+            });
+            let told = quantum / 12_f64.sqrt();
+            assert!(found < 1.01 * told, "{found:e} at {speed} m/s");
+        }
+    }
+
+    #[test]
+    fn what_a_force_moves_is_no_noise() {
+        let mut noise = SensorNoise::default();
+        let mut normal = normal();
+        for k in 0..1000 {
+            let interval = SensorInterval {
+                moved: 1e-3 + 1e-5 * normal(),
+                elapsed: PERIOD,
+                // Never four in a row without a force.
+                pushed: if k % 4 == 0 { 1e-6 } else { 0.0 },
+                expected: 1e-3,
+            };
+            noise.take(&interval, 1e-18);
+        }
+        assert_eq!(noise.variance(1e-18), 1e-18);
+    }
+
+    #[test]
+    fn no_more_is_believed_than_a_sensor_has() {
+        let mut normal = normal();
+        let found = found(1000, 0.0, |_| 0.01 * normal());
+        assert!((found - MOST).abs() < 1e-12, "{found:e}");
+    }
+}
