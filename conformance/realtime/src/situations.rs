@@ -131,10 +131,16 @@ fn every_method(watch: &mut Watch) {
 
 /// A world of `experiments/`.
 fn world_scene(name: &str) -> WorldScene {
+    with_points(name, 60)
+}
+
+/// A scene whose shells of 60 points have so many.
+fn with_points(name: &str, points: usize) -> WorldScene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../experiments")
         .join(name);
     let text = std::fs::read_to_string(path).unwrap();
+    let text = text.replace("points = 60", &format!("points = {points}"));
     WorldFile::parse(name, &text).unwrap().scene
 }
 
@@ -181,8 +187,12 @@ fn worlds(watch: &mut Watch) {
 }
 
 fn six_axes(watch: &mut Watch) {
-    for name in ["worlds/plug.toml", "worlds/box.toml"] {
-        let scene = world_scene(name);
+    for (name, points) in [
+        ("worlds/plug.toml", 60),
+        ("worlds/plug.toml", 250),
+        ("worlds/box.toml", 0),
+    ] {
+        let scene = with_points(name, points);
         let (own, actuator) = (&scene.devices[0], &scene.timing.actuator);
         for method in ["basic", "coupled"] {
             let clock = SteppedClock::new();

@@ -268,9 +268,13 @@ fn a_shell_of_points_is_made_as_it_is_asked_for() {
     for (keys, expected) in [
         (
             "shell = { points = 3 }",
-            "a shell of 3 points: it has to have 4 to 64",
+            "a shell of 3 points: it has to have 4 to 2048",
         ),
-        ("shell = { points = 65 }", "a shell of 65 points"),
+        ("shell = { points = 2049 }", "a shell of 2049 points"),
+        (
+            "shell = { points = 400 }",
+            "lie in one plane, and at most 64 may touch at a time",
+        ),
         (
             "shell = { points = -1 }",
             "expected a whole number from 0 up",

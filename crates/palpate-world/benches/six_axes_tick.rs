@@ -1,7 +1,7 @@
 //! Time per tick of a tool of six axes: `cargo bench -p palpate-world --bench six_axes_tick`.
 //!
 //! A hand presses a box onto a table, tilts it and moves it across: eight points of contact, up to four at once. Then the box is a
-//! mesh with a shell of 60 points, and the table a mesh with a grid of distances. Every
+//! mesh with a shell of 60 points, and of 250, and the table a mesh with a grid of distances. Every
 //! tick of a run is timed by itself; each time is the least of several runs, which are all the same: whatever is more is
 //! other programs.
 #![allow(clippy::print_stdout)] // a benchmark prints
@@ -31,8 +31,8 @@ fn box_on_table(friction: f64) -> World {
     world(Shape::Box { half_extents }, table, friction)
 }
 
-/// The box and the table as meshes: 60 points on a grid of 2 mm.
-fn points_on_grid(friction: f64) -> World {
+/// The box and the table as meshes: a shell of points on a grid of 2 mm.
+fn points_on_grid(points: usize, friction: f64) -> World {
     let block = |half: Vector, top: f64| {
         let corner = |number: u32| {
             let sign = |axis: u32| if number >> axis & 1 == 0 { -1.0 } else { 1.0 };
@@ -43,7 +43,7 @@ fn points_on_grid(friction: f64) -> World {
         Mesh::convex(&corners).expect("a block has a hull")
     };
     let (block, table) = (block(HALF, 0.0), block([0.1, 0.1, 0.02], -0.02));
-    let shell = PointShell::over(&block, 60).expect("60 points are not too many");
+    let shell = PointShell::over(&block, points).expect("the points are not too many");
     let grid = DistanceGrid::of(&table, 0.002).expect("the grid fits the table");
     let table = table.with_grid(grid).expect("the grid is of the table");
     let shapes = [block.with_shell(shell), table].map(|mesh| Shape::Mesh(Arc::new(mesh)));
@@ -135,8 +135,11 @@ fn main() {
         for friction in [0.0, 0.5] {
             let name = |what: &str| format!("{}, {what}friction {friction}", method.name());
             print_ticks(&name(""), &box_on_table(friction), method, Device::start);
-            let world = points_on_grid(friction);
-            print_ticks(&name("60 points, "), &world, method, Device::start);
+            for points in [60, 250] {
+                let world = points_on_grid(points, friction);
+                let what = format!("{points} points, ");
+                print_ticks(&name(&what), &world, method, Device::start);
+            }
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::blocks::Blocks;
 use crate::moving::Moving;
+use crate::nearby::MOST_NEARBY;
 use crate::pairs::Point;
 use crate::part::Part;
 use crate::rigid::Vector3;
@@ -49,8 +50,8 @@ pub struct Effort {
     pub too_fast: bool,
     /// Whether it is so fast that its computed motion would grow without bound.
     pub unstable: bool,
-    /// Triangles of meshes and contacts with them that a sub-step had no room for, at most: the furthest from a tool, or
-    /// the least deep.
+    /// Triangles of meshes, contacts with them, and points of shells that a sub-step had no room for, at most: the furthest from what
+    /// they might touch, or the least deep.
     pub left_out: u32,
 }
 
@@ -81,6 +82,7 @@ pub(crate) fn advance(
     h: f64,
 ) -> Effort {
     let mut effort = Effort::default();
+    moving.gather(points, h);
     let asked = fastest(moving, points, h) * h / sub_steps.phase;
     let count = if asked <= f64::from(sub_steps.least) {
         sub_steps.least
@@ -93,7 +95,7 @@ pub(crate) fn advance(
     effort.unstable = asked * sub_steps.phase > MOST_PHASE * f64::from(count);
     let step = h / f64::from(count);
     for _ in 0..count {
-        before.copy_from(moving);
+        before.copy_nearby_from(moving);
         moving.sub_step(points, step);
         effort.sub_steps += 1;
         if !moving.changed_from(before) {
@@ -104,7 +106,7 @@ pub(crate) fn advance(
             continue;
         }
         effort.refined += 1;
-        moving.copy_from(before);
+        moving.copy_nearby_from(before);
         let finer = step / f64::from(sub_steps.finer);
         for _ in 0..sub_steps.finer {
             moving.sub_step(points, finer);
@@ -195,14 +197,14 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> f64 {
         most_square = most_square.max(square);
         most_damping = most_damping.max(damping);
     }
-    let mut near = 0_u64;
-    for (number, point) in points.iter().enumerate() {
-        if is_near(number, point) {
-            near |= 1 << number;
-        }
+    let mut near = [false; MOST_NEARBY];
+    for (near, &number) in near.iter_mut().zip(moving.nearby.numbers()) {
+        *near = is_near(number, &points[number]);
     }
-    // MOST_POINTS is the number of bits.
-    let nearby = || (0..points.len()).filter(|number| near >> number & 1 == 1);
+    let nearby = || {
+        let each = moving.nearby.numbers().iter().zip(&near);
+        each.filter(|(_, near)| **near).map(|(&number, _)| number)
+    };
     for number in nearby() {
         let point = &points[number];
         let (mut square, mut damping) = (0.0, 0.0);

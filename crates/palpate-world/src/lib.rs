@@ -24,6 +24,7 @@ mod link;
 mod mesh;
 mod method;
 mod moving;
+mod nearby;
 mod observer;
 mod pairs;
 mod params;
@@ -56,7 +57,7 @@ pub use mesh::{
 };
 pub use method::{BasicParams, CoupledParams, GodObjectParams, VirtualCouplingParams, WorldMethod};
 pub use observer::Prior;
-pub use pairs::{MOST_POINTS, Side};
+pub use pairs::{MOST_POINTS, MOST_SHELL_POINTS, Side};
 pub use params::WorldLoop;
 pub use renderer::WorldRenderer;
 pub use sample::{Limited, Output, Sample, WorldFault};

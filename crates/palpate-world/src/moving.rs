@@ -4,6 +4,7 @@ use crate::blocks::Blocks;
 use crate::law::{Mode, carried};
 use crate::link::Link;
 use crate::mesh::Surface;
+use crate::nearby::Nearby;
 use crate::pairs::Point;
 use crate::part::{Part, Twist};
 use crate::rigid::Vector3;
@@ -155,6 +156,8 @@ pub(crate) struct Moving {
     /// How many tools there are.
     pub tools: usize,
     pub touches: Vec<Touch>,
+    /// The points that are looked at. No other one touches.
+    pub nearby: Nearby,
     /// The meshes that spheres touch.
     pub surfaces: Vec<Surface>,
     /// The pairs of boxes, hulls and capsules.
@@ -168,6 +171,21 @@ impl Moving {
     pub fn copy_from(&mut self, other: &Self) {
         self.parts.copy_from_slice(&other.parts);
         self.touches.copy_from_slice(&other.touches);
+        self.nearby.copy_from(&other.nearby);
+        self.copy_between(other);
+    }
+
+    /// The same where both look at the same points.
+    pub fn copy_nearby_from(&mut self, other: &Self) {
+        self.parts.copy_from_slice(&other.parts);
+        self.nearby.copy_from(&other.nearby);
+        for &number in other.nearby.numbers() {
+            self.touches[number] = other.touches[number];
+        }
+        self.copy_between(other);
+    }
+
+    fn copy_between(&mut self, other: &Self) {
         for (surface, other) in self.surfaces.iter_mut().zip(&other.surfaces) {
             surface.copy_from(other);
         }
@@ -212,18 +230,31 @@ impl Moving {
         }
     }
 
-    /// Largest number of triangles or contacts that the meshes have left out at a time since this was last asked.
+    /// Largest number of triangles or contacts of the meshes, or of points of contact, that were left out at a time since this was
+    /// last asked.
     pub fn take_left_out(&mut self) -> u32 {
         let each = self.surfaces.iter_mut().map(Surface::take_left_out);
-        each.max().unwrap_or(0)
+        each.fold(self.nearby.take_left_out(), u32::max)
+    }
+
+    /// Looks at all points that touch, after a change from outside.
+    pub fn recollect(&mut self) {
+        let touches = |number: usize| !self.touches[number].is_apart();
+        self.nearby.recollect(touches);
+    }
+
+    /// Looks for the points that touch, or may within `h` `[s]`.
+    pub fn gather(&mut self, points: &[Point], h: f64) {
+        let touches = |number: usize| !self.touches[number].is_apart();
+        self.nearby.gather(&self.parts, points, touches, h);
     }
 
     /// Whether a contact's mode is another than in `other`, or two boxes touch by another face.
     pub fn changed_from(&self, other: &Self) -> bool {
-        let mut modes = self.touches.iter().zip(&other.touches);
+        let mut modes = self.nearby.numbers().iter();
         let mut blocks = self.blocks.iter().zip(&other.blocks);
         let mut links = self.links.iter().zip(&other.links);
-        modes.any(|(one, other)| one.mode != other.mode)
+        modes.any(|&number| self.touches[number].mode != other.touches[number].mode)
             || blocks.any(|(one, other)| one.changed_from(other))
             || links.any(|(one, other)| one.changed_from(other))
     }
@@ -239,6 +270,7 @@ impl Moving {
         for part in &mut self.parts {
             part.settle();
         }
+        self.gather(points, 0.0);
         self.meet(points, 0.0);
         self.measure(points);
     }
@@ -250,7 +282,8 @@ impl Moving {
         for part in self.moving_parts() {
             part.first_push(half);
         }
-        for (touch, point) in self.touches.iter_mut().zip(points) {
+        for &number in self.nearby.numbers() {
+            let (touch, point) = (&mut self.touches[number], &points[number]);
             if touch.is_apart() {
                 continue;
             }
@@ -269,7 +302,8 @@ impl Moving {
         for part in self.moving_parts() {
             part.second_push(half);
         }
-        for (touch, point) in self.touches.iter_mut().zip(points) {
+        for &number in self.nearby.numbers() {
+            let (touch, point) = (&mut self.touches[number], &points[number]);
             if touch.is_apart() {
                 continue;
             }
@@ -303,7 +337,8 @@ impl Moving {
             let [first, second] = blocks.parts.map(|number| &self.parts[number].rigid);
             blocks.look(first, second, &mut self.touches, points);
         }
-        for (touch, point) in self.touches.iter_mut().zip(points) {
+        for &number in self.nearby.numbers() {
+            let (touch, point) = (&mut self.touches[number], &points[number]);
             let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
             if point.is_held {
                 if !touch.is_apart() {
@@ -376,7 +411,8 @@ impl Moving {
 
     /// What the contacts' damping takes from where everything is now.
     fn measure(&mut self, points: &[Point]) {
-        for (touch, point) in self.touches.iter_mut().zip(points) {
+        for &number in self.nearby.numbers() {
+            let (touch, point) = (&mut self.touches[number], &points[number]);
             if !touch.is_apart() {
                 let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
                 let relative = touch.relative;

@@ -7,12 +7,17 @@ use crate::convex::NoHull;
 use crate::hull::Corners;
 use crate::law::PointLaw;
 use crate::mesh::{POINTS_PER_MESH, Surface};
+use crate::nearby::{Nearby, Patch};
 use crate::rigid::{Mobility, Rigid, Vector3};
 use crate::solid::Solid;
 use crate::{Mesh, Motion, Place, PointShell, Shape, World, WorldError};
 
-/// Most points of contact that a world may have: a tick looks at all of them in every sub-step.
+/// Most points of contact that a world may have, those of [large](PointShell::MOST_ALWAYS) shells apart: a tick looks at all of them
+/// in every sub-step. Of the points of large shells it looks at as many again, those that are near.
 pub const MOST_POINTS: usize = 64;
+
+/// Most points of contact of large shells that a world may have: a tick looks at all of them a few times.
+pub const MOST_SHELL_POINTS: usize = 4096;
 
 /// One side of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -107,6 +112,8 @@ impl Candidate<'_> {
 /// Where the tools and bodies of a world can touch.
 pub(crate) struct Contacts {
     pub points: Vec<Point>,
+    /// Which of them are looked at always.
+    pub nearby: Nearby,
     /// The meshes that spheres touch.
     pub surfaces: Vec<Surface>,
     /// The pairs of boxes, hulls and capsules.
@@ -132,6 +139,7 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
     let parts: Vec<_> = tools.chain(bodies).collect();
     let (mut points, mut faults) = (Vec::new(), Vec::new());
     let (mut surfaces, mut blocks) = (Vec::new(), Vec::new());
+    let (mut patches, mut in_patches) = (Vec::new(), 0);
     for (i, one) in parts.iter().enumerate() {
         for (j, other) in parts.iter().enumerate().skip(i + 1) {
             if (one.is_tool && other.is_tool) || !(one.moves() || other.moves()) {
@@ -189,6 +197,11 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
             });
             match found {
                 Some((first, second, Ok((spheres, solid)))) => {
+                    if spheres.len() > PointShell::MOST_ALWAYS {
+                        let numbered = (points.len()..).zip(spheres.iter().map(|sphere| sphere.centre));
+                        patches.extend(Patch::of(numbered.collect()));
+                        in_patches += spheres.len();
+                    }
                     let each = spheres.iter();
                     points.extend(each.map(|sphere| sphere.on(first, second, solid.clone(), law)));
                 }
@@ -213,18 +226,17 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
             }
         }
     }
-    if points.len() > MOST_POINTS {
-        faults.push(WorldError::new(
-            Place::World,
-            "contacts",
-            "the world",
-            format!(
-                "there are {} points at which its tools and bodies may touch, and at most {MOST_POINTS} are \
-                 allowed; give laws to fewer pairs",
-                points.len()
-            ),
-        ));
-    }
+    let mut at_most = |count: usize, which: &str, most: usize| {
+        if count > most {
+            let why = format!(
+                "there are {count} points{which} at which its tools and bodies may touch, and at most {most} are allowed; \
+                 give laws to fewer pairs"
+            );
+            faults.push(WorldError::new(Place::World, "contacts", "the world", why));
+        }
+    };
+    at_most(points.len() - in_patches, "", MOST_POINTS);
+    at_most(in_patches, " of large shells", MOST_SHELL_POINTS);
     for point in &mut points {
         let far = point.centre.norm() + point.radius;
         let of_solid = point.solid.reach();
@@ -246,6 +258,7 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
     }
     if faults.is_empty() {
         Ok(Contacts {
+            nearby: Nearby::new(points.len(), patches),
             points,
             surfaces,
             blocks,

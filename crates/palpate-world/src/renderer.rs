@@ -11,6 +11,7 @@ use crate::link::{Link, links_of};
 use crate::mesh::Surface;
 use crate::method::{Checked, Memory, WorldMethod};
 use crate::moving::{Moving, Touch};
+use crate::nearby::Nearby;
 use crate::pairs::{Point, Side, points};
 use crate::part::{Drive, Part};
 use crate::rigid::{Mobility, Rigid, Vector3};
@@ -27,6 +28,7 @@ use crate::{
 pub struct WorldRenderer {
     pub(crate) in_loop: WorldLoop,
     pub(crate) points: Vec<Point>,
+    pub(crate) nearby: Nearby,
     pub(crate) tools: usize,
     /// What it was made of.
     pub(crate) world: World,
@@ -98,6 +100,7 @@ impl WorldRenderer {
         Ok(Self {
             in_loop,
             points: found.points,
+            nearby: found.nearby,
             tools,
             world: world.clone(),
             described,
@@ -125,6 +128,7 @@ impl WorldRenderer {
             parts: self.parts.clone(),
             tools: self.tools,
             touches: vec![Touch::apart(); self.points.len()],
+            nearby: self.nearby.clone(),
             surfaces: self.surfaces.clone(),
             blocks: self.blocks.clone(),
             links: self.links.clone(),

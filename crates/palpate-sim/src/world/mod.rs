@@ -68,6 +68,8 @@ pub struct WorldRun {
     pub guarded: usize,
     /// Intervals in which a contact changed its mode more often than the tick could follow at its finest.
     pub coarse: usize,
+    /// Samples at which more of what may touch was near than the renderer has room for.
+    pub crowded: usize,
 }
 
 /// Why a world cannot be run.
@@ -210,6 +212,7 @@ impl WorldBench {
             limited: 0,
             guarded: 0,
             coarse: 0,
+            crowded: 0,
         };
         let end = grid.edge(grid.intervals());
         let period = self.params.period;
@@ -232,6 +235,7 @@ impl WorldBench {
             run.limited += usize::from(output.limited.any());
             run.guarded += usize::from(output.limited.guard);
             run.coarse += usize::from(output.effort.unrefined > 0);
+            run.crowded += usize::from(output.effort.left_out > 0);
             run.commanded.push(output.forces.to_vec());
             run.commanded_torques.push(output.torques.to_vec());
             plant.hold_wrenches(output.forces, output.torques);

@@ -77,6 +77,9 @@ pub struct WorldMethodReport {
     pub guarded_samples: usize,
     /// Samples at which contacts changed their mode more often than the renderer follows at its finest.
     pub coarse_samples: usize,
+    /// Samples at which more triangles, or points of a shell, were near what they may touch than the renderer has room for: it left
+    /// out the furthest.
+    pub crowded_samples: usize,
 }
 
 /// How the force on one device was rendered.
@@ -199,6 +202,7 @@ fn of_run(run: &WorldRun, of_devices: &[(&str, f64)]) -> WorldMethodReport {
         limited_samples: run.limited,
         guarded_samples: run.guarded,
         coarse_samples: run.coarse,
+        crowded_samples: run.crowded,
     }
 }
 

@@ -166,6 +166,14 @@ impl WorldReport {
                     counted(method.coarse_samples, "sample")
                 ));
             }
+            if method.crowded_samples > 0 {
+                remarks.push(format!(
+                    "{}: at {} more triangles, or points of a shell, were near than the renderer has room for; it left out the \
+                     furthest.",
+                    method.method,
+                    counted(method.crowded_samples, "sample")
+                ));
+            }
         }
         remarks
     }

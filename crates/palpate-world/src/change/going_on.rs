@@ -174,6 +174,7 @@ impl WorldRenderer {
     pub(super) fn settle(&self, state: &mut Progress, new: &New<'_>) {
         let Progress { now, room, .. } = state;
         now.begin();
+        now.recollect();
         room.copy_from(now);
         room.look(&self.points);
         for (part, seen) in now.parts.iter_mut().zip(&room.parts) {
@@ -199,6 +200,7 @@ impl WorldRenderer {
                 }
             }
         }
+        now.recollect();
         for (touch, point) in now.touches.iter().zip(&self.points) {
             if !touch.is_apart() {
                 now.parts[point.first].load(&touch.force, &touch.place);

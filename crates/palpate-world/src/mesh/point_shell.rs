@@ -29,8 +29,19 @@ pub struct PointShell {
 #[non_exhaustive]
 pub enum InvalidShell {
     /// Too few points, or too many.
-    #[error("a shell of {0} points: it has to have 4 to {most}, as many points of contact as a world may have", most = PointShell::MOST_POINTS)]
+    #[error("a shell of {0} points: it has to have 4 to {most}", most = PointShell::MOST_POINTS)]
     Points(usize),
+    /// More points in a plane than may touch at a time.
+    #[error(
+        "of {points} points of the shell {in_plane} lie in one plane, and at most {most} may touch at a time: ask for fewer \
+         points", most = PointShell::MOST_ALWAYS
+    )]
+    Flat {
+        /// How many points there are.
+        points: usize,
+        /// How many of them lie in the plane of one triangle.
+        in_plane: usize,
+    },
     /// A share that none has.
     #[error(
         "the law is shared by {shared_by} points, and has to be by 1 to {points}, all that there are"
@@ -45,13 +56,17 @@ pub enum InvalidShell {
 
 impl PointShell {
     /// Most points of a shell.
-    pub const MOST_POINTS: usize = MOST_POINTS;
+    pub const MOST_POINTS: usize = 2048;
+
+    /// A shell of more points is a large one. A tick looks at all points of other shells in every sub-step; of large ones at those
+    /// that touch or may touch within a period, so many at most.
+    pub const MOST_ALWAYS: usize = MOST_POINTS;
 
     /// So many `points`, 4 or more, spread over a mesh. All corners of its convex hull are among them; where that has more,
     /// half of the points are vertices. The others are wherever the gap between points is widest.
     ///
     /// # Errors
-    /// Another number of points than may be.
+    /// Another number of points than may be, or more of them in a plane than [may touch](Self::MOST_ALWAYS) at a time.
     pub fn over(mesh: &Mesh, points: usize) -> Result<Self, InvalidShell> {
         if !(4..=Self::MOST_POINTS).contains(&points) {
             return Err(InvalidShell::Points(points));
@@ -70,6 +85,12 @@ impl PointShell {
         spread(&mut places, &all, points, &middle);
         let widest = bound_of_gaps(mesh, &places);
         let shared_by = most_in_a_plane(mesh, &places, IN_PLANE * size);
+        if shared_by > Self::MOST_ALWAYS {
+            return Err(InvalidShell::Flat {
+                points: places.len(),
+                in_plane: shared_by,
+            });
+        }
         Ok(Self {
             places,
             shared_by,
@@ -390,8 +411,8 @@ mod tests {
             InvalidShell::Points(3)
         );
         assert_eq!(
-            PointShell::over(&mesh, 65).unwrap_err(),
-            InvalidShell::Points(65)
+            PointShell::over(&mesh, 2049).unwrap_err(),
+            InvalidShell::Points(2049)
         );
         let shell = PointShell::over(&mesh, 8).unwrap();
         assert!(shell.clone().shared_by(0).is_err());

@@ -124,32 +124,47 @@ fn a_shell_of_corners_is_a_box_and_the_grid_of_a_slab_a_floor() {
     }
 }
 
-/// An angle that tumbles in a slot meets flat sides, hollow edges and sharp ones; nothing takes energy, and none comes.
+/// An angle that tumbles in a slot meets flat sides, hollow edges and sharp ones; nothing takes energy, and none comes. Of a large
+/// shell, what is not near is not looked at.
 #[test]
 fn what_tumbles_in_a_slot_keeps_its_energy() {
-    let slot = fixed("slot", with_grid(slotted(), 1e-3)).turned(upright());
-    let points = with_shell(angle(), 48);
-    let mut falls = Body::new("falls", Shape::Mesh(Arc::new(points)), Motion::Free(free()));
-    falls = falls.balanced().at([0.003, 0.0, 0.050]);
-    let world = world(0.006, vec![slot, falls], ContactLaw::spring(60_000.0));
-    let method = CoupledParams::new(vec![[0.1; 3]]);
-    let renderer = WorldRenderer::new(&world, WorldLoop::new(0.001), method).unwrap();
-    let mut state = renderer.start();
-    let start = energy(&state);
-    let (mut worst, mut touched, mut kinetic) = (0.0_f64, 0, 0.0_f64);
-    for _ in 0..400 {
-        let output = renderer.step(&mut state, &Sample::at(&[[0.0, 0.0, 0.5]]));
-        assert_eq!((output.fault, output.effort.left_out), (None, 0));
-        worst = worst.max((energy(&state) - start).abs());
-        kinetic = kinetic.max(state.books().bodies[1].kinetic);
-        touched += u32::from(state.books().contacts.iter().any(|book| book.stored > 0.0));
+    for points in [48, 300] {
+        let slot = fixed("slot", with_grid(slotted(), 1e-3)).turned(upright());
+        let mesh = with_shell(angle(), points);
+        let mut falls = Body::new("falls", Shape::Mesh(Arc::new(mesh)), Motion::Free(free()));
+        falls = falls.balanced().at([0.003, 0.0, 0.050]);
+        let world = world(0.006, vec![slot, falls], ContactLaw::spring(60_000.0));
+        let method = CoupledParams::new(vec![[0.1; 3]]);
+        let renderer = WorldRenderer::new(&world, WorldLoop::new(0.001), method).unwrap();
+        let mut state = renderer.start();
+        let start = energy(&state);
+        let (mut worst, mut touched, mut kinetic) = (0.0_f64, 0, 0.0_f64);
+        for _ in 0..400 {
+            let output = renderer.step(&mut state, &Sample::at(&[[0.0, 0.0, 0.5]]));
+            assert_eq!((output.fault, output.effort.left_out), (None, 0));
+            worst = worst.max((energy(&state) - start).abs());
+            kinetic = kinetic.max(state.books().bodies[1].kinetic);
+            touched += u32::from(state.books().contacts.iter().any(|book| book.stored > 0.0));
+        }
+        println!(
+            "an angle of {points} points in a slot by its grid: {touched} of 400 samples touch, energy is off by {worst:.1e} \
+             of {kinetic:.3} J"
+        );
+        assert!(touched > 50 && kinetic > 0.01, "{touched} {kinetic}");
+        assert!(worst < 2e-3 * kinetic, "{worst} {kinetic}");
     }
-    println!(
-        "an angle of 48 points in a slot by its grid: {touched} of 400 samples touch, energy is off by {worst:.1e} of \
-         {kinetic:.3} J"
+}
+
+/// Says how many points lie in one plane, where more do than may touch at a time.
+#[test]
+fn a_shell_with_too_many_points_in_a_plane_is_refused() {
+    let refused = PointShell::over(&block(HALF, 3), 600)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        refused.contains("of 600 points of the shell") && refused.contains("at most 64"),
+        "{refused}"
     );
-    assert!(touched > 50 && kinetic > 0.01, "{touched} {kinetic}");
-    assert!(worst < 2e-3 * kinetic, "{worst} {kinetic}");
 }
 
 /// The slot opens upwards.
