@@ -14,11 +14,13 @@
 use nalgebra::{Matrix3, Quaternion, SMatrix, SVector};
 
 use crate::Prior;
+use crate::observer::{EXPLAINED, SURPRISE};
 use crate::rigid::{Rotation, Vector3};
 
 /// What is estimated: phi, L, alpha, sigma, lambda.
 const STATES: usize = 11;
 /// Where sigma and lambda stand.
+const MOMENTUM: usize = 3;
 const SIGMA: usize = 9;
 const LAMBDA: usize = 10;
 type Column = SVector<f64, STATES>;
@@ -266,34 +268,48 @@ impl TurningObserver {
         let before = self.motion;
         let (end, _) = before.under(&from.moments, torque, h);
         let transition = before.transition(&from.moments, torque, h);
-        // Covariance of the state at the end with that at the start.
-        let cross = transition * self.covariance;
-        let mut covariance = cross * transition.transpose();
-        for axis in 0..3 {
-            let own = end.orientation * Vector3::ith(axis, from.prior.angular_jerk);
-            let moment = from.moments[axis];
-            let mut jerk = Column::zeros();
-            jerk.fixed_rows_mut::<3>(0)
-                .copy_from(&(own * (h * h * h / 6.0)));
-            jerk.fixed_rows_mut::<3>(3)
-                .copy_from(&(own * (moment * h * h / 2.0)));
-            jerk.fixed_rows_mut::<3>(6).copy_from(&(own * (moment * h)));
-            covariance += jerk * jerk.transpose();
-        }
-        let mut variance: Matrix3<f64> = covariance.fixed_view::<3, 3>(0, 0).into();
+        let innovation = (measured * end.orientation.inverse()).scaled_axis();
         let kick = turning(
             &end.orientation,
             &(torque.impulse_deviation * (before.mobility * h)),
             &from.moments,
         );
-        for axis in 0..3 {
-            variance[(axis, axis)] += from.measurement_variance + kick[axis] * kick[axis];
+        let expects = |at_start: &Covariance| {
+            // Covariance of the state at the end with that at the start.
+            let cross = transition * at_start;
+            let mut covariance = cross * transition.transpose();
+            for axis in 0..3 {
+                let own = end.orientation * Vector3::ith(axis, from.prior.angular_jerk);
+                let moment = from.moments[axis];
+                let mut jerk = Column::zeros();
+                jerk.fixed_rows_mut::<3>(0)
+                    .copy_from(&(own * (h * h * h / 6.0)));
+                jerk.fixed_rows_mut::<3>(3)
+                    .copy_from(&(own * (moment * h * h / 2.0)));
+                jerk.fixed_rows_mut::<3>(6).copy_from(&(own * (moment * h)));
+                covariance += jerk * jerk.transpose();
+            }
+            let mut variance: Matrix3<f64> = covariance.fixed_view::<3, 3>(0, 0).into();
+            for axis in 0..3 {
+                variance[(axis, axis)] += from.measurement_variance + kick[axis] * kick[axis];
+            }
+            (cross, covariance, variance.try_inverse())
+        };
+        let (mut cross, mut covariance, mut inverse) = expects(&self.covariance);
+        if inverse.is_some_and(|inverse| innovation.dot(&(inverse * innovation)) > SURPRISE) {
+            // A kick at the start of the interval, as along an axis: the angular velocity becomes that of the last step.
+            let rate = innovation.norm_squared() / (EXPLAINED * h * h);
+            let axes = before.orientation.to_rotation_matrix().into_inner();
+            let inertia = axes * Matrix3::from_diagonal(&from.moments) * axes.transpose();
+            let mut at_start = self.covariance;
+            let mut momentum = at_start.fixed_view_mut::<3, 3>(MOMENTUM, MOMENTUM);
+            momentum += inertia * inertia * rate;
+            (cross, covariance, inverse) = expects(&at_start);
         }
-        let Some(inverse) = variance.try_inverse() else {
+        let Some(inverse) = inverse else {
             *self = Self::new(from, *measured);
             return self.motion;
         };
-        let innovation = (measured * end.orientation.inverse()).scaled_axis();
         let weighed = inverse * innovation;
         let seen: SMatrix<f64, STATES, 3> = covariance.fixed_columns::<3>(0).into();
         let update = seen * weighed;

@@ -61,6 +61,8 @@ pub struct WorldMemory {
     is_begun: bool,
     /// Whether a force has been limited.
     is_limited: bool,
+    /// Whether an avatar was as far from its device as it may be.
+    is_far: bool,
     /// Whether the last line of the output has been written.
     is_ended: bool,
     /// The line of the output that is being made.
@@ -132,6 +134,12 @@ impl WorldStream {
             self.tell(format_args!(
                 "line {number}: a contact asks for more than the limit of {limit}; further limited \
                  forces are counted, and the summary has their number"
+            ));
+        }
+        if limited.offset && !self.memory.is_far {
+            self.memory.is_far = true;
+            self.tell(format_args!(
+                "line {number}: the contacts meet a tool as far from its device as they may, 10 mm or 0.3 rad; it comes back by itself"
             ));
         }
         if fault.is_none() && !self.memory.is_begun {

@@ -305,11 +305,16 @@ impl Coupled {
             // What was owed to the device may still be on its way.
             let is_expected =
                 state.commands.is_expected(tool) || state.torque_commands.is_expected(tool);
-            if !touched && !is_expected {
-                let external = start.of(|axis| axis.external);
-                let back = self.walk_back(device, elapsed);
-                let book = &mut state.books.devices[tool];
-                book.walked_back += start.weighted(|axis| external[axis] * back[axis]);
+            let is_free = !touched && !is_expected;
+            let external = start.of(|axis| axis.external);
+            let back = if is_free {
+                self.walk_back(device, elapsed)
+            } else {
+                self.walk_back_in_contact(device, elapsed)
+            };
+            let book = &mut state.books.devices[tool];
+            book.walked_back += start.weighted(|axis| external[axis] * back[axis]);
+            if is_free {
                 if let Some((turning, _)) = &mut device.turning {
                     let kept = 1.0 - (elapsed / self.velocity_return).min(1.0);
                     let torque = turning.now().external / turning.now().mobility;
@@ -344,6 +349,22 @@ impl Coupled {
         };
         *offset += back;
         *velocity_offset *= 1.0 - (elapsed / self.velocity_return).min(1.0);
+        back
+    }
+
+    /// In contact the avatar keeps its offset, since to go back while a force changes costs energy. What is beyond
+    /// [`KEPT_IN_CONTACT`] comes from lost samples or a wrong one: else a wall would stand off its place by it for as long as
+    /// it is pressed. That goes back within [`BACK_IN_CONTACT`] or so, no faster than in free motion. Returns the change of the offset.
+    fn walk_back_in_contact(&self, device: &mut Device, elapsed: f64) -> Vector3 {
+        let offset = &mut device.avatar.offset;
+        let norm = offset.norm();
+        let beyond = norm - KEPT_IN_CONTACT * self.offset_limit;
+        if beyond <= 0.0 {
+            return Vector3::zeros();
+        }
+        let most = (beyond / BACK_IN_CONTACT).min(self.offset_return) * elapsed;
+        let back = *offset * (-most / norm);
+        *offset += back;
         back
     }
 
@@ -447,6 +468,11 @@ impl Coupled {
         effort
     }
 }
+
+/// Part of the offset's limit that a tool in contact keeps.
+const KEPT_IN_CONTACT: f64 = 0.05;
+/// Time in which the rest of it goes back in contact `[s]`.
+const BACK_IN_CONTACT: f64 = 1.0;
 
 /// Forces below this are none, where nothing touches a tool `[N]`.
 pub(crate) const LEAST_FORCE: f64 = 1e-6;
