@@ -48,7 +48,7 @@ fn a_world_is_run_recorded_and_read_back() {
     let path = folder.path("ball.mcap");
     let mut in_hand = 0;
     for entry in Recording::open(&path).unwrap().entries().unwrap() {
-        let Entry::Tick(tick, contacts, bodies) = entry.unwrap() else {
+        let Entry::Tick(tick, contacts, bodies, _) = entry.unwrap() else {
             continue;
         };
         assert_eq!(tick.contacts as usize, contacts.len());
@@ -231,7 +231,7 @@ fn a_block_is_pushed(folder: &Folder) -> (serde_json::Value, Vec<(f64, f64)>, f6
     let recording = Recording::open(&folder.path("block.mcap")).unwrap();
     let (mut pushed, mut led) = (Vec::new(), None);
     for entry in recording.entries().unwrap() {
-        if let Entry::Tick(tick, _, bodies) = entry.unwrap() {
+        if let Entry::Tick(tick, _, bodies, _) = entry.unwrap() {
             assert!(tick.device_axes[2].is_nan());
             led.get_or_insert(tick.device_axes[1] - 0.1169);
             pushed.push((bodies[0].position[1], tick.commanded_force[1]));
@@ -297,7 +297,7 @@ fn a_device_of_six_axes_is_run_and_its_turns_and_torques_are_recorded() {
         .entries()
         .unwrap()
     {
-        let Entry::Tick(tick, _, bodies) = entry.unwrap() else {
+        let Entry::Tick(tick, _, bodies, _) = entry.unwrap() else {
             continue;
         };
         let length = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();

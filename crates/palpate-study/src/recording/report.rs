@@ -109,7 +109,7 @@ impl RecordingReport {
         for entry in entries {
             match entry? {
                 Entry::Event(event) => *events.entry(event.kind).or_insert(0) += 1,
-                Entry::Tick(tick, _, _) => {
+                Entry::Tick(tick, ..) => {
                     raise(&mut lateness, tick.lateness);
                     raise(&mut period, tick.period);
                     raise(&mut tick_duration, tick.tick_duration);
