@@ -109,7 +109,7 @@ pub fn faults_of_each(watch: &mut Watch) {
 pub fn anything_of_two(watch: &mut Watch) {
     let scene = world_scene("worlds/pinch.toml");
     let (mut tripped, mut on) = (0, 0);
-    for seed in 0..100 {
+    for seed in 0..200 {
         let mut random = fastrand::Rng::with_seed(seed);
         let limits = SafetyParams {
             largest_force: 10_f64.powf(3.0 * random.f64() - 1.0),

@@ -367,9 +367,24 @@ mod tests {
         // There is room again, and now the ring begins anew within a tick.
         tap.tick(&tick(5), &contacts(3));
         assert_eq!(told(&mut listener), [(5, vec![0.0, 1.0, 2.0])]);
+        // Each of several devices takes its room too, and comes with its tick.
+        let device = DeviceTick {
+            devices: 2,
+            ..DeviceTick::default()
+        };
+        tap.tick_with_devices(&tick(8), &contacts(6), &[], &[device; 2]);
+        tap.tick_with_devices(&tick(9), &contacts(5), &[], &[device; 2]);
+        let Some(Told::Tick(told_of, of_contacts, _, devices)) = listener.next() else {
+            panic!("there was room for the second");
+        };
+        assert_eq!(
+            (told_of.sequence, of_contacts.len(), devices.len()),
+            (9, 5, 2)
+        );
+        assert_eq!((tap.lost(), listener.next().is_none()), (3, true));
         // More contacts than there is room for are lost, whoever listens.
         let mut tap = tap.waiting();
         tap.tick(&tick(6), &contacts(8));
-        assert_eq!((tap.lost(), told(&mut listener)), (3, vec![]));
+        assert_eq!((tap.lost(), told(&mut listener)), (4, vec![]));
     }
 }
