@@ -230,7 +230,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
 
     /// The device; the first one where there are several.
     pub fn device(&self) -> &D {
-        &self.devices.first.device
+        self.devices.first_device()
     }
 
     /// All devices, in their order.
@@ -342,7 +342,9 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
             was_cut |= self.guardian_cut(since);
         }
         let stalled = has_overslept || was_cut;
-        self.book_cuts();
+        if was_cut {
+            self.book_cuts();
+        }
         let are_fresh = self.devices.are_fresh();
         let mut elapsed = None;
         let mut fault = None;
@@ -388,10 +390,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
             .with(Flags::SAFETY_TRIPPED, self.is_off)
             .with(Flags::MISSED_DEADLINE, missed > 0)
             .with(Flags::DEVICE_FAULT, !are_fresh);
-        let (commanded, delivered) = (
-            self.devices.first.verdict.wrench,
-            self.devices.first.delivered,
-        );
+        let (commanded, delivered) = self.devices.first_wrenches();
         self.rendered.account(self.teller.sequence, delivered.force);
         let tick = Tick {
             lateness: woke.as_secs_f64() - deadline.as_secs_f64(),
@@ -439,11 +438,10 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
             return;
         }
         // Of several changes in a row, the one that is to blame is remembered.
-        if !self.devices.first.safety.oscillation_is_from_before() {
+        if !self.devices.another_method() {
             self.method_before = self.method;
         }
         self.method = method;
-        self.devices.first.safety.another_method();
     }
 
     fn deadline(&mut self) -> Duration {

@@ -1,8 +1,8 @@
 //! The devices of a loop, each with its safety, its last sample and what it holds.
 
 use std::any::Any;
-use std::iter;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::slice;
 use std::time::Duration;
 
 use palpate_device::clock::Clock;
@@ -271,8 +271,7 @@ impl<D: Device> Driven<D> {
 
 /// All devices of a loop: one or more, in their order. Where one has no force, none has.
 pub(crate) struct Devices<D> {
-    pub first: Driven<D>,
-    others: Vec<Driven<D>>,
+    all: Vec<Driven<D>>,
     /// Room for a sample of all of them.
     samples: Vec<FreshDevice>,
     /// What each is asked to give; room for a tick.
@@ -287,13 +286,13 @@ impl<D: Device> Devices<D> {
         let devices: Vec<_> = devices.into_iter().collect();
         let number = devices.len();
         let is_one = number == 1;
-        let mut driven = (0..).zip(devices).map(|(place, (device, safety))| {
+        let driven = (0..).zip(devices).map(|(place, (device, safety))| {
             Driven::new(device, safety, Some(place).filter(|_| !is_one))
         });
-        let first = driven.next()?;
+        let all: Vec<_> = driven.collect();
+        all.first()?;
         Some(Self {
-            first,
-            others: driven.collect(),
+            all,
             samples: Vec::with_capacity(number),
             asked: vec![Wrench::NONE; number],
             ticks: if is_one {
@@ -304,12 +303,13 @@ impl<D: Device> Devices<D> {
         })
     }
 
-    pub fn iter(&self) -> impl Iterator<Item = &Driven<D>> {
-        iter::once(&self.first).chain(&self.others)
+    /// All of them: at least one.
+    pub fn iter(&self) -> slice::Iter<'_, Driven<D>> {
+        self.all.iter()
     }
 
-    pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut Driven<D>> {
-        iter::once(&mut self.first).chain(&mut self.others)
+    pub fn iter_mut(&mut self) -> slice::IterMut<'_, Driven<D>> {
+        self.all.iter_mut()
     }
 
     /// When the newest sample that there is was taken.
@@ -318,10 +318,36 @@ impl<D: Device> Devices<D> {
         times.map(|pose| pose.time).max()
     }
 
+    /// The first device.
+    #[allow(clippy::indexing_slicing, reason = "there is one, and no tick asks")]
+    pub fn first_device(&self) -> &D {
+        &self.all[0].device
+    }
+
+    /// What was commanded of the first device, and what it holds.
+    pub fn first_wrenches(&self) -> (Wrench, Wrench) {
+        let first = self.all.first();
+        first.map_or((Wrench::NONE, Wrench::NONE), |first| {
+            (first.verdict.wrench, first.delivered)
+        })
+    }
+
+    /// Another method renders from now on, for the safety that watches the created energy. Whether most of that was created
+    /// before the method that renders now.
+    pub fn another_method(&mut self) -> bool {
+        let Some(first) = self.all.first_mut() else {
+            return false;
+        };
+        let is_from_before = first.safety.oscillation_is_from_before();
+        first.safety.another_method();
+        is_from_before
+    }
+
     /// The last sample of the first device, with as many axes as it has.
     pub fn first_pose(&self) -> Option<(&Pose, usize)> {
-        let axes = self.first.device.capabilities().axes;
-        self.first.last.as_ref().map(|pose| (pose, axes))
+        let first = self.all.first()?;
+        let axes = first.device.capabilities().axes;
+        first.last.as_ref().map(|pose| (pose, axes))
     }
 
     pub fn are_fresh(&self) -> bool {
@@ -337,7 +363,7 @@ impl<D: Device> Devices<D> {
     /// The samples of all devices, where all are fresh, and the place for what is asked of each.
     pub fn samples(&mut self) -> (&[FreshDevice], &mut [Wrench]) {
         self.samples.clear();
-        let devices = iter::once(&mut self.first).chain(&mut self.others);
+        let devices = self.all.iter_mut();
         self.samples.extend(devices.filter_map(Driven::fresh));
         (&self.samples, &mut self.asked)
     }
@@ -346,14 +372,8 @@ impl<D: Device> Devices<D> {
     /// all. `of_loop` has what is the same for all. The created energy is that of the loop: the first safety watches it.
     pub fn judge(&mut self, of_loop: &Rendered) {
         let comes_in = self.iter().any(|driven| driven.safety.is_not_all_there());
-        let Self {
-            first,
-            others,
-            asked,
-            ..
-        } = self;
         let mut created_energy = of_loop.created_energy;
-        for (driven, wrench) in iter::once(first).chain(others).zip(asked) {
+        for (driven, wrench) in self.all.iter_mut().zip(&self.asked) {
             let rendered = Rendered {
                 wrench: *wrench,
                 created_energy,
@@ -516,13 +536,7 @@ impl<D: Device> Devices<D> {
     /// Takes down what recordings have of each device, where there are several.
     pub fn take_down(&mut self, sequence: u64, started: Duration) {
         let number = u32::try_from(self.ticks.len()).unwrap_or(u32::MAX);
-        let Self {
-            first,
-            others,
-            ticks,
-            ..
-        } = self;
-        for (tick, driven) in ticks.iter_mut().zip(iter::once(first).chain(others)) {
+        for (tick, driven) in self.ticks.iter_mut().zip(&self.all) {
             *tick = DeviceTick {
                 sequence,
                 ..driven.said(number, started)
