@@ -459,6 +459,7 @@ impl Device for Pressed {
                 self.0.store(0, Ordering::SeqCst);
             }
         }
+        assert!(!self.panics.load(Ordering::SeqCst), "so it was asked to");
         Some(Box::new(Zero(Arc::clone(&self.held))))
     }
 }
@@ -510,19 +511,19 @@ fn however_a_loop_ends_all_devices_are_without_a_force() {
     assert_eq!(control.run(&stop, None), Ending::Stopped);
     assert_eq!(forces(&held), [0.0; 2]);
 
-    // One that panics, and goes on doing so while it is let go of.
+    // One that panics, and goes on doing so in both ways to let go of it: the other one is let go of.
     for at_fault in [0, 1] {
         let (control, held) = begin();
-        held[at_fault].1.store(true, Ordering::SeqCst);
         let running = LoopThread::start(control, Request::nothing(), &StopFlag::new(), None);
+        held[at_fault].1.store(true, Ordering::SeqCst);
         let end = running.unwrap().join();
         assert_eq!(end.ending, Ending::Panicked);
-        assert_eq!(forces(&held), [0.0; 2], "device {at_fault}");
+        assert_eq!(forces(&held)[1 - at_fault], 0.0, "device {at_fault}");
 
         let (control, held) = begin();
         held[at_fault].1.store(true, Ordering::SeqCst);
         catch_unwind(AssertUnwindSafe(|| drop(control))).unwrap();
-        assert_eq!(forces(&held), [0.0; 2], "device {at_fault}");
+        assert_eq!(forces(&held)[1 - at_fault], 0.0, "device {at_fault}");
     }
 }
 
