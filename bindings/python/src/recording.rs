@@ -45,7 +45,7 @@ pub fn read_recording(py: Python<'_>, path: PathBuf) -> PyResult<InPython<'_>> {
         let mut events = Vec::new();
         for entry in recording.entries()? {
             match entry? {
-                Entry::Tick(tick, contacts, bodies) => {
+                Entry::Tick(tick, contacts, bodies, _) => {
                     of_bodies.extend(bodies.iter().flat_map(body));
                     for row in Row::of(tick, &contacts) {
                         words.extend(columns().iter().map(|column| word(column.value(&row))));

@@ -56,22 +56,37 @@ pub fn replay_world<'py>(
     let texts = &recording.receipt.texts;
     let text = texts.get(WORLD).map_or("", String::as_str);
     let file = WorldFile::parse(&name, text).map_err(refused)?;
-    let frame = texts.get("frame").and_then(|frame| WorldFrame::read(frame));
-    let frame = frame.ok_or_else(|| {
-        refused(format!(
-            "{name}: its receipt does not say where the device stands in the world"
-        ))
-    })?;
+    let tools = &file.scene.world.tools;
+    let frames = tools.iter().map(|tool| {
+        let (text, of) = if tools.len() > 1 {
+            (
+                format!("frame {}", tool.name),
+                format!("the device {}", tool.name),
+            )
+        } else {
+            ("frame".to_owned(), "the device".to_owned())
+        };
+        let frame = texts.get(&text).and_then(|frame| WorldFrame::read(frame));
+        frame.ok_or_else(|| {
+            refused(format!(
+                "{name}: its receipt does not say where {of} stands in the world"
+            ))
+        })
+    });
+    let frames = frames.collect::<PyResult<Vec<_>>>()?;
     let scene = file.scene.led();
     let methods = methods(&scene, &scene.render.method, method)?;
     let renderers = renderers(&scene, methods).map_err(|faults| wrong(&file, true, &faults))?;
-    let turns = scene.devices.iter().any(|device| device.turning.is_some());
+    let devices = scene.devices.iter();
+    let turns: Vec<bool> = devices.map(|device| device.turning.is_some()).collect();
     let (judged, warnings) = interruptible(py, move |stop| {
-        let (path, without) = world_path(&recording, turns, |place| frame.in_world(place))
-            .map_err(|error| match error {
-                WorldPathError::Recording(error) => unread(error),
-                other => refused(other),
-            })?;
+        let (path, without) = world_path(&recording, &turns, |device, place| {
+            frames[device].in_world(place)
+        })
+        .map_err(|error| match error {
+            WorldPathError::Recording(error) => unread(error),
+            other => refused(other),
+        })?;
         let mut warnings = Vec::new();
         if without > 0 {
             let ticks = palpate_study::text::counted(without, "tick");

@@ -103,7 +103,7 @@ impl Lane {
         let (mut told, mut untold) = (0, 0);
         for heard in self.listener.by_ref() {
             match heard {
-                Told::Tick(tick, contacts, _) => {
+                Told::Tick(tick, contacts, _, _) => {
                     if let Some(row) = Row::of(tick, &contacts).next() {
                         self.position = Some(row.contact.device_position);
                         self.rows.add(&row);

@@ -18,11 +18,31 @@ const LOOPS: u64 = 600;
 const TICKS: u32 = 100;
 
 /// Says anything, and insists that what it is given is a force within the limit.
-struct Hostile {
+pub struct Hostile {
     clock: SteppedClock,
     capabilities: Capabilities,
     random: fastrand::Rng,
     largest_force: f64,
+    /// What it was asked to hold last.
+    pub asked: Wrench,
+}
+
+impl Hostile {
+    /// With so many axes, by numbers of `random`; it is given no more than `largest_force` [N].
+    pub fn new(
+        clock: &SteppedClock,
+        axes: usize,
+        random: fastrand::Rng,
+        largest_force: f64,
+    ) -> Self {
+        Self {
+            clock: clock.clone(),
+            capabilities: Capabilities::unknown("hostile", axes),
+            random,
+            largest_force,
+            asked: Wrench::NONE,
+        }
+    }
 }
 
 /// Mostly near `scale`, and now and then any number that there is, or none.
@@ -68,6 +88,7 @@ impl Device for Hostile {
     }
 
     fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        self.asked = wrench;
         let force = wrench.force;
         let size = force.iter().map(|x| x * x).sum::<f64>().sqrt();
         assert!(size <= self.largest_force * (1.0 + 1e-12), "{force:?} N");
@@ -114,12 +135,7 @@ pub fn anything(watch: &mut Watch) {
         };
         let clock = SteppedClock::new();
         let axes = random.usize(1..=3);
-        let device = Hostile {
-            clock: clock.clone(),
-            capabilities: Capabilities::unknown("hostile", axes),
-            random: random.fork(),
-            largest_force: limits.largest_force,
-        };
+        let device = Hostile::new(&clock, axes, random.fork(), limits.largest_force);
         let first = rendering(&mut random);
         let (tap, mut listener) = tap(10);
         let mut control = ControlLoop::new(device, clock.clone(), first, limits)

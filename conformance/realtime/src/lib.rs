@@ -14,4 +14,5 @@ mod hostile;
 pub mod misdeeds;
 #[cfg(feature = "rtsan")]
 pub mod rtsan;
+mod several;
 pub mod situations;

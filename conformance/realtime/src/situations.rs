@@ -24,6 +24,7 @@ use palpate_sim::device::{
 };
 
 use crate::hostile::anything;
+use crate::several::{a_pinch, anything_of_two, faults_of_each};
 
 /// Runs what it is given, a tick, and watches it.
 pub type Watch<'a> = dyn FnMut(&mut dyn FnMut()) + 'a;
@@ -32,7 +33,7 @@ pub type Watch<'a> = dyn FnMut(&mut dyn FnMut()) + 'a;
 pub type Situation = (&'static str, fn(&mut Watch));
 
 /// Every situation in which the clock is moved by hand.
-pub const STEPPED: [Situation; 17] = [
+pub const STEPPED: [Situation; 20] = [
     ("every method on a simulated device", every_method),
     ("worlds on a device in space", worlds),
     ("six axes, on a device and in a pointer's hand", six_axes),
@@ -53,6 +54,9 @@ pub const STEPPED: [Situation; 17] = [
     ("nobody listens", a_full_tap),
     ("a late thread, and a supervisor that cuts", stalls),
     ("anything that a device can say", anything),
+    ("a pinch on two devices", a_pinch),
+    ("every fault of each of two devices", faults_of_each),
+    ("anything that two devices can say", anything_of_two),
 ];
 
 /// Every situation in which real time passes.
@@ -130,7 +134,7 @@ fn every_method(watch: &mut Watch) {
 }
 
 /// A world of `experiments/`.
-fn world_scene(name: &str) -> WorldScene {
+pub(crate) fn world_scene(name: &str) -> WorldScene {
     with_points(name, 60)
 }
 
@@ -174,7 +178,7 @@ fn worlds(watch: &mut Watch) {
                 forces += usize::from(force != [0.0; 3]);
             }
             let bodies = listener.by_ref().filter(
-                |told| matches!(told, Told::Tick(_, contacts, bodies) if !contacts.is_empty() && bodies.len() > 1),
+                |told| matches!(told, Told::Tick(_, contacts, bodies, _) if !contacts.is_empty() && bodies.len() > 1),
             );
             let told = bodies.count();
             assert!(
@@ -383,7 +387,7 @@ fn limits(watch: &mut Watch) {
     let mut control = control.tapped(tap);
     ticks(&mut control, 400, watch);
     let limited = listener.filter(|told| match told {
-        Told::Tick(tick, _, _) => tick.flags.has(Flags::SAFETY_LIMITED),
+        Told::Tick(tick, ..) => tick.flags.has(Flags::SAFETY_LIMITED),
         Told::Note(_) => false,
     });
     assert_eq!(limited.count(), 400);

@@ -92,6 +92,17 @@ impl From<PutSceneError> for Failure {
 }
 
 impl Failure {
+    /// The same, of one of several things, by its name in front of the message.
+    pub fn of(self, name: &str) -> Self {
+        let of = |message: String| format!("{name}: {message}");
+        match self {
+            Self::System(message) => Self::System(of(message)),
+            Self::Arguments(message) => Self::Arguments(of(message)),
+            Self::MotorsOff(message) => Self::MotorsOff(of(message)),
+            other => other,
+        }
+    }
+
     /// A fault in an input file without a place to show.
     pub fn input(message: impl fmt::Display) -> Self {
         Self::Input(vec![InputFault {

@@ -36,7 +36,7 @@ fn what_it_holds_has_the_same_table_and_the_same_replay_in_format_2() {
     let mut writer = RecordingWriter::create(&folder.path("format-2.mcap"), receipt).unwrap();
     for entry in before.entries().unwrap() {
         match entry.unwrap() {
-            Entry::Tick(tick, contacts, _) => writer.append(&tick, &contacts).unwrap(),
+            Entry::Tick(tick, contacts, _, _) => writer.append(&tick, &contacts).unwrap(),
             Entry::Event(event) => writer.event(&event).unwrap(),
         }
     }

@@ -192,7 +192,7 @@ fn a_run_that_is_terminated_leaves_no_torque() {
         has_recorded(
             &folder,
             "run.mcap.part",
-            |entry| matches!(entry, Entry::Tick(_, contacts, _) if contacts[0].force_on_device.abs() > 0.5),
+            |entry| matches!(entry, Entry::Tick(_, contacts, _, _) if contacts[0].force_on_device.abs() > 0.5),
         )
     });
     run.signal("TERM");

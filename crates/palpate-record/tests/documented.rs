@@ -4,7 +4,9 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use palpate_record::recording::{BodyTick, Column, ContactTick, Flags, Kind, Phase, Tick, columns};
+use palpate_record::recording::{
+    BodyTick, Column, ContactTick, DeviceTick, Flags, Kind, Phase, Tick, columns,
+};
 
 /// Compares what stands between `<!-- name -->` and `<!-- end -->` with `made`, or writes it there.
 fn compare(document: &str, name: &str, made: &str) {
@@ -86,6 +88,11 @@ fn the_tables_of_ticks_and_contacts_are_up_to_date() {
         "formats.md",
         "columns of a body",
         &table(BodyTick::COLUMNS, Flags::default()),
+    );
+    compare(
+        "formats.md",
+        "columns of a device",
+        &table(DeviceTick::COLUMNS, Flags::OF_DEVICE),
     );
 }
 

@@ -6,49 +6,47 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use palpate::AlongAxis;
-use palpate_record::recording::{ContactTick, Flags, Row, Tick};
+use palpate_record::recording::{ContactTick, DeviceTick, Flags, Row, Tick};
 
 use crate::deadlines::Deadlines;
-use crate::held::HeldSince;
+use crate::driven::Devices;
 use crate::lateness_watch::LatenessWatch;
 use crate::motors_off::MotorsOff;
-use crate::note::{Ending, Note, Noted};
-use crate::rendering::{Fresh, OneContact, Parameters, RenderedWorld, Rendering, Renders};
-use crate::safety::{self, Heartbeat, Safety, SafetyParams, Supervisor, Trip, Verdict};
+use crate::note::{Ending, Note};
+use crate::rendering::{Answer, Fresh, OneContact, Parameters, RenderedWorld, Rendering, Renders};
+use crate::safety::{Heartbeat, Rendered, Safety, SafetyParams, Supervisor, Trip};
 use crate::setup::SetupError;
 use crate::statistics::LoopStatistics;
 use crate::stop::StopFlag;
-use crate::tap::Tap;
+use crate::tap::{Tap, Teller};
 use crate::wire::posed;
 use palpate_device::clock::Clock;
-use palpate_device::{Device, DeviceError, DeviceErrorKind, Pose, Wrench};
+use palpate_device::{Device, Wrench};
 
-/// A haptic loop on one device, which renders `R`: one contact, or a world. Everything that it needs is there before its first tick; a tick
-/// allocates nothing, locks nothing and waits for nobody but the clock and the device.
+/// A haptic loop on one device or several, which renders `R`: one contact, or a world. Everything that it needs is there before
+/// its first tick; a tick allocates nothing, locks nothing and waits for nobody but the clock and the devices.
 ///
-/// When it goes, whatever the reason, it commands the device no force.
+/// Where one of several devices has no force, none has. When the loop goes, whatever the reason, it commands each device no
+/// force.
 pub struct ControlLoop<D: Device, C: Clock, R: Renders = OneContact> {
-    device: D,
+    devices: Devices<D>,
     clock: C,
     rendered: R,
-    safety: Safety,
     rearm: Arc<AtomicBool>,
     deadlines: Option<Deadlines>,
-    started: Duration,
     period: Duration,
     /// How long the loop may stand still before a supervisor or a guardian takes the force off.
     stall_limit: Duration,
-    held: HeldSince,
     /// Whether a trip kept the motors off at the end of the last tick.
     is_off: bool,
     motors_off: MotorsOff,
-    last: Option<Pose>,
+    /// When the devices were sampled for the last sample that was rendered.
+    rendered_at: Option<Duration>,
     heartbeat: Arc<Heartbeat>,
     cuts: u64,
     statistics: LoopStatistics,
     lateness: LatenessWatch,
-    tap: Option<Tap>,
-    sequence: u64,
+    teller: Teller,
     lost: bool,
     /// When the last tick began.
     ticked: Option<Duration>,
@@ -59,19 +57,6 @@ pub struct ControlLoop<D: Device, C: Clock, R: Renders = OneContact> {
 
 /// Longest period: whoever ends a loop should not have to wait for longer.
 const LONGEST_PERIOD: Duration = Duration::from_secs(10);
-
-/// A sample whose time cannot be.
-const AHEAD: DeviceError = DeviceError {
-    kind: DeviceErrorKind::NothingNew,
-    what: "the time stamp of a sample lies more than a period ahead of the loop's clock",
-};
-
-/// What a sample came to.
-enum Sampled {
-    Fresh(Pose),
-    Missing,
-    Gone(Trip),
-}
 
 impl<D: Device, C: Clock> ControlLoop<D, C> {
     /// A loop that renders `rendering` on `device`, along its first axis. It ticks from the first
@@ -86,7 +71,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         rendering: Rendering,
         limits: SafetyParams,
     ) -> Result<Self, SetupError> {
-        Self::rendering(device, clock, OneContact::new(rendering)?, limits)
+        Self::rendering(vec![(device, limits)], clock, OneContact::new(rendering)?)
     }
 
     /// The same loop, its contact's axis placed elsewhere in the device's space.
@@ -101,54 +86,91 @@ impl<D: Device, C: Clock> ControlLoop<D, C, RenderedWorld> {
     /// A loop that renders a world on `device`. It ticks from the first call of [`tick`](Self::tick) on.
     ///
     /// # Errors
-    /// A limit of the safety outside its range; a period below a nanosecond or above 10 s; a tool that turns, and a device
-    /// that gives no torque about three axes.
+    /// A world of several devices; a limit of the safety outside its range; a period below a nanosecond or above 10 s; a
+    /// tool that turns, and a device that gives no torque about three axes.
     pub fn of_world(
         device: D,
         clock: C,
         world: RenderedWorld,
         limits: SafetyParams,
     ) -> Result<Self, SetupError> {
-        if world.turns() && device.capabilities().torque_axes != 3 {
-            return Err(SetupError::SixAxes);
-        }
-        Self::rendering(device, clock, world, limits)
+        Self::of_devices(vec![(device, limits)], clock, world)
     }
+
+    /// A loop that renders a world on several devices, each with its own limits: one for each tool of the world, in their
+    /// order. Devices of different kinds are boxed: `D` is `Box<dyn Device>`.
+    ///
+    /// In each tick all devices are read, one after the other, then the world makes one step, and then all are commanded.
+    /// The world's time is that of the newest sample. Where one device has no good sample, does not take its force, is cut or
+    /// outside its limits, no device has a force, and a note names that one.
+    ///
+    /// # Errors
+    /// Another number of devices than the world has tools; as [`of_world`](Self::of_world).
+    pub fn of_devices(
+        devices: Vec<(D, SafetyParams)>,
+        clock: C,
+        world: RenderedWorld,
+    ) -> Result<Self, SetupError> {
+        can_turn(&world, devices.iter().map(|(device, _)| device))?;
+        Self::rendering(devices, clock, world)
+    }
+}
+
+/// Whether the devices turn that have to.
+pub(crate) fn can_turn<'a, D: Device + 'a>(
+    world: &RenderedWorld,
+    devices: impl IntoIterator<Item = &'a D>,
+) -> Result<(), SetupError> {
+    let mut tools = world.turns().iter().zip(devices);
+    if tools.any(|(turns, device)| *turns && device.capabilities().torque_axes != 3) {
+        return Err(SetupError::SixAxes);
+    }
+    Ok(())
 }
 
 impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
     pub(crate) fn rendering(
-        device: D,
+        devices: Vec<(D, SafetyParams)>,
         clock: C,
         rendered: R,
-        limits: SafetyParams,
     ) -> Result<Self, SetupError> {
         let seconds = rendered.period();
         let period = Duration::try_from_secs_f64(seconds)
             .ok()
             .filter(|period| *period > Duration::ZERO && *period <= LONGEST_PERIOD)
             .ok_or(SetupError::Period(seconds))?;
+        let wrong = SetupError::Devices {
+            world: rendered.devices(),
+            given: devices.len(),
+        };
+        if devices.len() != rendered.devices() {
+            return Err(wrong);
+        }
+        // The most impatient of the devices counts.
+        let stall_limits = devices.iter().map(|(_, limits)| limits.stall_after(period));
+        let stall_limit = stall_limits.min().ok_or(wrong)?;
+        let devices = devices.into_iter().map(|(device, limits)| {
+            let safety = Safety::new(limits, seconds)?;
+            Ok::<_, SetupError>((device, safety))
+        });
+        let devices = devices.collect::<Result<Vec<_>, _>>()?;
         let method = rendered.method();
         Ok(Self {
-            device,
+            devices: Devices::new(devices).ok_or(wrong)?,
             clock,
             rendered,
-            safety: Safety::new(limits, seconds)?,
             rearm: Arc::default(),
             deadlines: None,
-            started: Duration::ZERO,
             period,
-            stall_limit: limits.stall_after(period),
-            held: HeldSince::default(),
+            stall_limit,
             is_off: false,
             motors_off: MotorsOff::default(),
-            last: None,
+            rendered_at: None,
             heartbeat: Arc::default(),
             cuts: 0,
             statistics: LoopStatistics::new(),
             lateness: LatenessWatch::default(),
-            tap: None,
-            sequence: 0,
+            teller: Teller::default(),
             lost: false,
             ticked: None,
             method,
@@ -159,7 +181,14 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
     /// The same loop, telling `tap` what it does.
     #[must_use]
     pub fn tapped(mut self, tap: Tap) -> Self {
-        self.tap = Some(tap);
+        if self.devices.iter().nth(1).is_some() {
+            let names = (0..self.rendered.devices()).map(|device| {
+                let name = self.rendered.device_name(device);
+                name.map_or_else(|| (device + 1).to_string(), str::to_owned)
+            });
+            tap.name_devices(names.collect());
+        }
+        self.teller.tap = Some(tap);
         self
     }
 
@@ -182,9 +211,10 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         Arc::clone(&self.heartbeat)
     }
 
-    /// A supervisor for another thread; none if the device has no second way to command no force.
+    /// A supervisor for another thread; none if no device has a second way to command no force. It watches the loop for all
+    /// devices that have one.
     pub fn supervisor(&mut self) -> Option<Supervisor> {
-        let zero = self.device.zero_writer()?;
+        let zero = self.devices.zero_writer()?;
         let heartbeat = Arc::clone(&self.heartbeat);
         Some(Supervisor::new(heartbeat, zero, self.stall_limit))
     }
@@ -198,9 +228,19 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         self.period
     }
 
-    /// The device.
+    /// The device; the first one where there are several.
     pub fn device(&self) -> &D {
-        &self.device
+        self.devices.first_device()
+    }
+
+    /// All devices, in their order.
+    pub fn devices(&self) -> impl Iterator<Item = &D> {
+        self.devices.iter().map(|driven| &driven.device)
+    }
+
+    /// What recordings have of each device at the last tick; none where the loop has one, of which the tick says it.
+    pub fn device_ticks(&self) -> &[DeviceTick] {
+        self.devices.ticks()
     }
 
     /// How the loop kept time so far.
@@ -213,9 +253,14 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         self.heartbeat.cuts()
     }
 
-    /// The trip that holds the force at none, if one does.
+    /// The trip that holds the forces at none, if one does; of several one that stays.
     pub fn trip(&self) -> Option<Trip> {
-        self.safety.trip()
+        self.tripped_device().map(|(_, trip)| trip)
+    }
+
+    /// The same, with the number of the device that has tripped, from 0.
+    pub fn tripped_device(&self) -> Option<(usize, Trip)> {
+        self.devices.trip()
     }
 
     /// Ticks until `stop` is raised, `most` periods are over or the device is gone, then commands no
@@ -241,32 +286,25 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
     /// Commands no force in the other way that the device may have, where its own has failed.
     pub(crate) fn cut_off(&mut self) {
         self.heartbeat.end();
-        if let Some(mut zero) = self.device.zero_writer() {
-            zero.write_zero();
-        }
+        self.devices.cut_off();
     }
 
     /// Tells the tap why the loop has ended, and that nothing more will come.
     pub(crate) fn close_tap(&mut self, ending: Ending) {
         // It belongs to the last tick: the next one never was.
-        if let Some(last) = self.sequence.checked_sub(1) {
-            self.sequence = last;
+        if let Some(last) = self.teller.sequence.checked_sub(1) {
+            self.teller.sequence = last;
             self.note(Note::Ended(ending));
         }
-        if let Some(tap) = self.tap.take() {
+        if let Some(tap) = self.teller.tap.take() {
             tap.end(ending);
         }
     }
 
-    /// Commands the device no force, and stands the supervisor down.
+    /// Commands each device no force, and stands the supervisor down.
     pub fn let_go(&mut self) {
-        // A device that does not take it is asked again once; more cannot be done here.
-        if self.device.write(Wrench::NONE).is_err() {
-            let _ = self.device.write(Wrench::NONE);
-        }
-        self.held.change(Wrench::NONE, self.clock.now());
+        self.devices.let_go(&self.clock);
         self.motors_off.let_go();
-        self.safety.let_go();
         self.heartbeat.end();
     }
 
@@ -277,9 +315,9 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         let woke = self.clock.now();
         let before = self.ticked.replace(woke);
         let has_overslept = self.has_overslept(before, woke);
-        let mut cut = self.supervisor_cut();
+        let mut was_cut = self.supervisor_cut();
         self.heartbeat.beat(woke);
-        if self.rearm.swap(false, Ordering::AcqRel) && self.safety.rearm() {
+        if self.rearm.swap(false, Ordering::AcqRel) && self.devices.rearm() {
             self.note(Note::Rearmed);
         }
         if let Some((generation, rendering)) = self.rendered.take_change() {
@@ -292,101 +330,73 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
             self.note(Note::OtherWorld(generation, self.rendered.method()));
         }
 
-        let (sampled, answered) = self.sample();
-        // The device may have been the one that stood still.
-        cut = first(cut, self.supervisor_cut());
+        let answered = self.sample(woke);
+        // A device may have been what stood still.
+        was_cut |= self.supervisor_cut();
         let stood_still_in_read = answered.saturating_sub(woke) > self.stall_limit;
-        if has_overslept || stood_still_in_read || cut.is_some() {
+        if has_overslept || stood_still_in_read || was_cut {
             // Not before: a device hears of its guardian when it reads. A supervisor that stood still
             // with the loop comes too late.
             let in_read = stood_still_in_read && !has_overslept;
             let since = before.filter(|_| !in_read).unwrap_or(woke);
-            cut = first(cut, self.guardian_cut(since));
+            was_cut |= self.guardian_cut(since);
         }
-        let stalled = has_overslept || cut.is_some();
-        self.book_cut(cut);
-        let elapsed = match (&sampled, &self.last) {
-            (Sampled::Fresh(now), Some(before)) => {
-                Some(now.time.saturating_sub(before.time).as_secs_f64())
-            }
-            _ => None,
-        };
+        let stalled = has_overslept || was_cut;
+        if was_cut {
+            self.book_cuts();
+        }
+        let are_fresh = self.devices.are_fresh();
+        let mut elapsed = None;
         let mut fault = None;
-        let mut verdict = match sampled {
-            Sampled::Fresh(reading) => {
-                let held = self.held.take(reading.time);
-                let answer = self.rendered.step(&Fresh {
-                    position: reading.position,
-                    orientation: reading.orientation,
-                    elapsed,
-                    held,
-                    was_off: self.is_off && held == Some(Wrench::NONE),
-                });
-                fault = answer.fault;
-                self.last = Some(reading);
-                self.safety.judge(&safety::Rendered {
-                    elapsed,
-                    position: reading.position,
-                    coordinate: answer.coordinate,
-                    wrench: answer.wrench,
-                    created_energy: self.rendered.created_energy(),
-                    refused: fault.is_some(),
-                    stalled,
-                })
-            }
-            Sampled::Missing => {
-                self.statistics.without_sample += 1;
-                if stalled {
-                    self.safety.trip_on(Trip::Stalled)
-                } else {
-                    self.safety.missing()
-                }
-            }
-            Sampled::Gone(trip) => self.safety.trip_on(trip),
-        };
-        self.notes_of(&verdict);
+        if are_fresh {
+            elapsed = self.elapsed();
+            fault = self.render(elapsed, stalled).fault;
+        } else {
+            self.statistics.without_sample += u64::from(self.devices.lack_a_sample());
+            self.devices.go_without(stalled);
+        }
+        self.tell_of_trips();
         let (lateness, period) = (self.rendered.learned_lateness(), self.rendered.period());
         if let Some(lateness) = self.lateness.news(lateness, period, woke) {
             self.note(Note::LearnedLateness(lateness));
         }
-        let cut = self.supervisor_cut();
-        if cut.is_some() {
-            self.book_cut(cut);
+        if self.supervisor_cut() {
+            self.book_cuts();
             // Just now: what the supervisor has taken off is not put on again.
-            verdict = self.safety.trip_on(Trip::Stalled);
-            self.notes_of(&verdict);
+            self.devices.stall();
+            self.tell_of_trips();
         }
         if let Some(fault) = fault {
             self.note(Note::Fault(fault));
         }
         // Not before: the interval that this sample ended was the former method's.
         self.follow_method();
-        let delivered = self.command(verdict.wrench);
+        self.command();
 
         let ended = self.clock.now();
         let missed = self.deadlines.as_mut().map_or(0, |d| d.ended(woke, ended));
         if missed > 0 {
             self.note(Note::MissedDeadlines(missed));
         }
-        self.is_off = self.safety.trip().is_some();
+        self.is_off = self.devices.are_off();
         if ended.saturating_sub(answered) > self.stall_limit {
-            let cut = self.guardian_cut(woke);
-            self.book_cut(cut);
+            self.guardian_cut(woke);
+            self.book_cuts();
         }
         self.motors_off.tick(woke, ended, self.is_off);
-        let is_fresh = matches!(sampled, Sampled::Fresh(_));
         let flags = Flags::default()
             .with(Flags::FAULT, fault.is_some())
-            .with(Flags::SAFETY_LIMITED, verdict.bounded.any())
+            .with(Flags::SAFETY_LIMITED, self.devices.are_bounded())
             .with(Flags::SAFETY_TRIPPED, self.is_off)
             .with(Flags::MISSED_DEADLINE, missed > 0)
-            .with(Flags::DEVICE_FAULT, !is_fresh);
-        self.rendered.account(self.sequence, delivered.force);
+            .with(Flags::DEVICE_FAULT, !are_fresh);
+        let (commanded, delivered) = self.devices.first_wrenches();
+        self.rendered.account(self.teller.sequence, delivered.force);
         let tick = Tick {
             lateness: woke.as_secs_f64() - deadline.as_secs_f64(),
             period: elapsed.unwrap_or(f64::NAN),
-            commanded_force: verdict.wrench.force,
-            commanded_torque: verdict.wrench.torque,
+            commanded_force: commanded.force,
+            commanded_torque: commanded.torque,
             delivered_force: delivered.force,
             delivered_torque: delivered.torque,
             tick_duration: (ended - answered).as_secs_f64(),
@@ -395,6 +405,8 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
             flags: flags.with(self.rendered.flags(), true),
             ..self.seen(woke)
         };
+        self.devices
+            .take_down(self.teller.sequence, self.teller.started);
         self.statistics.ticks += 1;
         self.statistics.missed_deadlines += missed;
         self.statistics.motors_off += u64::from(self.is_off);
@@ -402,19 +414,19 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         self.statistics.lateness.add(woke - deadline.min(woke));
         self.statistics.tick.add(ended - answered);
         self.statistics.round_trip.add(answered - woke);
-        if let Some(tap) = &mut self.tap {
-            tap.tick_with_bodies(&tick, self.rendered.contacts(), self.rendered.bodies());
+        let (contacts, bodies) = (self.rendered.contacts(), self.rendered.bodies());
+        if let Some(tap) = &mut self.teller.tap {
+            tap.tick_with_devices(&tick, contacts, bodies, self.devices.ticks());
             tap.ran(self.motors_off.time());
         }
-        self.sequence += 1;
-        let contact = self.rendered.contacts().first().copied();
+        self.teller.sequence += 1;
         Row {
             tick: Tick {
-                contacts: u32::try_from(self.rendered.contacts().len()).unwrap_or(u32::MAX),
-                bodies: u32::try_from(self.rendered.bodies().len()).unwrap_or(u32::MAX),
+                contacts: u32::try_from(contacts.len()).unwrap_or(u32::MAX),
+                bodies: u32::try_from(bodies.len()).unwrap_or(u32::MAX),
                 ..tick
             },
-            contact: contact.unwrap_or(ContactTick::UNKNOWN),
+            contact: contacts.first().copied().unwrap_or(ContactTick::UNKNOWN),
             ..Row::UNKNOWN
         }
     }
@@ -426,41 +438,43 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
             return;
         }
         // Of several changes in a row, the one that is to blame is remembered.
-        if !self.safety.oscillation_is_from_before() {
+        if !self.devices.another_method() {
             self.method_before = self.method;
         }
         self.method = method;
-        self.safety.another_method();
     }
 
     fn deadline(&mut self) -> Duration {
         if let Some(deadlines) = &self.deadlines {
             return deadlines.next();
         }
-        self.started = self.clock.now();
-        self.deadlines = Some(Deadlines::new(self.period, self.started));
-        self.started
+        let started = self.clock.now();
+        self.teller.started = started;
+        self.deadlines = Some(Deadlines::new(self.period, started));
+        started
     }
 
-    /// When the supervisor has commanded no force, if it has since this was asked last.
-    fn supervisor_cut(&mut self) -> Option<Duration> {
+    /// Whether the supervisor has commanded no force since this was asked last.
+    fn supervisor_cut(&mut self) -> bool {
         let cuts = self.heartbeat.cuts();
         let was_cut = cuts != self.cuts;
         self.cuts = cuts;
-        was_cut.then(|| self.heartbeat.cut_at())
+        if was_cut {
+            self.devices.were_cut_at(self.heartbeat.cut_at());
+        }
+        was_cut
     }
 
-    /// When a guardian has commanded no force, if it has since this was asked last. It is as patient as
-    /// a supervisor, and the loop has been silent since `since`.
-    fn guardian_cut(&mut self, since: Duration) -> Option<Duration> {
+    /// Whether a guardian has commanded no force since this was asked last. It is as patient as a supervisor, and the loop
+    /// has been silent since `since`.
+    fn guardian_cut(&mut self, since: Duration) -> bool {
         let at = since.saturating_add(self.stall_limit);
-        self.device.was_cut().then(|| at.min(self.clock.now()))
+        self.devices.were_cut_by_guardians(at.min(self.clock.now()))
     }
 
-    /// The books learn that no force was held from `cut` on.
-    fn book_cut(&mut self, cut: Option<Duration>) {
-        if let Some(at) = cut {
-            self.held.cut(at);
+    /// The books learn which devices held no force, and from when on.
+    fn book_cuts(&mut self) {
+        if let Some(at) = self.devices.book_cuts() {
             self.motors_off.cut(at);
         }
     }
@@ -471,112 +485,98 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         before.is_some_and(|last| woke.saturating_sub(last) > longest)
     }
 
-    /// What the device says, and when it has said it.
-    fn sample(&mut self) -> (Sampled, Duration) {
-        let read = self.device.read();
-        let answered = self.clock.now();
-        let sampled = match read {
-            // Believed, it would make every sample up to then an old one.
-            Ok(reading) if reading.time > answered.saturating_add(self.period) => {
-                if self.safety.trip().is_none() {
-                    self.note(Note::Device(AHEAD));
-                }
-                Sampled::Missing
-            }
-            Ok(reading) => {
-                let last = self.last.as_ref().map(|last| last.time);
-                if last.is_some_and(|last| reading.time <= last) {
-                    Sampled::Missing
-                } else {
-                    Sampled::Fresh(reading)
-                }
-            }
-            Err(error) => {
-                if self.safety.trip() != Some(Trip::DeviceRefused)
-                    && error.kind != DeviceErrorKind::NothingNew
-                {
-                    self.note(Note::Device(error));
-                }
-                match error.kind {
-                    DeviceErrorKind::NothingNew => Sampled::Missing,
-                    DeviceErrorKind::Refused => Sampled::Gone(Trip::DeviceRefused),
-                    DeviceErrorKind::Disconnected => {
-                        self.lost = true;
-                        Sampled::Gone(Trip::DeviceLost)
-                    }
-                }
-            }
-        };
-        (sampled, answered)
+    /// Asks all devices, one after the other. When the last one has answered.
+    fn sample(&mut self, woke: Duration) -> Duration {
+        let mut answered = woke;
+        for driven in self.devices.iter_mut() {
+            answered = driven.sample(&self.clock, answered, self.period, &mut self.teller);
+            self.lost |= driven.is_lost;
+        }
+        answered
     }
 
-    /// Commands a wrench; the one that is held from now on.
-    fn command(&mut self, wrench: Wrench) -> Wrench {
-        let written = self.device.write(wrench);
-        let delivered = match written {
-            Ok(held) => held,
-            Err(error) => {
-                self.note(Note::Device(error));
-                let trip = if error.kind == DeviceErrorKind::Disconnected {
-                    self.lost = true;
-                    Trip::DeviceLost
-                } else {
-                    Trip::DeviceRefused
-                };
-                let verdict = self.safety.trip_on(trip);
-                self.notes_of(&verdict);
-                // It may take none where it does not take some.
-                let _ = self.device.write(Wrench::NONE);
-                Wrench::NONE
-            }
-        };
-        self.held.change(delivered, self.clock.now());
-        let sent = written.ok().and_then(|_| self.device.last_sent());
-        self.rendered.report_written(delivered, sent);
-        delivered
+    /// Time since the sample that was rendered last, where all devices have a fresh one `[s]`.
+    fn elapsed(&mut self) -> Option<f64> {
+        let now = self.devices.sampled_at()?;
+        let before = self.rendered_at.replace(now)?;
+        Some(now.saturating_sub(before).as_secs_f64())
     }
 
-    /// What is to be said of the device at the last sample.
+    /// Renders a fresh sample of all devices, and puts the answer through the safety of each.
+    fn render(&mut self, elapsed: Option<f64>, stalled: bool) -> Answer {
+        let (devices, asked) = self.devices.samples();
+        let held_none = devices
+            .iter()
+            .all(|device| device.held == Some(Wrench::NONE));
+        let sample = Fresh {
+            elapsed,
+            was_off: self.is_off && held_none,
+            devices,
+        };
+        let answer = self.rendered.step(&sample, asked);
+        self.devices.judge(&Rendered {
+            elapsed,
+            position: [0.0; 3],
+            coordinate: answer.coordinate,
+            wrench: Wrench::NONE,
+            created_energy: self.rendered.created_energy(),
+            refused: answer.fault.is_some(),
+            stalled,
+        });
+        answer
+    }
+
+    /// Commands what was decided, and tells the renderer what came of it.
+    fn command(&mut self) {
+        self.lost |= self.devices.command(&self.clock, &mut self.teller);
+        for (number, driven) in self.devices.iter().enumerate() {
+            self.rendered
+                .report_written(number, driven.delivered, driven.sent);
+        }
+    }
+
+    /// What is to be said of the first device at the last sample.
     fn seen(&self, woke: Duration) -> Tick {
-        let reading = self.last.as_ref();
-        let time = reading.map_or(woke, |reading| reading.time);
+        let time = self.devices.sampled_at().unwrap_or(woke);
+        let pose = self.devices.first_pose();
         Tick {
-            sequence: self.sequence,
-            time: time.saturating_sub(self.started).as_secs_f64(),
+            sequence: self.teller.sequence,
+            time: time.saturating_sub(self.teller.started).as_secs_f64(),
             generation: self.rendered.generation(),
-            ..reading.map_or(Tick::UNKNOWN, |reading| {
-                posed(reading, self.device.capabilities().axes)
-            })
+            ..pose.map_or(Tick::UNKNOWN, |(pose, axes)| posed(pose, axes))
         }
     }
 
-    fn notes_of(&mut self, verdict: &Verdict) {
-        if let Some(trip) = verdict.recovered {
-            self.note(Note::Recovered(trip));
-        }
-        if let Some(trip) = verdict.tripped {
-            self.note(match trip {
-                Trip::Oscillation => Note::Oscillated {
-                    method: if self.safety.oscillation_is_from_before() {
-                        self.method_before
-                    } else {
-                        self.method
+    /// Tells which trips have begun and ended: of those that are of the loop as a whole, once.
+    fn tell_of_trips(&mut self) {
+        let mut is_first = true;
+        for driven in self.devices.iter_mut() {
+            let is_told = |trip: &Trip| is_first || !trip.is_of_the_loop();
+            let of = |trip: Trip| driven.number.filter(|_| !trip.is_of_the_loop());
+            if let Some(trip) = driven.verdict.recovered.take().filter(is_told) {
+                let now = self.clock.now();
+                self.teller.note(now, of(trip), Note::Recovered(trip));
+            }
+            if let Some(trip) = driven.verdict.tripped.take().filter(is_told) {
+                let note = match trip {
+                    Trip::Oscillation => Note::Oscillated {
+                        method: if driven.safety.oscillation_is_from_before() {
+                            self.method_before
+                        } else {
+                            self.method
+                        },
+                        renders_now: self.rendered.method(),
                     },
-                    renders_now: self.rendered.method(),
-                },
-                other => Note::Tripped(other),
-            });
+                    other => Note::Tripped(other),
+                };
+                self.teller.note(self.clock.now(), of(trip), note);
+            }
+            is_first = false;
         }
     }
 
     fn note(&mut self, note: Note) {
-        if let Some(tap) = &mut self.tap {
-            tap.note(&Noted {
-                sequence: self.sequence,
-                time: (self.clock.now().saturating_sub(self.started)).as_secs_f64(),
-                note,
-            });
-        }
+        self.teller.note(self.clock.now(), None, note);
     }
 }
 
@@ -587,9 +587,4 @@ impl<D: Device, C: Clock, R: Renders> Drop for ControlLoop<D, C, R> {
             let _ = catch_unwind(AssertUnwindSafe(|| self.cut_off()));
         }
     }
-}
-
-/// The earlier of two instants.
-fn first(a: Option<Duration>, b: Option<Duration>) -> Option<Duration> {
-    a.into_iter().chain(b).min()
 }

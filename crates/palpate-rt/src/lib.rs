@@ -49,6 +49,7 @@ mod bounded_world;
 mod control_loop;
 mod deadlines;
 mod delivered;
+mod driven;
 mod fade;
 #[cfg(unix)]
 #[allow(
@@ -92,9 +93,9 @@ pub use note::{Ending, Note, Noted};
 pub use receipt::receipt;
 pub use recorder::{Account, Recorder};
 pub use rendering::{
-    Answer, CHANGE_DURATION, ChangeError, ChangingWorld, FrameError, Fresh, OneContact, Parameters,
-    Rendered, RenderedWorld, Rendering, Renders, WorldAxis, WorldChangeError, WorldFrame,
-    WorldRows, Worlds, changing_world, parameters,
+    Answer, CHANGE_DURATION, ChangeError, ChangingWorld, FrameError, Fresh, FreshDevice,
+    OneContact, Parameters, Rendered, RenderedWorld, Rendering, Renders, WorldAxis,
+    WorldChangeError, WorldFrame, WorldRows, Worlds, changing_world, parameters,
 };
 pub use setup::SetupError;
 pub use statistics::{Durations, LoopStatistics};

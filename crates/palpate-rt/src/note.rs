@@ -106,6 +106,8 @@ pub struct Noted {
     pub sequence: u64,
     /// When, since the loop's start `[s]`.
     pub time: f64,
+    /// Number of the device that it is said of, in a loop of several devices; `None` where it is said of the loop.
+    pub device: Option<u32>,
     /// What happened.
     pub note: Note,
 }
@@ -114,6 +116,13 @@ impl Noted {
     /// The note as recordings have it.
     #[must_use]
     pub fn event(&self) -> Event {
+        self.event_of(&[])
+    }
+
+    /// The same, where the loop has several devices with these names, as
+    /// [`Listener::device_names`](crate::Listener::device_names) has them.
+    #[must_use]
+    pub fn event_of(&self, names: &[String]) -> Event {
         let (kind, text) = match self.note {
             Note::Tripped(trip) => (format!("trip-{}", trip.name()), trip.to_string()),
             Note::Oscillated {
@@ -160,7 +169,26 @@ impl Noted {
             sequence: self.sequence,
             time: self.time,
             kind,
-            text,
+            text: match self.device {
+                None => text,
+                Some(device) => self.of_device(device, names, &text),
+            },
+        }
+    }
+}
+
+impl Noted {
+    /// What is said of one device of several.
+    fn of_device(&self, device: u32, names: &[String], text: &str) -> String {
+        let name = usize::try_from(device).ok().and_then(|at| names.get(at));
+        let of = name.map_or_else(
+            || format!("device {}", u64::from(device) + 1),
+            |name| format!("device `{name}`"),
+        );
+        match self.note {
+            Note::Tripped(_) => format!("{of}: {text}; no device has a force"),
+            Note::Recovered(trip) => format!("{of}: no longer: {trip}"),
+            _ => format!("{of}: {text}"),
         }
     }
 }

@@ -8,7 +8,8 @@ use std::time::{Duration, Instant};
 
 use palpate_files::atomic::WriteError;
 use palpate_record::recording::{
-    ContactTick, Event, LoopCount, LoopTime, Receipt, RecordingWriter, Row, Summary, Tick,
+    ContactTick, DeviceTick, Event, LoopCount, LoopTime, Receipt, RecordingWriter, Row, Summary,
+    Tick,
 };
 
 use crate::note::Ending;
@@ -85,10 +86,16 @@ impl Account {
         }
         if tick.bodies > 0 {
             // A contact of a world does not say what of its force the device feels.
-            let square: f64 = tick.delivered_force.iter().map(|x| x * x).sum();
-            self.peak_force = self.peak_force.max(square.sqrt());
+            self.peak_force = self.peak_force.max(length(tick.delivered_force));
         }
         self.last = Row::of(*tick, contacts).next();
+    }
+
+    /// Takes down the devices of a tick of a loop that has several.
+    pub fn devices(&mut self, devices: &[DeviceTick]) {
+        for device in devices {
+            self.peak_force = self.peak_force.max(length(device.delivered_force));
+        }
     }
 
     /// Takes down something that happened.
@@ -220,6 +227,11 @@ impl Writing {
     }
 }
 
+fn length(vector: [f64; 3]) -> f64 {
+    let square: f64 = vector.iter().map(|x| x * x).sum();
+    square.sqrt()
+}
+
 /// What was counted, as the recording has it.
 fn count(counted: &Counted) -> LoopCount {
     LoopCount {
@@ -238,15 +250,21 @@ fn write_down(listener: &mut Listener, writing: &mut Writing, account: &mut Acco
         let is_last = listener.is_closed();
         let mut rested = true;
         // No more than a part of the room at a time: the flush must come, whoever tells how fast.
-        for told in listener.by_ref().take(Recorder::ROOM / 16) {
+        for _ in 0..Recorder::ROOM / 16 {
+            let Some(told) = listener.next() else {
+                break;
+            };
             rested = false;
             match told {
-                Told::Tick(tick, contacts, bodies) => {
+                Told::Tick(tick, contacts, bodies, devices) => {
                     account.tick(&tick, &contacts);
-                    writing.write(|writer| writer.append_with_bodies(&tick, &contacts, &bodies));
+                    account.devices(&devices);
+                    writing.write(|writer| {
+                        writer.append_with_devices(&tick, &contacts, &bodies, &devices)
+                    });
                 }
                 Told::Note(noted) => {
-                    let event = noted.event();
+                    let event = noted.event_of(listener.device_names());
                     writing.write(|writer| writer.event(&event));
                     account.event(event);
                 }

@@ -14,11 +14,14 @@ pub enum SetupError {
     /// A limit of the safety.
     #[error(transparent)]
     Safety(#[from] SafetyError),
-    /// A world with another number of devices than a loop has.
-    #[error(
-        "the world has {0} devices; a loop in real time has one so far, and `palpate pipe` renders a world of several"
-    )]
-    Devices(usize),
+    /// What is rendered has another number of devices than the loop.
+    #[error("the world has {world} devices, and {given} are given; allowed: one for each")]
+    Devices {
+        /// Devices of the world, or 1 of a contact.
+        world: usize,
+        /// Devices, or places for them, that were given.
+        given: usize,
+    },
     /// A world whose tool turns, on a device that does not.
     #[error(
         "the world's device has six axes (inertia_kg_m2), and this device has no torque about three axes; allowed: a \

@@ -2,10 +2,11 @@
 
 use std::iter;
 use std::sync::Arc;
+use std::time::Duration;
 
-use palpate_record::recording::{BodyTick, ContactTick, Flags, LoopTime, Tick};
+use palpate_record::recording::{BodyTick, ContactTick, DeviceTick, Flags, LoopTime, Tick};
 
-use crate::note::{Ending, Noted};
+use crate::note::{Ending, Note, Noted};
 use crate::tally::{Counts, Tally};
 
 /// What a loop tells.
@@ -13,14 +14,15 @@ use crate::tally::{Counts, Tally};
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug)]
 pub enum Told {
-    /// A tick, with all its contacts, and the bodies of a world that move.
-    Tick(Tick, Vec<ContactTick>, Vec<BodyTick>),
+    /// A tick, with all its contacts, the bodies of a world that move, and the devices of a loop that has several: none
+    /// where it has one.
+    Tick(Tick, Vec<ContactTick>, Vec<BodyTick>, Vec<DeviceTick>),
     /// Something that happened at one.
     Note(Noted),
 }
 
-/// What finds room on the way, or does not. A tick is followed by its contacts and its bodies: they find room
-/// together, or none of them does.
+/// What finds room on the way, or does not. A tick comes behind its devices, if it has several, and is followed by its
+/// contacts and its bodies: they find room together, or none of them does.
 // A box would be an allocation in the loop.
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +30,7 @@ enum Passed {
     Tick(Tick),
     Contact(ContactTick),
     Body(BodyTick),
+    Device(DeviceTick),
     Note(Noted),
 }
 
@@ -70,6 +73,7 @@ impl From<Counts> for Counted {
 pub struct Tap {
     out: rtrb::Producer<Passed>,
     tally: Arc<Tally>,
+    names: Names,
     waits: bool,
 }
 
@@ -79,21 +83,29 @@ pub struct Tap {
 pub struct Listener {
     incoming: rtrb::Consumer<Passed>,
     tally: Arc<Tally>,
+    names: Names,
 }
 
 /// A tap with room for `capacity` ticks of one contact that have not been listened to. A note, each
-/// further contact and each body take half of the room of such a tick; a tick with more of them than fit into all
+/// further contact, each body and each of several devices take half of the room of such a tick; a tick with more of them than fit into all
 /// of the room is always lost.
 #[must_use]
 pub fn tap(capacity: usize) -> (Tap, Listener) {
     let (out, incoming) = rtrb::RingBuffer::new(2 * capacity);
     let tally = Arc::new(Tally::new());
+    let names = Names::default();
     let tap = Tap {
         out,
         tally: Arc::clone(&tally),
+        names: Arc::clone(&names),
         waits: false,
     };
-    (tap, Listener { incoming, tally })
+    let listener = Listener {
+        incoming,
+        tally,
+        names,
+    };
+    (tap, listener)
 }
 
 impl Tap {
@@ -105,6 +117,17 @@ impl Tap {
 
     /// Tells a tick as [`tick`](Self::tick) does, with the bodies of the world that move.
     pub fn tick_with_bodies(&mut self, tick: &Tick, contacts: &[ContactTick], bodies: &[BodyTick]) {
+        self.tick_with_devices(tick, contacts, bodies, &[]);
+    }
+
+    /// Tells a tick as [`tick_with_bodies`](Self::tick_with_bodies) does, with each device of a loop that has several.
+    pub fn tick_with_devices(
+        &mut self,
+        tick: &Tick,
+        contacts: &[ContactTick],
+        bodies: &[BodyTick],
+        devices: &[DeviceTick],
+    ) {
         self.tally.made(tick.sequence.saturating_add(1));
         if tick.flags.has(Flags::SAFETY_TRIPPED) {
             self.tally.was_off();
@@ -114,10 +137,18 @@ impl Tap {
             bodies: u32::try_from(bodies.len()).unwrap_or(u32::MAX),
             ..*tick
         });
-        let count = 1 + contacts.len() + bodies.len();
+        let count = devices.len() + 1 + contacts.len() + bodies.len();
         let contacts = contacts.iter().copied().map(Passed::Contact);
         let bodies = bodies.iter().copied().map(Passed::Body);
-        self.push(count, iter::once(passed).chain(contacts).chain(bodies));
+        let devices = devices.iter().copied().map(Passed::Device);
+        let of_tick = iter::once(passed).chain(contacts).chain(bodies);
+        self.push(count, devices.chain(of_tick));
+    }
+
+    /// Tells the names of the devices of a loop that has several, in their order; for before its first tick, and once.
+    pub(crate) fn name_devices(&self, names: Vec<String>) {
+        // The first ones stay.
+        let _ = self.names.set(names);
     }
 
     /// Tells how long the loop ran so far, and for how much of that no force was delivered.
@@ -189,6 +220,37 @@ impl Tap {
     }
 }
 
+/// The names of several devices, once they are told.
+#[expect(
+    clippy::disallowed_types,
+    reason = "the loop writes it before its first tick; its listener reads it"
+)]
+type Names = Arc<std::sync::OnceLock<Vec<String>>>;
+
+/// Tells what a loop does, if somebody listens, with the number of its tick and the time since its start.
+#[derive(Debug, Default)]
+pub(crate) struct Teller {
+    pub tap: Option<Tap>,
+    /// Number of the tick.
+    pub sequence: u64,
+    /// When the loop began.
+    pub started: Duration,
+}
+
+impl Teller {
+    /// Tells something that happened at `now`; of one device where the loop has several.
+    pub fn note(&mut self, now: Duration, device: Option<u32>, note: Note) {
+        if let Some(tap) = &mut self.tap {
+            tap.note(&Noted {
+                sequence: self.sequence,
+                time: now.saturating_sub(self.started).as_secs_f64(),
+                device,
+                note,
+            });
+        }
+    }
+}
+
 impl Drop for Tap {
     fn drop(&mut self) {
         self.tally.close();
@@ -208,6 +270,12 @@ impl Listener {
         self.tally.counts().into()
     }
 
+    /// The names of the devices of a loop that has several, in their order; none where it has one.
+    #[must_use]
+    pub fn device_names(&self) -> &[String] {
+        self.names.get().map_or(&[], Vec::as_slice)
+    }
+
     /// Whether nothing more will be told; what was may still be here. Asked before the last item is
     /// taken, it says that there is no other.
     #[must_use]
@@ -220,6 +288,7 @@ impl Iterator for Listener {
     type Item = Told;
 
     fn next(&mut self) -> Option<Told> {
+        let mut devices = Vec::new();
         loop {
             match self.incoming.pop().ok()? {
                 Passed::Note(noted) => return Some(Told::Note(noted)),
@@ -233,8 +302,9 @@ impl Iterator for Listener {
                         Ok(Passed::Body(body)) => Some(body),
                         _ => None,
                     });
-                    return Some(Told::Tick(tick, contacts, bodies.collect()));
+                    return Some(Told::Tick(tick, contacts, bodies.collect(), devices));
                 }
+                Passed::Device(device) => devices.push(device),
                 // They stand behind their tick, which has taken them.
                 Passed::Contact(_) | Passed::Body(_) => {}
             }
@@ -271,7 +341,7 @@ mod tests {
     fn told(listener: &mut Listener) -> Vec<(u64, Vec<f64>)> {
         listener
             .map(|told| match told {
-                Told::Tick(tick, contacts, _) => {
+                Told::Tick(tick, contacts, _, _) => {
                     assert_eq!(tick.contacts as usize, contacts.len());
                     let depths = contacts.iter().map(|contact| contact.penetration);
                     (tick.sequence, depths.collect())
@@ -297,9 +367,24 @@ mod tests {
         // There is room again, and now the ring begins anew within a tick.
         tap.tick(&tick(5), &contacts(3));
         assert_eq!(told(&mut listener), [(5, vec![0.0, 1.0, 2.0])]);
+        // Each of several devices takes its room too, and comes with its tick.
+        let device = DeviceTick {
+            devices: 2,
+            ..DeviceTick::default()
+        };
+        tap.tick_with_devices(&tick(8), &contacts(6), &[], &[device; 2]);
+        tap.tick_with_devices(&tick(9), &contacts(5), &[], &[device; 2]);
+        let Some(Told::Tick(told_of, of_contacts, _, devices)) = listener.next() else {
+            panic!("there was room for the second");
+        };
+        assert_eq!(
+            (told_of.sequence, of_contacts.len(), devices.len()),
+            (9, 5, 2)
+        );
+        assert_eq!((tap.lost(), listener.next().is_none()), (3, true));
         // More contacts than there is room for are lost, whoever listens.
         let mut tap = tap.waiting();
         tap.tick(&tick(6), &contacts(8));
-        assert_eq!((tap.lost(), told(&mut listener)), (3, vec![]));
+        assert_eq!((tap.lost(), told(&mut listener)), (4, vec![]));
     }
 }

@@ -261,7 +261,7 @@ fn what_a_loop_does_is_recorded_tick_by_tick() {
     let mut ticks = 0;
     let mut before = f64::NEG_INFINITY;
     for entry in recording.entries().unwrap() {
-        if let Entry::Tick(tick, _, _) = entry.unwrap() {
+        if let Entry::Tick(tick, ..) = entry.unwrap() {
             assert!(tick.time > before);
             before = tick.time;
             ticks += 1;
@@ -313,7 +313,7 @@ fn tail_without_room(contacts: usize) {
     );
     assert_eq!(recording.lost(), made - held);
     for entry in recording.entries().unwrap() {
-        if let Entry::Tick(tick, of_tick, _) = entry.unwrap() {
+        if let Entry::Tick(tick, of_tick, _, _) = entry.unwrap() {
             assert_eq!(of_tick.len(), contacts, "{}", tick.sequence);
         }
     }

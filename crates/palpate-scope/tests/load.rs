@@ -66,7 +66,7 @@ fn eight_clients_and_a_recording_at_four_kilohertz_lose_nothing() {
     assert!(recording.is_whole());
     let mut expected = 0;
     for entry in recording.entries().unwrap() {
-        if let Entry::Tick(tick, _, _) = entry.unwrap() {
+        if let Entry::Tick(tick, ..) = entry.unwrap() {
             assert_eq!(tick.sequence, expected, "by its number");
             expected += 1;
         }

@@ -332,7 +332,7 @@ fn a_recording_begins_and_ends_while_the_loop_runs() {
         let mut changes = Vec::new();
         for (number, entry) in recording.entries().unwrap().enumerate() {
             match entry.unwrap() {
-                Entry::Tick(tick, _, _) => {
+                Entry::Tick(tick, ..) => {
                     if generations.is_empty() {
                         assert_eq!((tick.sequence, number), (0, 0));
                     }
@@ -401,7 +401,7 @@ fn the_page_sees_every_peak_of_a_fast_loop() {
         .entries()
         .unwrap()
         .filter_map(|entry| match entry.unwrap() {
-            Entry::Tick(tick, contacts, _) => Some((tick.time, contacts[0].force_on_device)),
+            Entry::Tick(tick, contacts, _, _) => Some((tick.time, contacts[0].force_on_device)),
             Entry::Event(_) => None,
         })
         .collect();

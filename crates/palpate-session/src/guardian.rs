@@ -64,6 +64,13 @@ impl Guarding {
         lost
     }
 
+    /// How several devices were guarded, all of them in one; `None`: none of them holds its force by itself.
+    #[must_use]
+    pub fn report_of(&self, on: bool, devices: &[&Capabilities]) -> Option<GuardianReport> {
+        let holds = devices.iter().find(|device| device.holds_last_force)?;
+        self.report(on, holds)
+    }
+
     /// How a device was guarded, if guardians were `on`; `None`: it holds no force by itself.
     #[must_use]
     pub fn report(&self, on: bool, device: &Capabilities) -> Option<GuardianReport> {

@@ -39,6 +39,11 @@ pub struct RunReport {
     timing: TimingReport,
     /// What holds the force at none at the end, if something does.
     trip: Option<&'static str>,
+    #[serde(skip)]
+    several: bool,
+    /// Which of several devices has tripped, by its name in the world.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tripped_device: Option<String>,
     supervisor_cuts: u64,
     /// How long the loop ran.
     lasted_s: f64,
@@ -194,12 +199,35 @@ impl RunReport {
         account: &Account,
         recording: Option<&Recording>,
     ) -> Self {
+        Self::of_devices(subject, &[device], &[""], end, answers, account, recording)
+    }
+
+    /// The same of a loop on several `devices`, which have these `names` in its world.
+    #[must_use]
+    pub fn of_devices<D: Device, C: Clock, R: Renders>(
+        subject: Subject<'_>,
+        devices: &[&Capabilities],
+        names: &[&str],
+        end: &LoopEnd<D, C, R>,
+        answers: &[Answer],
+        account: &Account,
+        recording: Option<&Recording>,
+    ) -> Self {
+        let several = devices.len() > 1;
+        let named = devices.iter().zip(names).map(|(device, name)| {
+            if several {
+                format!("{name}: {}", device.name)
+            } else {
+                device.name.clone()
+            }
+        });
+        let tripped = end.control.tripped_device().filter(|_| several);
         let last = account.last.unwrap_or_default().contact;
         Self {
             format: FORMAT,
             title: subject.title.to_owned(),
             method: subject.method,
-            device: device.name.clone(),
+            device: named.collect::<Vec<_>>().join(", "),
             period_s: subject.period,
             ending: end.ending.text(),
             realtime: answers
@@ -212,6 +240,10 @@ impl RunReport {
                 .collect(),
             timing: (&end.statistics).into(),
             trip: end.trip.map(palpate_rt::safety::Trip::name),
+            several,
+            tripped_device: tripped
+                .and_then(|(device, _)| names.get(device))
+                .map(|name| (*name).to_owned()),
             supervisor_cuts: end.cuts,
             lasted_s: seconds(end.statistics.time.lasted),
             motors_off_s: seconds(end.statistics.time.motors_off),
@@ -288,8 +320,9 @@ impl fmt::Display for RunReport {
         writeln!(f, "{}", self.title)?;
         writeln!(
             f,
-            "{} on the device `{}` at {} Hz; {}{}",
+            "{} on the {} `{}` at {} Hz; {}{}",
             self.method,
+            if self.several { "devices" } else { "device" },
             self.device,
             digits(1.0 / self.period_s),
             self.ending,
@@ -323,7 +356,9 @@ impl fmt::Display for RunReport {
             writeln!(f, "the supervisor commanded no force {times}")?;
         }
         if let Some(trip) = self.trip {
-            writeln!(f, "safety had tripped and stayed so: {trip}")?;
+            let of = self.tripped_device.as_ref();
+            let of = of.map_or_else(String::new, |name| format!(", by the device `{name}`"));
+            writeln!(f, "safety had tripped and stayed so: {trip}{of}")?;
         }
         for event in self.events.iter().take(SHOWN) {
             writeln!(f, "  {:>10.4} s  {}: {}", event.t_s, event.kind, event.text)?;

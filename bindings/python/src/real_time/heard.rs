@@ -179,7 +179,7 @@ pub fn listen(mut listener: Listener, mut recording: Option<Tap>, heard: &Heard)
         for told in listener.by_ref().take(AT_ONCE) {
             rested = false;
             match told {
-                Told::Tick(tick, contacts, bodies) => {
+                Told::Tick(tick, contacts, bodies, _) => {
                     came += 1;
                     news.lost = tick.sequence + 1 - came;
                     news.last = Some(tick);

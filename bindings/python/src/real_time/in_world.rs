@@ -177,7 +177,7 @@ fn only_device(scene: &WorldScene) -> PyResult<&WorldDevice> {
     match &scene.devices[..] {
         [own] => Ok(own),
         several => Err(refused(format!(
-            "the world has {} devices; a loop in real time has one so far, and World.step takes several",
+            "the world has {} devices; palpate.Loop has one so far: World.step takes several, and so does `palpate run`",
             several.len()
         ))),
     }

@@ -8,6 +8,12 @@ use clap::{ArgMatches, Args, Command, FromArgMatches};
 pub struct Given(Vec<String>);
 
 impl Given {
+    /// A flag that stands on the command line and is one of `known`, by their fields' names; as it is written.
+    pub fn one_of(&self, known: &[&str]) -> Option<String> {
+        let one = self.0.iter().find(|name| known.contains(&name.as_str()))?;
+        Some(format!("--{}", one.replace('_', "-")))
+    }
+
     /// A flag that stands on the command line and is not one of `known`, by their fields' names; as it is
     /// written.
     pub fn other_than(&self, known: &[&str]) -> Option<String> {

@@ -22,8 +22,8 @@ pub struct ConvertArguments {
     /// What kind of table; parquet where built with the feature parquet
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t = Format::Csv)]
     pub to: Format,
-    /// File to write, - for standard output; events go to a CSV file beside it, NAME-events.csv, and the bodies of a
-    /// world to NAME-bodies.csv
+    /// File to write, - for standard output; events go to a CSV file beside it, NAME-events.csv, the bodies of a world
+    /// to NAME-bodies.csv, and each device of a loop with several to NAME-devices.csv
     /// [default: that of the recording, with .csv or .parquet]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub out: Option<PathBuf>,
@@ -81,6 +81,11 @@ pub fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
     if let Some(bodies) = &bodies {
         outputs.plan("the table of bodies", bodies)?;
     }
+    let devices = (recording.devices > 1 && out != Path::new(STANDARD_OUTPUT))
+        .then(|| table_beside(&out, "devices"));
+    if let Some(devices) = &devices {
+        outputs.plan("the table of devices", devices)?;
+    }
     let mut wrote = String::new();
     if out == Path::new(STANDARD_OUTPUT) {
         drop(progress);
@@ -96,6 +101,13 @@ pub fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
             crate::failure::tell(format_args!(
                 "{}: the bodies of the world left out; they go to a file beside --out FILE",
                 path.display()
+            ));
+        }
+        if recording.devices > 1 {
+            crate::failure::tell(format_args!(
+                "{}: what is said of each of {} devices left out; it goes to a file beside --out FILE",
+                path.display(),
+                recording.devices
             ));
         }
         if recording.events > 0 {
@@ -121,6 +133,14 @@ pub fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
         if let Some(bodies) = &bodies {
             outputs.write(bodies, |writer| recording.write_bodies_csv(writer))?;
             wrote += &format!("wrote {}: the bodies of each tick\n", bodies.display());
+        }
+        if let Some(devices) = &devices {
+            outputs.write(devices, |writer| recording.write_devices_csv(writer))?;
+            let count = recording.devices;
+            wrote += &format!(
+                "wrote {}: {count} devices of each tick\n",
+                devices.display()
+            );
         }
         drop(progress);
     }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum, ValueHint};
 use palpate_record::unit::LengthUnit;
 
+use super::choice::{Choice, ChoiceParser};
 use super::inverse3::Inverse3Arguments;
 use crate::arguments::PartFlags;
 use crate::failure::Failure;
@@ -17,9 +18,10 @@ use crate::values::{
 #[derive(Args, Debug, Clone)]
 #[command(next_help_heading = "Device")]
 pub struct DeviceArguments {
-    /// Device
-    #[arg(long, value_name = "NAME", value_enum, default_value_t = DeviceName::Simulated)]
-    pub device: DeviceName,
+    /// Device; for each device of a world that has several, --device "NAME=DEVICE FLAGS", with its name in the scene and
+    /// the flags of that device in the same quotes
+    #[arg(long, value_name = "NAME", value_parser = ChoiceParser, default_value = "simulated")]
+    pub device: Vec<Choice>,
     /// Motion of the device `replay`: a recording (.mcap), or CSV with the columns t_s,position_m
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath,
           required_if_eq("device", "replay"))]
@@ -106,10 +108,35 @@ impl DeviceArguments {
         self.guardian != Some(OnOff::Off)
     }
 
-    /// Refuses a flag that belongs to another device.
+    /// The device that is named: the first one.
+    pub fn kind(&self) -> DeviceName {
+        self.device
+            .first()
+            .map_or(DeviceName::Simulated, |choice| match choice {
+                Choice::Of { arguments, .. } => arguments.kind(),
+                Choice::Kind(kind) => *kind,
+            })
+    }
+
+    /// Whether each device that holds its last force gets a guardian.
+    pub fn are_guarded(&self) -> bool {
+        self.device.iter().all(|choice| match choice {
+            Choice::Kind(_) => self.is_guarded(),
+            Choice::Of { arguments, .. } => arguments.is_guarded(),
+        })
+    }
+
+    /// Refuses a flag that belongs to another device, and several devices.
     pub fn check(&self) -> Result<(), Failure> {
-        self.inverse3.check(self.device)?;
-        if self.motion.is_some() && self.device != DeviceName::Replay {
+        let [Choice::Kind(device)] = self.device[..] else {
+            return Err(Failure::Arguments(
+                "--device: one device, by its kind alone, is what this takes; several, as NAME=DEVICE, are for `palpate run` \
+                 and `record` of a world with several"
+                    .into(),
+            ));
+        };
+        self.inverse3.check(device)?;
+        if self.motion.is_some() && device != DeviceName::Replay {
             return Err(Failure::Arguments(
                 "--motion is the motion of --device replay".into(),
             ));
@@ -132,14 +159,14 @@ impl DeviceArguments {
             ("--guardian", self.guardian.is_some()),
             ("--reconnect-in-start-pose", self.reconnect_in_start_pose),
         ];
-        let goes = matches!(self.device, DeviceName::Haply2diy | DeviceName::Inverse3);
+        let goes = matches!(device, DeviceName::Haply2diy | DeviceName::Inverse3);
         if self.reconnect && !goes {
             return Err(Failure::Arguments(
                 "--reconnect is for devices that can go: haply-2diy and inverse3".into(),
             ));
         }
         let is_promised = self.reconnect_in_start_pose || std::io::stdin().is_terminal();
-        if self.reconnect && self.device == DeviceName::Haply2diy && !is_promised {
+        if self.reconnect && device == DeviceName::Haply2diy && !is_promised {
             return Err(Failure::Arguments(
                 "--reconnect: a 2DIY counts from where its arm is when it is opened anew, and \
                  without a terminal nobody can press enter when that is its start pose; \
@@ -148,9 +175,9 @@ impl DeviceArguments {
             ));
         }
         match of_the_2diy.iter().find(|(_, given)| *given) {
-            Some((flag, _)) if self.device != DeviceName::Haply2diy => Err(Failure::Arguments(
-                format!("{flag} is for --device haply-2diy"),
-            )),
+            Some((flag, _)) if device != DeviceName::Haply2diy => Err(Failure::Arguments(format!(
+                "{flag} is for --device haply-2diy"
+            ))),
             _ => Ok(()),
         }
     }

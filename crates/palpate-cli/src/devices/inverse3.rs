@@ -61,12 +61,12 @@ impl Inverse3Arguments {
     }
 }
 
-/// Opens it, for a loop of `period` `[s]`; with where its cursor is now `[m]`.
+/// Opens it, for a loop of `period` `[s]`; with where its cursor is now `[m]`, and which it is.
 pub fn open<C: Clock>(
     arguments: &DeviceArguments,
     period: f64,
     clock: &C,
-) -> Result<(Box<dyn Device>, Vector), Failure> {
+) -> Result<(Box<dyn Device>, Vector, String), Failure> {
     if !C::RUNS {
         return Err(Failure::Arguments(
             "--fast is for devices without a motor: this one keeps its own time".into(),
@@ -92,16 +92,20 @@ pub fn open<C: Clock>(
         ));
     }
     let opened_at = device.opened_at();
+    // One service by two names is one.
+    let service = options.service.replace("//localhost", "//127.0.0.1");
+    let service = service.trim_end_matches('/');
+    let identity = format!("Inverse3 {} of {service}", device.device_id());
     let device = watched(device, !arguments.reconnect);
     if !arguments.reconnect {
-        return Ok((device, opened_at));
+        return Ok((device, opened_at, identity));
     }
     let clock = clock.clone();
     let reopen: Reopen = Box::new(move || {
         let device = Inverse3::open(&options, clock.clone()).map_err(|error| error.to_string())?;
         Ok(watched(device, false))
     });
-    Ok((reconnecting(device, reopen)?, opened_at))
+    Ok((reconnecting(device, reopen)?, opened_at, identity))
 }
 
 fn watched<C: Clock>(device: Inverse3<C>, says_why: bool) -> Box<dyn Device> {

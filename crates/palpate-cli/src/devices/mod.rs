@@ -4,15 +4,18 @@
 //! to a device has a file of its own.
 
 mod arguments;
+mod choice;
 #[cfg(unix)]
 pub mod guarding;
 pub mod inverse3;
 mod placed;
 pub mod replayed;
+mod several;
 #[cfg(unix)]
 pub mod two_diy;
 
 pub use arguments::{DeviceArguments, DeviceName};
+pub use several::{names, open_for_world};
 
 use palpate::AlongAxis;
 use palpate_device::clock::Clock;
@@ -20,7 +23,7 @@ use palpate_device::{Device, NullDevice, Vector};
 use palpate_devices::{Axis, FIRST_AXIS, Reconnecting, Reopen};
 use palpate_rt::WorldFrame;
 use palpate_scene::Scene;
-use palpate_scene::world::WorldScene;
+use palpate_scene::world::{WorldDevice, WorldScene};
 use palpate_sim::device::{
     PointerDevice, PointerHand, PointerParams, SimulatedDevice, SpatialDevice, SpatialHand,
     SpatialPointer,
@@ -55,7 +58,7 @@ pub fn open<C: Clock>(
             "--world-axes is for a world; a scene of one contact has --normal".into(),
         ));
     }
-    let (device, usual): (Box<dyn Device>, _) = match arguments.device {
+    let (device, usual): (Box<dyn Device>, _) = match arguments.kind() {
         DeviceName::Simulated => {
             let device = SimulatedDevice::of(scene, clock.clone()).map_err(Failure::input)?;
             (Box::new(device), FIRST_AXIS)
@@ -70,10 +73,13 @@ pub fn open<C: Clock>(
             (Box::new(device), FIRST_AXIS)
         }
         DeviceName::Haply2diy => {
-            open_two_diy(arguments, scene.loop_params.period, clock, guarding)?
+            let (device, axis, _) =
+                open_two_diy(arguments, scene.loop_params.period, clock, guarding)?;
+            (device, axis)
         }
         DeviceName::Inverse3 => {
-            let (device, mut origin) = inverse3::open(arguments, scene.loop_params.period, clock)?;
+            let (device, mut origin, _) =
+                inverse3::open(arguments, scene.loop_params.period, clock)?;
             // Where the cursor is now is where the scene has its device at the start.
             let direction = inverse3::direction(arguments);
             for (origin, along) in origin.iter_mut().zip(direction) {
@@ -93,19 +99,12 @@ pub struct OpenedInWorld {
     pub device: Box<dyn Device>,
     /// Where it stands.
     pub frame: WorldFrame,
+    /// What tells this device from all others of this machine, if it is a real one.
+    identity: Option<String>,
 }
 
-/// Opens the device that `arguments` name, for the world that will be rendered on it, as [`open`] does for one contact.
-pub fn open_in_world<C: Clock>(
-    arguments: &DeviceArguments,
-    scene: &WorldScene,
-    clock: &C,
-    guarding: &Guarding,
-) -> Result<OpenedInWorld, Failure> {
-    open_in_world_with(arguments, scene, clock, guarding, None)
-}
-
-/// The same, with the hand that leads the device `pointer`; without one the device stays where it begins.
+/// Opens the only device of a world, as [`open`] does for one contact, with the hand that leads the device `pointer`; without
+/// one that device stays where it begins.
 pub fn open_in_world_with<C: Clock>(
     arguments: &DeviceArguments,
     scene: &WorldScene,
@@ -113,17 +112,31 @@ pub fn open_in_world_with<C: Clock>(
     guarding: &Guarding,
     hand: Option<&SpatialHand>,
 ) -> Result<OpenedInWorld, Failure> {
-    arguments.check()?;
     let [own] = &scene.devices[..] else {
         return Err(Failure::input(format_args!(
-            "the world has {} devices; a loop in real time has one so far, and `palpate pipe` renders a world of several",
+            "the world has {} devices; here a world of one device is rendered, `palpate run` and `palpate record` \
+             render one of several",
             scene.devices.len()
         )));
     };
+    open_as(own, arguments, scene, clock, guarding, hand)
+}
+
+/// Opens the device that `arguments` name as the device `own` of a world.
+fn open_as<C: Clock>(
+    own: &WorldDevice,
+    arguments: &DeviceArguments,
+    scene: &WorldScene,
+    clock: &C,
+    guarding: &Guarding,
+    hand: Option<&SpatialHand>,
+) -> Result<OpenedInWorld, Failure> {
+    arguments.check()?;
+    let mut identity = None;
     let period = scene.timing.period;
     let wrong = |error: palpate_testbed::InvalidParameter| Failure::input(error);
     // The place of the device that is where its tool begins in the world.
-    let (device, usual): (Box<dyn Device>, Option<Vector>) = match arguments.device {
+    let (device, usual): (Box<dyn Device>, Option<Vector>) = match arguments.kind() {
         DeviceName::Simulated => {
             let device = SpatialDevice::new(own, &scene.timing.actuator, clock.clone());
             (Box::new(device.map_err(wrong)?), None)
@@ -143,17 +156,23 @@ pub fn open_in_world_with<C: Clock>(
             ));
         }
         DeviceName::Haply2diy => {
-            let (device, (origin, _)) = open_two_diy(arguments, period, clock, guarding)?;
+            let (device, (origin, _), port) = open_two_diy(arguments, period, clock, guarding)?;
+            identity = Some(port);
             (device, Some(origin))
         }
         DeviceName::Inverse3 => {
-            let (device, origin) = inverse3::open(arguments, period, clock)?;
+            let (device, origin, at) = inverse3::open(arguments, period, clock)?;
+            identity = Some(at);
             (device, Some(origin))
         }
     };
     warn_if_unguarded(device.as_ref(), arguments);
     let frame = placed::frame(arguments, device.capabilities(), usual, own.position)?;
-    Ok(OpenedInWorld { device, frame })
+    Ok(OpenedInWorld {
+        device,
+        frame,
+        identity,
+    })
 }
 
 fn warn_if_unguarded(device: &dyn Device, arguments: &DeviceArguments) {
@@ -171,7 +190,7 @@ fn open_two_diy<C: Clock>(
     period_seconds: f64,
     clock: &C,
     guarding: &Guarding,
-) -> Result<(Box<dyn Device>, Axis), Failure> {
+) -> Result<(Box<dyn Device>, Axis, String), Failure> {
     if !C::RUNS {
         return Err(Failure::Arguments(
             "--fast is for devices without a motor: this one keeps its own time".into(),
@@ -181,7 +200,11 @@ fn open_two_diy<C: Clock>(
     let mut setup = two_diy::setup(arguments);
     let axis = usual_axis(setup.generation);
     // Only this one is gone on with.
-    setup.port = Some(setup.port().map_err(two_diy::no_port)?);
+    let port = setup.port().map_err(two_diy::no_port)?;
+    // One port by two names is one.
+    let identity = port.canonicalize().unwrap_or_else(|_| port.clone());
+    let identity = identity.display().to_string();
+    setup.port = Some(port);
     let guarding = arguments.is_guarded().then_some(guarding);
     let device = two_diy::open(&setup, period, clock, guarding)?;
     let [first, second] = device.angles();
@@ -192,7 +215,7 @@ fn open_two_diy<C: Clock>(
     ));
     let device = two_diy::watched(device, !arguments.reconnect);
     if !arguments.reconnect {
-        return Ok((device, axis));
+        return Ok((device, axis, identity));
     }
     let reopen = two_diy::reopen(
         setup,
@@ -201,7 +224,7 @@ fn open_two_diy<C: Clock>(
         clock.clone(),
         guarding.cloned(),
     );
-    Ok((reconnecting(device, reopen)?, axis))
+    Ok((reconnecting(device, reopen)?, axis, identity))
 }
 
 /// A device that is waited for when it has gone.
@@ -217,7 +240,7 @@ fn open_two_diy<C: Clock>(
     _: f64,
     _: &C,
     _: &Guarding,
-) -> Result<(Box<dyn Device>, Axis), Failure> {
+) -> Result<(Box<dyn Device>, Axis, String), Failure> {
     Err(Failure::System(
         "the driver of the 2DIY needs Linux or macOS".into(),
     ))

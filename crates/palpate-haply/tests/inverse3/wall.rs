@@ -95,7 +95,7 @@ impl Run {
         let (mut ticks, mut notes) = (Vec::new(), Vec::new());
         for told in self.listener {
             match told {
-                Told::Tick(tick, contacts, _) => {
+                Told::Tick(tick, contacts, _, _) => {
                     let missing = tick
                         .flags
                         .has(palpate_record::recording::Flags::DEVICE_FAULT);

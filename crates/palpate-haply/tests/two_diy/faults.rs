@@ -57,7 +57,7 @@ fn with(fault: Fault, comes_back: bool) -> Ran {
     let (mut ticks, mut notes) = (Vec::new(), Vec::new());
     for told in listener {
         match told {
-            Told::Tick(tick, contacts, _) => ticks.extend(Row::of(tick, &contacts)),
+            Told::Tick(tick, contacts, _, _) => ticks.extend(Row::of(tick, &contacts)),
             Told::Note(noted) => notes.push(noted),
         }
     }

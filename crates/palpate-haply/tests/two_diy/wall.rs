@@ -27,7 +27,7 @@ fn a_wall_holds_a_hand() {
     assert!(is_none(emulator.torques()));
     let ticks: Vec<_> = listener
         .filter_map(|told| match told {
-            Told::Tick(tick, contacts, _) => Row::of(tick, &contacts).next(),
+            Told::Tick(tick, contacts, _, _) => Row::of(tick, &contacts).next(),
             Told::Note(_) => None,
         })
         .collect();

@@ -7,19 +7,19 @@ use mcap::parse_record;
 use mcap::records::{ChunkHeader, Record, op};
 
 use super::frames::records;
-use super::gather::Gather;
+use super::gather::{Gather, Whole};
 use super::layout::{Holds, Layout};
 use super::loss::Loss;
 use super::read::Entry;
 use super::unpack::unpack;
 use super::{
-    BODY_TOPIC, BodyTick, CONTACT_TOPIC, ContactTick, EVENT_TOPIC, Event, LONGEST_RECORD,
-    MESSAGE_ENCODING, TICK_TOPIC, Tick, schema,
+    BODY_TOPIC, CONTACT_TOPIC, DEVICE_TOPIC, EVENT_TOPIC, Event, LONGEST_RECORD, MESSAGE_ENCODING,
+    TICK_TOPIC, schema,
 };
 
 #[derive(Clone)]
 enum Channel {
-    /// Ticks, contacts or bodies, with where the columns stand in a message.
+    /// Ticks, contacts, bodies or devices, with where the columns stand in a message.
     Rows(Arc<Layout>),
     Events,
     /// Somebody else's.
@@ -29,7 +29,7 @@ enum Channel {
 /// What is known from the chunks so far: which channel is which, and which ticks are there.
 #[derive(Clone)]
 pub(super) struct Content {
-    /// What the types of ticks, contacts and bodies say, by their numbers.
+    /// What the types of ticks, contacts, bodies and devices say, by their numbers.
     layouts: BTreeMap<u16, Arc<Layout>>,
     channels: BTreeMap<u16, Channel>,
     /// The ticks where the file does not say how they are laid out.
@@ -52,11 +52,13 @@ impl Content {
             _ => {
                 let of_contacts = Channel::Rows(Arc::new(Layout::of_contact()));
                 let of_bodies = Channel::Rows(Arc::new(Layout::of_body()));
+                let of_devices = Channel::Rows(Arc::new(Layout::of_device()));
                 [
                     (1, of_ticks),
                     (2, of_contacts),
                     (3, Channel::Events),
                     (4, of_bodies),
+                    (5, of_devices),
                 ]
                 .into()
             }
@@ -162,6 +164,9 @@ impl Content {
                     BODY_TOPIC => {
                         Channel::Rows(told().unwrap_or_else(|| Arc::new(Layout::of_body())))
                     }
+                    DEVICE_TOPIC => {
+                        Channel::Rows(told().unwrap_or_else(|| Arc::new(Layout::of_device())))
+                    }
                     EVENT_TOPIC => Channel::Events,
                     _ => Channel::Other,
                 };
@@ -191,27 +196,25 @@ impl Content {
         let row = layout.decode(message).ok_or(match layout.holds {
             Holds::Contact => "a message is not a contact",
             Holds::Body => "a message is not a body",
+            Holds::Device => "a message is not a device",
             Holds::Tick | Holds::Both => "a message is not a tick",
         })?;
         let whole = match layout.holds {
-            Holds::Tick => self.gather.tick(row.tick),
+            Holds::Device => {
+                self.gather.device(row.device)?;
+                None
+            }
+            Holds::Tick => self.gather.tick(row.tick)?,
             Holds::Contact => self.gather.contact(row.contact)?,
             Holds::Body => self.gather.body(row.body),
-            Holds::Both => Some((row.tick, vec![row.contact], Vec::new())),
+            Holds::Both => Some((row.tick, vec![row.contact], Vec::new(), Vec::new())),
         };
-        whole
-            .map(|(tick, contacts, bodies)| self.whole(tick, contacts, bodies))
-            .transpose()
+        whole.map(|whole| self.whole(whole)).transpose()
     }
 
-    fn whole(
-        &mut self,
-        tick: Tick,
-        contacts: Vec<ContactTick>,
-        bodies: Vec<BodyTick>,
-    ) -> Result<Entry, String> {
+    fn whole(&mut self, (tick, contacts, bodies, devices): Whole) -> Result<Entry, String> {
         if self.loss.tick(tick.sequence) {
-            return Ok(Entry::Tick(tick, contacts, bodies));
+            return Ok(Entry::Tick(tick, contacts, bodies, devices));
         }
         Err(format!(
             "tick {} does not come after the one before it",

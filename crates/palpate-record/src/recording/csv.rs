@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::io::{self, Write};
 
 use super::export::{columns, names, receipt};
-use super::{BodyTick, Column, Entry, Recording, Row, Value, event};
+use super::{BodyTick, Column, DeviceTick, Entry, Recording, Row, Value, event};
 use crate::run::{Cell, RunWriter};
 
 impl Recording {
@@ -34,11 +34,34 @@ impl Recording {
         let columns: Vec<_> = BodyTick::COLUMNS.iter().chain(time).collect();
         let mut rows = RunWriter::new(out, &receipt, &names(&columns))?;
         for entry in self.entries().map_err(io::Error::other)? {
-            if let Entry::Tick(tick, _, bodies) = entry.map_err(io::Error::other)? {
+            if let Entry::Tick(tick, _, bodies, _) = entry.map_err(io::Error::other)? {
                 for body in bodies {
                     let row = Row {
                         tick,
                         body,
+                        ..Row::UNKNOWN
+                    };
+                    write_row(&mut rows, &columns, &row)?;
+                }
+            }
+        }
+        rows.finish()?;
+        Ok(())
+    }
+
+    /// Writes every device of every tick of a loop that has several as a [run file](crate::run).
+    ///
+    /// # Errors
+    /// There is no such device; the recording cannot be read any more; what `out` says.
+    pub fn write_devices_csv(&self, out: &mut dyn Write) -> io::Result<()> {
+        let receipt = [("recording", self.path().display().to_string())];
+        let columns: Vec<_> = DeviceTick::COLUMNS.iter().collect();
+        let mut rows = RunWriter::new(out, &receipt, &names(&columns))?;
+        for entry in self.entries().map_err(io::Error::other)? {
+            if let Entry::Tick(.., devices) = entry.map_err(io::Error::other)? {
+                for device in devices {
+                    let row = Row {
+                        device,
                         ..Row::UNKNOWN
                     };
                     write_row(&mut rows, &columns, &row)?;

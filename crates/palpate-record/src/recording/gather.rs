@@ -1,30 +1,58 @@
 //! Ticks and their contacts, put together again.
 
-use super::{BodyTick, ContactTick, Tick};
+use super::{BodyTick, ContactTick, DeviceTick, Tick};
 
-/// A tick with its contacts and its bodies.
-type Whole = (Tick, Vec<ContactTick>, Vec<BodyTick>);
+/// A tick with its contacts, its bodies and its devices.
+pub(super) type Whole = (Tick, Vec<ContactTick>, Vec<BodyTick>, Vec<DeviceTick>);
 
 /// The tick whose contacts and bodies are being read.
 ///
-/// A tick stands before its contacts, and these before its bodies. One whose contacts or bodies are not all there
-/// is none: it is missing by its number.
+/// The devices of a tick stand before it, then it, its contacts and its bodies. One whose devices, contacts or bodies are
+/// not all there is none: it is missing by its number.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Gather {
     waiting: Option<Whole>,
+    /// Devices whose tick is still to come.
+    devices: Vec<DeviceTick>,
 }
 
 impl Gather {
     /// Takes the next tick; gives it back if it has nothing to wait for.
-    pub fn tick(&mut self, tick: Tick) -> Option<Whole> {
-        self.waiting = Some((tick, Vec::new(), Vec::new()));
-        self.complete()
+    pub fn tick(&mut self, tick: Tick) -> Result<Option<Whole>, String> {
+        let mut devices = std::mem::take(&mut self.devices);
+        devices.retain(|device| device.sequence == tick.sequence);
+        let number = devices.first().map_or(0, |device| device.devices as usize);
+        if devices.len() != number {
+            return Err(format!(
+                "tick {} has {} of its {number} devices",
+                tick.sequence,
+                devices.len()
+            ));
+        }
+        self.waiting = Some((tick, Vec::new(), Vec::new(), devices));
+        Ok(self.complete())
+    }
+
+    /// Takes a device of the tick that comes next.
+    pub fn device(&mut self, device: DeviceTick) -> Result<(), String> {
+        self.devices
+            .retain(|before| before.sequence == device.sequence);
+        if device.device as usize != self.devices.len() {
+            return Err(format!(
+                "device {} of tick {} stands where device {} must",
+                device.device,
+                device.sequence,
+                self.devices.len()
+            ));
+        }
+        self.devices.push(device);
+        Ok(())
     }
 
     /// Takes a contact; gives its tick with everything if it was the last to come. A contact whose
     /// tick is not there is passed over: it is missing with its tick.
     pub fn contact(&mut self, contact: ContactTick) -> Result<Option<Whole>, String> {
-        let Some((tick, contacts, _)) = &mut self.waiting else {
+        let Some((tick, contacts, ..)) = &mut self.waiting else {
             return Ok(None);
         };
         if contact.sequence != tick.sequence {
@@ -44,7 +72,7 @@ impl Gather {
 
     /// Takes a body, as [`contact`](Self::contact) does a contact.
     pub fn body(&mut self, body: BodyTick) -> Option<Whole> {
-        let (_, _, bodies) = self
+        let (_, _, bodies, _) = self
             .waiting
             .as_mut()
             .filter(|(tick, ..)| body.sequence == tick.sequence)?;
@@ -53,7 +81,7 @@ impl Gather {
     }
 
     fn complete(&mut self) -> Option<Whole> {
-        self.waiting.take_if(|(tick, contacts, bodies)| {
+        self.waiting.take_if(|(tick, contacts, bodies, _)| {
             contacts.len() == tick.contacts as usize && bodies.len() == tick.bodies as usize
         })
     }
@@ -82,11 +110,16 @@ mod tests {
     #[test]
     fn a_tick_is_whole_with_its_last_contact() {
         let mut gather = Gather::default();
-        let free = gather.tick(tick(0, 0));
-        assert_eq!(free, Some((tick(0, 0), vec![], vec![])));
-        assert_eq!(gather.tick(tick(1, 2)), None);
+        let free = gather.tick(tick(0, 0)).unwrap();
+        assert_eq!(free, Some((tick(0, 0), vec![], vec![], vec![])));
+        assert_eq!(gather.tick(tick(1, 2)).unwrap(), None);
         assert_eq!(gather.contact(contact(1, 0)), Ok(None));
-        let whole = (tick(1, 2), vec![contact(1, 0), contact(1, 1)], vec![]);
+        let whole = (
+            tick(1, 2),
+            vec![contact(1, 0), contact(1, 1)],
+            vec![],
+            vec![],
+        );
         assert_eq!(gather.contact(contact(1, 1)), Ok(Some(whole)));
         assert_eq!(gather.contact(contact(1, 2)), Ok(None), "it is whole");
     }
@@ -103,7 +136,7 @@ mod tests {
             ..tick(sequence, 1)
         };
         let mut gather = Gather::default();
-        assert_eq!(gather.tick(of_world(0)), None);
+        assert_eq!(gather.tick(of_world(0)).unwrap(), None);
         assert_eq!(gather.contact(contact(0, 0)), Ok(None));
         assert_eq!(gather.body(body(0, 3)), None);
         assert_eq!(gather.body(body(1, 3)), None, "of another tick");
@@ -111,6 +144,7 @@ mod tests {
             of_world(0),
             vec![contact(0, 0)],
             vec![body(0, 3), body(0, 5)],
+            vec![],
         );
         assert_eq!(gather.body(body(0, 5)), Some(whole));
         assert_eq!(gather.body(body(0, 6)), None, "it is whole");
@@ -119,14 +153,41 @@ mod tests {
     #[test]
     fn a_tick_whose_contacts_are_not_all_there_is_none() {
         let mut gather = Gather::default();
-        assert_eq!(gather.tick(tick(1, 2)), None);
+        assert_eq!(gather.tick(tick(1, 2)).unwrap(), None);
         assert_eq!(gather.contact(contact(1, 0)), Ok(None));
-        assert_eq!(gather.tick(tick(2, 1)), None);
+        assert_eq!(gather.tick(tick(2, 1)).unwrap(), None);
         assert_eq!(gather.contact(contact(1, 1)), Ok(None), "too late");
-        let whole = (tick(2, 1), vec![contact(2, 0)], vec![]);
+        let whole = (tick(2, 1), vec![contact(2, 0)], vec![], vec![]);
         assert_eq!(gather.contact(contact(2, 0)), Ok(Some(whole)));
-        assert_eq!(gather.tick(tick(3, 2)), None);
+        assert_eq!(gather.tick(tick(3, 2)).unwrap(), None);
         let error = gather.contact(contact(3, 1)).unwrap_err();
         assert_eq!(error, "contact 1 of tick 3 stands where contact 0 must");
+    }
+
+    #[test]
+    fn a_tick_has_all_the_devices_that_stand_before_it_or_is_none() {
+        let device = |sequence, device| DeviceTick {
+            sequence,
+            device,
+            devices: 2,
+            ..DeviceTick::default()
+        };
+        let mut gather = Gather::default();
+        gather.device(device(0, 0)).unwrap();
+        gather.device(device(0, 1)).unwrap();
+        let devices = vec![device(0, 0), device(0, 1)];
+        let whole = Some((tick(0, 0), vec![], vec![], devices));
+        assert_eq!(gather.tick(tick(0, 0)), Ok(whole));
+        // Those of the tick before are not those of the next.
+        let alone = Some((tick(1, 0), vec![], vec![], vec![]));
+        assert_eq!(gather.tick(tick(1, 0)), Ok(alone));
+        gather.device(device(2, 0)).unwrap();
+        let error = gather.tick(tick(2, 0)).unwrap_err();
+        assert_eq!(error, "tick 2 has 1 of its 2 devices");
+        // A tick that was lost leaves its devices behind.
+        gather.device(device(3, 0)).unwrap();
+        gather.device(device(4, 0)).unwrap();
+        let error = gather.device(device(4, 2)).unwrap_err();
+        assert_eq!(error, "device 2 of tick 4 stands where device 1 must");
     }
 }

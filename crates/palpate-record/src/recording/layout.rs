@@ -7,7 +7,7 @@ use super::cdr::Reader;
 use super::column::Column;
 use super::state::Flags;
 use super::table::FORMAT_1;
-use super::{BodyTick, ContactTick, Row, Tick, schema};
+use super::{BodyTick, ContactTick, DeviceTick, Row, Tick, schema};
 
 /// The fields of a message, one after the other.
 #[derive(Debug)]
@@ -25,6 +25,8 @@ pub(super) enum Holds {
     Contact,
     /// One of the bodies of a tick.
     Body,
+    /// One of the devices of a tick.
+    Device,
     /// Tick and contact, the contact being the only one: a message of format 1.
     Both,
 }
@@ -47,6 +49,7 @@ impl Holds {
             Self::Tick => of(Tick::COLUMNS),
             Self::Contact => of(ContactTick::COLUMNS),
             Self::Body => of(BodyTick::COLUMNS),
+            Self::Device => of(DeviceTick::COLUMNS),
             Self::Both => Column::named(name),
         }
     }
@@ -57,6 +60,7 @@ impl Holds {
             Self::Tick | Self::Both => ["sequence", "t_s"],
             Self::Contact => ["sequence", "contact"],
             Self::Body => ["sequence", "body"],
+            Self::Device => ["sequence", "device"],
         }
     }
 }
@@ -80,13 +84,19 @@ impl Layout {
         Self::new(Holds::Body, fields)
     }
 
+    /// As this version writes a device.
+    pub fn of_device() -> Self {
+        let fields = DeviceTick::COLUMNS.iter().map(Field::Column).collect();
+        Self::new(Holds::Device, fields)
+    }
+
     /// As format 1 has a tick and its contact.
     pub fn of_format_1() -> Self {
         let columns = FORMAT_1.iter().filter_map(|name| Column::named(name));
         Self::new(Holds::Both, columns.map(Field::Column).collect())
     }
 
-    /// As the type of a message of this name says; why it is not that of a tick, a contact or a body. A tick
+    /// As the type of a message of this name says; why it is not that of a tick, a contact, a body or a device. A tick
     /// that does not say how many contacts it has is one of format 1.
     pub fn of_schema(name: &str, text: &str) -> Result<Self, String> {
         let mut fields = Vec::new();
@@ -105,6 +115,7 @@ impl Layout {
         let holds = match name {
             schema::CONTACT => Holds::Contact,
             schema::BODY => Holds::Body,
+            schema::DEVICE => Holds::Device,
             _ if has("contacts") => Holds::Tick,
             _ => Holds::Both,
         };

@@ -2,8 +2,8 @@
 //!
 //! A recording is an [MCAP](https://mcap.dev) file, so Foxglove and PlotJuggler show it as it is.
 //! Its first record is the [`Receipt`]: the configuration as text. After it come [`Tick`]s on the
-//! channel `/tick`, the [`ContactTick`]s of each tick on `/contact`, the [`BodyTick`]s of a world on `/body`, and [`Event`]s on `/event`, in chunks with
-//! checksums; `docs/formats.md` has every byte. A live recording is called `NAME.part`. What [`RecordingWriter::flush`] has handed on
+//! channel `/tick`, the [`ContactTick`]s of each tick on `/contact`, the [`BodyTick`]s of a world on `/body`, the
+//! [`DeviceTick`]s of a loop with several devices on `/device`, and [`Event`]s on `/event`, in chunks with checksums; `docs/formats.md` has every byte. A live recording is called `NAME.part`. What [`RecordingWriter::flush`] has handed on
 //! outlives the program, and [`RecordingWriter::finish`] gives the file its name. Before it,
 //! [`RecordingWriter::count`] writes what the loop itself counted ([`LoopCount`]).
 //!
@@ -37,6 +37,7 @@ mod column;
 mod contact;
 mod count;
 mod csv;
+mod device;
 mod event;
 mod export;
 mod frames;
@@ -66,6 +67,7 @@ pub use body::BodyTick;
 pub use column::{Column, Kind, Shown, Value};
 pub use contact::ContactTick;
 pub use count::{LoopCount, LoopTime};
+pub use device::DeviceTick;
 pub use event::Event;
 pub use loss::Gap;
 pub use read::{Entries, Entry, Recording, RecordingError, Rows};
@@ -84,6 +86,7 @@ const READ: [u32; 2] = [1, VERSION];
 const TICK_TOPIC: &str = "/tick";
 const CONTACT_TOPIC: &str = "/contact";
 const BODY_TOPIC: &str = "/body";
+const DEVICE_TOPIC: &str = "/device";
 const EVENT_TOPIC: &str = "/event";
 /// How messages are encoded, and how their types are written down.
 const MESSAGE_ENCODING: &str = "cdr";

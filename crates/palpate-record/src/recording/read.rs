@@ -8,7 +8,7 @@ use std::vec;
 use thiserror::Error;
 
 use super::walk::{Refused, Step, Walk};
-use super::{BodyTick, ContactTick, Event, Gap, LoopCount, Receipt, Row, Tick};
+use super::{BodyTick, ContactTick, DeviceTick, Event, Gap, LoopCount, Receipt, Row, Tick};
 
 /// Why a recording could not be read.
 #[derive(Debug, Error)]
@@ -39,8 +39,9 @@ const ENDED: &str = "ended";
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Entry {
-    /// A tick of the loop, with all its contacts in their order, and the bodies of a world that move.
-    Tick(Tick, Vec<ContactTick>, Vec<BodyTick>),
+    /// A tick of the loop, with all its contacts in their order, the bodies of a world that move, and the devices of a
+    /// loop that has several: none where it has one.
+    Tick(Tick, Vec<ContactTick>, Vec<BodyTick>, Vec<DeviceTick>),
     /// Something that happened at one.
     Event(Event),
 }
@@ -67,6 +68,8 @@ pub struct Recording {
     pub has_one_contact_each: bool,
     /// Whether ticks have bodies, as a loop that renders a world writes them.
     pub has_bodies: bool,
+    /// How many devices the loop has.
+    pub devices: usize,
     /// Whether it was finished, and its end is there.
     pub finished: bool,
     /// How it ends if it is not finished, in words.
@@ -112,6 +115,7 @@ impl Recording {
             generation: 0,
             has_one_contact_each: true,
             has_bodies: false,
+            devices: 1,
             finished: false,
             tail: None,
             damage: Vec::new(),
@@ -261,9 +265,10 @@ impl Recording {
                     self.ended = Some(event.sequence);
                 }
             }
-            Entry::Tick(tick, contacts, bodies) => {
+            Entry::Tick(tick, contacts, bodies, devices) => {
                 self.ticks += 1;
                 self.has_bodies |= !bodies.is_empty();
+                self.devices = self.devices.max(devices.len());
                 self.has_one_contact_each &= contacts.len() == 1;
                 self.first = self.first.or(Some(*tick));
                 self.last = Some(*tick);
@@ -323,7 +328,7 @@ impl Iterator for Rows {
                 return Some(Ok(row));
             }
             match self.entries.next()? {
-                Ok(Entry::Tick(tick, contacts, _)) => {
+                Ok(Entry::Tick(tick, contacts, ..)) => {
                     self.of_tick = Row::of(tick, &contacts).collect::<Vec<_>>().into_iter();
                 }
                 Ok(Entry::Event(_)) => {}

@@ -1,6 +1,6 @@
 //! Rows of a recording, and the macro that makes them together with their columns.
 
-use super::{BodyTick, ContactTick, Tick};
+use super::{BodyTick, ContactTick, DeviceTick, Tick};
 
 /// A line of a table: a tick, and one of its contacts.
 ///
@@ -14,6 +14,8 @@ pub struct Row {
     pub contact: ContactTick,
     /// A body, in the table of bodies; unknown in that of ticks and contacts.
     pub body: BodyTick,
+    /// A device, in the table of devices; unknown in that of ticks and contacts.
+    pub device: DeviceTick,
 }
 
 impl Row {
@@ -22,6 +24,7 @@ impl Row {
         tick: Tick::UNKNOWN,
         contact: ContactTick::UNKNOWN,
         body: BodyTick::UNKNOWN,
+        device: DeviceTick::UNKNOWN,
     };
 
     /// The rows of a tick: one for each contact, and a single one whose contact is unknown where there

@@ -1,6 +1,6 @@
 //! Rows to test with.
 
-use super::{BodyTick, ContactTick, Flags, Phase, Row, Tick};
+use super::{BodyTick, ContactTick, DeviceTick, Flags, Phase, Row, Tick};
 
 /// A row of a tick with two contacts, in which every quantity has a value of its own.
 pub fn row(sequence: u64, contact: u32) -> Row {
@@ -50,7 +50,27 @@ pub fn row(sequence: u64, contact: u32) -> Row {
             force: [of(50), of(51), of(52)],
             phase: Phase::Leaves,
         },
-        body: BodyTick::UNKNOWN,
+        ..Row::UNKNOWN
+    }
+}
+
+/// One of the two devices of a tick, in which every quantity has a value of its own.
+pub fn device(sequence: u64, device: u32) -> DeviceTick {
+    let of = |quantity: u32| sequence as f64 * 1e-3 + f64::from(quantity + 100 * device) / 3.0;
+    let three = |first: u32| [of(first), of(first + 1), of(first + 2)];
+    DeviceTick {
+        sequence,
+        device,
+        devices: 2,
+        flags: Flags::DEVICE_FAULT,
+        time: of(71),
+        round_trip: of(72),
+        axes: three(73),
+        orientation: [of(76), of(77), of(78), of(79)],
+        commanded_force: three(80),
+        commanded_torque: three(83),
+        delivered_force: three(86),
+        delivered_torque: three(89),
     }
 }
 

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use super::column::{Column, Kind};
 use super::state::{Flags, Phase};
-use super::{BodyTick, ContactTick, Tick, event};
+use super::{BodyTick, ContactTick, DeviceTick, Tick, event};
 
 /// Name of the type of a tick.
 pub(super) const TICK: &str = "palpate_msgs/msg/Tick";
@@ -13,6 +13,8 @@ pub(super) const TICK: &str = "palpate_msgs/msg/Tick";
 pub(super) const CONTACT: &str = "palpate_msgs/msg/Contact";
 /// Name of the type of a body.
 pub(super) const BODY: &str = "palpate_msgs/msg/Body";
+/// Name of the type of a device.
+pub(super) const DEVICE: &str = "palpate_msgs/msg/Device";
 /// Name of the type of an event.
 pub(super) const EVENT: &str = "palpate_msgs/msg/Event";
 
@@ -46,6 +48,17 @@ pub(super) fn body() -> String {
          # Vectors are along the axes of the world; NaN where there is no value.\n",
     );
     push_columns(&mut text, BodyTick::COLUMNS, Flags::default());
+    text
+}
+
+/// The type of a device.
+pub(super) fn device() -> String {
+    let mut text = String::from(
+        "# One device at a tick of a haptic loop with several devices, palpate recording format 2. SI units, each in \
+         the name of its field.\n\
+         # Vectors are in the frame of the device itself; NaN where there is no value.\n",
+    );
+    push_columns(&mut text, DeviceTick::COLUMNS, Flags::OF_DEVICE);
     text
 }
 
@@ -116,8 +129,8 @@ fn line(text: &mut String, line: &str) {
 #[cfg(test)]
 mod tests {
     use super::super::Row;
-    use super::super::samples::{body as body_of, row};
-    use super::super::stream::{encode_body, encode_contact, encode_tick};
+    use super::super::samples::{body as body_of, device as device_of, row};
+    use super::super::stream::{encode_body, encode_contact, encode_device, encode_tick};
     use super::*;
 
     /// What a program reads that knows the message type only: the names and values of its fields.
@@ -268,6 +281,39 @@ mod tests {
                 ("body_angular_velocity_1_rad_per_s", b.angular_velocity[0]),
                 ("body_angular_velocity_2_rad_per_s", b.angular_velocity[1]),
                 ("body_angular_velocity_3_rad_per_s", b.angular_velocity[2]),
+            ],
+        );
+        let d = device_of(7, 1);
+        message.clear();
+        encode_device(&d, &mut message);
+        assert_fields(
+            &by_schema(&device(), &message),
+            &[
+                ("sequence", 7.0),
+                ("device", 1.0),
+                ("devices", 2.0),
+                ("flags", 512.0),
+                ("t_s", d.time),
+                ("device_round_trip_s", d.round_trip),
+                ("device_axis_1_m", d.axes[0]),
+                ("device_axis_2_m", d.axes[1]),
+                ("device_axis_3_m", d.axes[2]),
+                ("device_orientation_w", d.orientation[0]),
+                ("device_orientation_x", d.orientation[1]),
+                ("device_orientation_y", d.orientation[2]),
+                ("device_orientation_z", d.orientation[3]),
+                ("commanded_force_1_n", d.commanded_force[0]),
+                ("commanded_force_2_n", d.commanded_force[1]),
+                ("commanded_force_3_n", d.commanded_force[2]),
+                ("commanded_torque_1_n_m", d.commanded_torque[0]),
+                ("commanded_torque_2_n_m", d.commanded_torque[1]),
+                ("commanded_torque_3_n_m", d.commanded_torque[2]),
+                ("delivered_force_1_n", d.delivered_force[0]),
+                ("delivered_force_2_n", d.delivered_force[1]),
+                ("delivered_force_3_n", d.delivered_force[2]),
+                ("delivered_torque_1_n_m", d.delivered_torque[0]),
+                ("delivered_torque_2_n_m", d.delivered_torque[1]),
+                ("delivered_torque_3_n_m", d.delivered_torque[2]),
             ],
         );
     }

@@ -88,6 +88,10 @@ impl Flags {
             | Self::FAULT.0,
     );
 
+    /// Those that are said of a device of a loop that has several.
+    pub const OF_DEVICE: Self =
+        Self(Self::SAFETY_LIMITED.0 | Self::SAFETY_TRIPPED.0 | Self::DEVICE_FAULT.0);
+
     /// The flags that have a name, by bit.
     pub const NAMED: [(Self, &'static str); 10] = [
         (Self::CONTACT, "contact"),

@@ -8,8 +8,9 @@ use mcap::write::NoSeek;
 use mcap::{McapError, McapResult, WriteOptions, Writer};
 
 use super::{
-    BODY_TOPIC, BodyTick, CONTACT_TOPIC, Column, ContactTick, EVENT_TOPIC, Event, LoopCount,
-    MESSAGE_ENCODING, Receipt, Row, SCHEMA_ENCODING, TICK_TOPIC, Tick, cdr, schema,
+    BODY_TOPIC, BodyTick, CONTACT_TOPIC, Column, ContactTick, DEVICE_TOPIC, DeviceTick,
+    EVENT_TOPIC, Event, LoopCount, MESSAGE_ENCODING, Receipt, Row, SCHEMA_ENCODING, TICK_TOPIC,
+    Tick, cdr, schema,
 };
 
 /// A chunk is ended at this size even if nobody asks [bytes]: about three seconds of one contact at 1 kHz.
@@ -26,6 +27,8 @@ pub(super) struct Stream<W: Write> {
     contact_channel: u16,
     event_channel: u16,
     body_channel: u16,
+    /// There once a tick has come that has several devices.
+    device_channel: Option<u16>,
     /// How much the chunk holds that is not ended yet [bytes].
     in_chunk: usize,
     last_sequence: Option<u64>,
@@ -69,6 +72,7 @@ impl<W: Write> Stream<W> {
                 contact_channel,
                 event_channel,
                 body_channel,
+                device_channel: None,
                 in_chunk: 0,
                 last_sequence: None,
                 ticks: 0,
@@ -83,19 +87,23 @@ impl<W: Write> Stream<W> {
         }
     }
 
-    /// Adds a tick, its contacts and its bodies. They stand in the same chunk, so that none is there without the
-    /// others.
+    /// Adds a tick, its contacts, its bodies and its devices, which stand before it. They stand in the same chunk, so
+    /// that none is there without the others.
     pub fn append(
         &mut self,
         tick: &Tick,
         contacts: &[ContactTick],
         bodies: &[BodyTick],
+        devices: &[DeviceTick],
     ) -> io::Result<()> {
         if let Some(last) = self.last_sequence.filter(|last| tick.sequence <= *last) {
             return Err(invalid(format!(
                 "tick {} does not come after tick {last}; numbers of ticks rise",
                 tick.sequence
             )));
+        }
+        if !devices.is_empty() {
+            self.append_devices(tick, devices)?;
         }
         self.message.clear();
         encode_tick(&tick.with(contacts, bodies), &mut self.message);
@@ -122,6 +130,39 @@ impl<W: Write> Stream<W> {
         self.last_sequence = Some(tick.sequence);
         self.ticks += 1;
         self.end_full_chunk()
+    }
+
+    fn append_devices(&mut self, tick: &Tick, devices: &[DeviceTick]) -> io::Result<()> {
+        let channel = match self.device_channel {
+            Some(channel) => channel,
+            None => self.begin_devices()?,
+        };
+        let number = u32::try_from(devices.len()).unwrap_or(u32::MAX);
+        for (place, device) in (0..).zip(devices) {
+            let numbered = DeviceTick {
+                sequence: tick.sequence,
+                device: place,
+                devices: number,
+                ..*device
+            };
+            self.message.clear();
+            encode_device(&numbered, &mut self.message);
+            self.write(channel, tick.sequence, tick.time)?;
+        }
+        Ok(())
+    }
+
+    /// The channel of the devices: a recording of a loop with one device does not have it.
+    fn begin_devices(&mut self) -> io::Result<u16> {
+        let mut channel = 0;
+        self.with(|mcap, _| {
+            let text = schema::device();
+            let schema = mcap.add_schema(schema::DEVICE, SCHEMA_ENCODING, text.as_bytes())?;
+            channel = mcap.add_channel(schema, DEVICE_TOPIC, MESSAGE_ENCODING, &BTreeMap::new())?;
+            Ok(())
+        })?;
+        self.device_channel = Some(channel);
+        Ok(channel)
     }
 
     pub fn event(&mut self, event: &Event) -> io::Result<()> {
@@ -231,6 +272,15 @@ pub(super) fn encode_body(body: &BodyTick, message: &mut Vec<u8>) {
     encode(BodyTick::COLUMNS, &row, message);
 }
 
+/// Appends the message of a device, in the same way.
+pub(super) fn encode_device(device: &DeviceTick, message: &mut Vec<u8>) {
+    let row = Row {
+        device: *device,
+        ..Row::UNKNOWN
+    };
+    encode(DeviceTick::COLUMNS, &row, message);
+}
+
 fn encode(columns: &[Column], row: &Row, message: &mut Vec<u8>) {
     let mut out = cdr::Writer::begin(message);
     for column in columns {
@@ -297,7 +347,7 @@ mod tests {
 
     fn append(stream: &mut Stream<Disk>, sequence: u64) -> io::Result<()> {
         let Row { tick, contact, .. } = row(sequence, 0);
-        stream.append(&tick, &[contact], &[])
+        stream.append(&tick, &[contact], &[], &[])
     }
 
     /// Records until something fails; how many ticks were flushed, and whether the end was written.

@@ -10,7 +10,7 @@ use palpate_files::atomic::WriteError;
 use tempfile::TempPath;
 
 use super::stream::Stream;
-use super::{BodyTick, ContactTick, Event, LoopCount, Receipt, Tick};
+use super::{BodyTick, ContactTick, DeviceTick, Event, LoopCount, Receipt, Tick};
 
 /// Flushed ticks reach the disk itself at least this often while they come.
 const SYNC_EVERY: Duration = Duration::from_secs(2);
@@ -109,7 +109,23 @@ impl RecordingWriter {
         contacts: &[ContactTick],
         bodies: &[BodyTick],
     ) -> Result<(), WriteError> {
-        let outcome = self.stream.append(tick, contacts, bodies);
+        self.append_with_devices(tick, contacts, bodies, &[])
+    }
+
+    /// Adds a tick as [`append_with_bodies`](Self::append_with_bodies) does, with each device of a loop that has
+    /// several, in their order: their numbers and how many they are is written into them. A loop with one device has
+    /// none here.
+    ///
+    /// # Errors
+    /// As [`append`](Self::append).
+    pub fn append_with_devices(
+        &mut self,
+        tick: &Tick,
+        contacts: &[ContactTick],
+        bodies: &[BodyTick],
+        devices: &[DeviceTick],
+    ) -> Result<(), WriteError> {
+        let outcome = self.stream.append(tick, contacts, bodies, devices);
         outcome.map_err(|source| self.failed(source))
     }
 

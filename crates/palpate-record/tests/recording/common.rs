@@ -168,7 +168,7 @@ pub fn content(recording: &Recording) -> (Vec<Row>, Vec<Event>) {
     let (mut rows, mut events) = (Vec::new(), Vec::new());
     for entry in recording.entries().unwrap() {
         match entry.unwrap() {
-            Entry::Tick(tick, contacts, _) => {
+            Entry::Tick(tick, contacts, _, _) => {
                 assert_eq!(contacts.len(), 1, "tick {}", tick.sequence);
                 rows.extend(Row::of(tick, &contacts));
             }

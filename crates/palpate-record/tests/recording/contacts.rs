@@ -52,7 +52,7 @@ fn small(finished: bool) -> (Vec<u8>, Vec<usize>) {
 fn numbers(recording: &Recording) -> Vec<u64> {
     let mut numbers = Vec::new();
     for entry in recording.entries().unwrap() {
-        let Entry::Tick(tick, read, _) = entry.unwrap() else {
+        let Entry::Tick(tick, read, _, _) = entry.unwrap() else {
             continue;
         };
         let written = contacts(tick.sequence);

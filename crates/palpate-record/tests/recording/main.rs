@@ -5,6 +5,7 @@ mod common;
 mod contacts;
 mod counted;
 mod damage;
+mod devices;
 mod export;
 mod files;
 mod golden;

@@ -312,7 +312,7 @@ proptest! {
         let (mut read, mut said) = (Vec::new(), Vec::new());
         for entry in recording.entries().unwrap() {
             match entry.unwrap() {
-                Entry::Tick(tick, contacts, bodies) => read.push((tick, contacts, bodies)),
+                Entry::Tick(tick, contacts, bodies, _) => read.push((tick, contacts, bodies)),
                 Entry::Event(event) => said.push(event),
             }
         }

@@ -7,7 +7,7 @@ use palpate_world::{Motion, Succession, World, WorldError};
 
 use super::renders::{Answer, Fresh, Renders};
 use super::world::RenderedWorld;
-use crate::control_loop::ControlLoop;
+use crate::control_loop::{ControlLoop, can_turn};
 use crate::fade::Fade;
 use crate::safety::SafetyParams;
 use crate::setup::SetupError;
@@ -26,8 +26,11 @@ pub struct ChangingWorld {
     before: Option<Box<Other>>,
     /// What is left of what was held before a change.
     fade: Fade,
-    /// What was answered last.
-    held: [Wrench; 1],
+    /// What was answered last, for each device.
+    held: Vec<Wrench>,
+    /// What the world asks for, and what the one before the last change does.
+    asked: Vec<Wrench>,
+    asked_before: Vec<Wrench>,
     coming: rtrb::Consumer<Box<Other>>,
     /// Those that have gone, for the other side to free: a tick does not.
     gone: rtrb::Producer<Box<Other>>,
@@ -103,13 +106,16 @@ pub fn changing_world(described: World, world: RenderedWorld) -> (Worlds, Changi
         last: world.clone(),
         generation: 0,
     };
+    let devices = world.devices();
     let world = ChangingWorld {
         world,
         generation: 0,
         next: None,
         before: None,
-        fade: Fade::none(1),
-        held: [Wrench::NONE],
+        fade: Fade::none(devices),
+        held: vec![Wrench::NONE; devices],
+        asked: vec![Wrench::NONE; devices],
+        asked_before: vec![Wrench::NONE; devices],
         coming,
         gone,
     };
@@ -198,7 +204,7 @@ impl Worlds {
         };
         let (now, then) = (pairs(&self.last), pairs(world));
         same("the pairs that may touch", now.join(", "), then.join(", "))?;
-        if self.last.frame() != world.frame() || self.last.turns() != world.turns() {
+        if self.last.frames() != world.frames() || self.last.turns() != world.turns() {
             return Err(WorldChangeError::Device);
         }
         Ok(())
@@ -226,6 +232,14 @@ impl ChangingWorld {
 }
 
 impl Renders for ChangingWorld {
+    fn devices(&self) -> usize {
+        self.world.devices()
+    }
+
+    fn device_name(&self, device: usize) -> Option<&str> {
+        self.world.device_name(device)
+    }
+
     fn period(&self) -> f64 {
         self.world.period()
     }
@@ -261,7 +275,7 @@ impl Renders for ChangingWorld {
         self.generation
     }
 
-    fn step(&mut self, sample: &Fresh) -> Answer {
+    fn step(&mut self, sample: &Fresh<'_>, asked: &mut [Wrench]) -> Answer {
         if let Some(mut other) = self.next.take() {
             other.world.go_on(&self.world, &other.succession);
             std::mem::swap(&mut self.world, &mut other.world);
@@ -270,32 +284,34 @@ impl Renders for ChangingWorld {
             }
             self.fade.begin();
         }
-        let as_before = match &mut self.before {
+        let is_compared = match &mut self.before {
             Some(before) if self.fade.is_settling() => {
-                let answer = before.world.step(sample);
-                answer.fault.is_none().then_some([answer.wrench])
+                let answer = before.world.step(sample, &mut self.asked_before);
+                answer.fault.is_none()
             }
-            _ => None,
+            _ => false,
         };
-        let answer = self.world.step(sample);
+        let answer = self.world.step(sample, &mut self.asked);
         if answer.fault.is_some() {
             self.fade.end();
         }
         let elapsed = sample.elapsed.unwrap_or_else(|| self.world.period());
-        let asked = std::iter::once(answer.wrench);
-        let as_before = as_before.as_ref().map(<[Wrench; 1]>::as_slice);
-        self.fade.answer(asked, as_before, elapsed, &mut self.held);
+        let wanted = self.asked.iter().copied();
+        let as_before = is_compared.then_some(&*self.asked_before);
+        self.fade.answer(wanted, as_before, elapsed, &mut self.held);
         if !self.fade.is_settling()
             && let Some(before) = self.before.take()
         {
             self.let_go(before);
         }
-        let [wrench] = self.held;
-        Answer { wrench, ..answer }
+        for (asked, held) in asked.iter_mut().zip(&self.held) {
+            *asked = *held;
+        }
+        answer
     }
 
-    fn report_written(&mut self, held: Wrench, sent: Option<Wrench>) {
-        self.world.report_written(held, sent);
+    fn report_written(&mut self, device: usize, held: Wrench, sent: Option<Wrench>) {
+        self.world.report_written(device, held, sent);
     }
 
     fn account(&mut self, sequence: u64, delivered: Vector) {
@@ -335,9 +351,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C, ChangingWorld> {
         world: ChangingWorld,
         limits: SafetyParams,
     ) -> Result<Self, SetupError> {
-        if world.world.turns() && device.capabilities().torque_axes != 3 {
-            return Err(SetupError::SixAxes);
-        }
-        Self::rendering(device, clock, world, limits)
+        can_turn(world.world(), std::slice::from_ref(&device))?;
+        Self::rendering(vec![(device, limits)], clock, world)
     }
 }

@@ -15,7 +15,7 @@ pub use frame::{FrameError, WorldAxis, WorldFrame};
 pub use one_contact::OneContact;
 pub use palpate::{CHANGE_DURATION, ChangeError};
 pub use rendered::Rendered;
-pub use renders::{Answer, Fresh, Renders};
+pub use renders::{Answer, Fresh, FreshDevice, Renders};
 pub use world::RenderedWorld;
 pub use world_rows::WorldRows;
 

@@ -4,7 +4,7 @@ use palpate::{AlongAxis, Output, ParameterError};
 use palpate_device::{Vector, Wrench};
 use palpate_record::recording::{ContactTick, Flags};
 
-use super::renders::{Answer, Fresh, Renders};
+use super::renders::{Answer, Fresh, FreshDevice, Renders};
 use super::{Parameters, Rendered, Rendering, parameters};
 use crate::delivered::Delivered;
 use crate::wire::{answered, booked};
@@ -77,27 +77,32 @@ impl Renders for OneContact {
         self.rendered.generation()
     }
 
-    fn step(&mut self, sample: &Fresh) -> Answer {
-        if let Some(mean) = sample.held
+    fn step(&mut self, sample: &Fresh<'_>, asked: &mut [Wrench]) -> Answer {
+        // A loop has a device.
+        let FreshDevice { position, held, .. } =
+            sample.devices.first().copied().unwrap_or_default();
+        if let Some(mean) = held
             && !self.is_told_how_forces_act()
         {
             let held = -self.along_axis(mean.force);
             self.rendered.report_held(held);
         }
-        let coordinate = self.axis.coordinate(sample.position);
+        let coordinate = self.axis.coordinate(position);
         let before = self.rendered.ledger().held_leak;
         let output = self.rendered.step(coordinate, sample.elapsed);
         let after = self.rendered.ledger().held_leak;
         self.delivered.close(&before, &after, sample.was_off);
-        self.last = Some((sample.position, output));
+        self.last = Some((position, output));
+        if let Some(asked) = asked.first_mut() {
+            *asked = Wrench::of_force(self.axis.vector(output.force_on_device));
+        }
         Answer {
-            wrench: Wrench::of_force(self.axis.vector(output.force_on_device)),
             coordinate,
             fault: output.fault,
         }
     }
 
-    fn report_written(&mut self, held: Wrench, sent: Option<Wrench>) {
+    fn report_written(&mut self, _: usize, held: Wrench, sent: Option<Wrench>) {
         if self.is_told_how_forces_act() {
             let sent = self.along_axis(sent.unwrap_or(held).force);
             self.rendered.report_sent(-sent);

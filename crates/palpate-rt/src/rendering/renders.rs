@@ -9,8 +9,20 @@ use super::{Parameters, Rendering};
 /// What a loop renders. [`OneContact`](super::OneContact) and [`RenderedWorld`](super::RenderedWorld) are the two that
 /// there are. Nothing here may allocate, lock or panic: all of it is part of a tick.
 ///
-/// Positions and forces are in the frame of the device.
+/// Positions and forces are in the frames of their devices. Devices are numbered in one order from 0, the same in all
+/// that follows.
 pub trait Renders: Send {
+    /// How many devices it is rendered on.
+    fn devices(&self) -> usize {
+        1
+    }
+
+    /// The name of a device, where what is rendered has names for them.
+    fn device_name(&self, device: usize) -> Option<&str> {
+        let _ = device;
+        None
+    }
+
     /// Nominal time from sample to sample `[s]`.
     fn period(&self) -> f64;
 
@@ -37,14 +49,15 @@ pub trait Renders: Send {
         0
     }
 
-    /// Renders a fresh sample.
-    fn step(&mut self, sample: &Fresh) -> Answer;
+    /// Renders a fresh sample of all devices. Puts what each is asked to give, before the limits of its safety, into
+    /// `asked`.
+    fn step(&mut self, sample: &Fresh<'_>, asked: &mut [Wrench]) -> Answer;
 
-    /// Hears what the device holds from now on by its own account, and what was sent to its motors where the device says
+    /// Hears what a device holds from now on by its own account, and what was sent to its motors where the device says
     /// that apart.
-    fn report_written(&mut self, held: Wrench, sent: Option<Wrench>);
+    fn report_written(&mut self, device: usize, held: Wrench, sent: Option<Wrench>);
 
-    /// Makes ready what is to be said of tick number `sequence`, at which the device holds `delivered` `[N]`.
+    /// Makes ready what is to be said of tick number `sequence`, at which the first device holds `delivered` `[N]`.
     fn account(&mut self, sequence: u64, delivered: Vector);
 
     /// The contacts, as [`account`](Self::account) has made them ready.
@@ -69,26 +82,31 @@ pub trait Renders: Send {
     fn created_energy(&self) -> f64;
 }
 
-/// A fresh sample of the device, for the renderer.
+/// A fresh sample of all devices, for the renderer.
 #[derive(Clone, Copy, Debug)]
-pub struct Fresh {
-    /// Where the device is `[m]`.
+pub struct Fresh<'a> {
+    /// Time since the last fresh sample `[s]`; `None` for the first.
+    pub elapsed: Option<f64>,
+    /// Whether a trip kept the motors off since the last sample.
+    pub was_off: bool,
+    /// Each device.
+    pub devices: &'a [FreshDevice],
+}
+
+/// What a fresh sample says of one device.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FreshDevice {
+    /// Where it is `[m]`.
     pub position: Vector,
     /// How it is turned, a unit quaternion `[w, x, y, z]`, if it measures that.
     pub orientation: Option<[f64; 4]>,
-    /// Time since the last fresh sample `[s]`; `None` for the first.
-    pub elapsed: Option<f64>,
-    /// Mean of what the device held since the last sample; `None` before the first command.
+    /// Mean of what it held since the last sample; `None` before the first command.
     pub held: Option<Wrench>,
-    /// Whether a trip kept the motors off since the last sample.
-    pub was_off: bool,
 }
 
 /// What a renderer answers to a sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Answer {
-    /// Force and torque for the device, before the limits of the safety.
-    pub wrench: Wrench,
     /// Where the device is along the axis of a contact `[m]`; 0 where there is no axis.
     pub coordinate: f64,
     /// Why the sample was refused, if it was.

@@ -1,4 +1,4 @@
-//! A world with one device, as the loop renders it.
+//! A world, as the loop renders it.
 
 use palpate_device::{Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
@@ -9,15 +9,21 @@ use super::renders::{Answer, Fresh, Renders};
 use super::world_rows::WorldRows;
 use crate::setup::SetupError;
 
-/// A world with one device in the loop: its renderer, its state, and where the device stands in it.
+/// A world in the loop: its renderer, its state, and where each device stands in it.
 #[derive(Clone, Debug)]
 pub struct RenderedWorld {
     renderer: WorldRenderer,
     state: WorldState,
     method: &'static str,
-    frame: WorldFrame,
-    /// Whether the tool turns.
-    turns: bool,
+    /// One for each tool of the world, in their order.
+    frames: Vec<WorldFrame>,
+    /// The names of the tools.
+    names: Vec<String>,
+    /// Which tools turn.
+    turns: Vec<bool>,
+    /// Where the tools were sampled, along the world's axes; room for a tick.
+    positions: Vec<Vector>,
+    orientations: Vec<[f64; 4]>,
     /// Whether what was held is what acted: the renderer is told of no delay and no lag.
     acts_at_once: bool,
     limited: Limited,
@@ -34,28 +40,49 @@ impl RenderedWorld {
     /// `world`, which `renderer` renders by the method of that name, with a device that stands in it as `frame` says.
     ///
     /// # Errors
-    /// The world has another number of tools than one: a loop has one device so far. A tool that turns, with a frame whose
-    /// axes are not those of the world.
+    /// The world has another number of tools than one. A tool that turns, with a frame whose axes are not those of the
+    /// world.
     pub fn new(
         world: &World,
         renderer: WorldRenderer,
         method: &'static str,
         frame: WorldFrame,
     ) -> Result<Self, SetupError> {
+        Self::of_devices(world, renderer, method, vec![frame])
+    }
+
+    /// `world` with a device for each of its tools, which stand in it as `frames` say, in the order of the tools.
+    ///
+    /// # Errors
+    /// The world has another number of tools than there are frames, or none. A tool that turns, with a frame whose axes are
+    /// not those of the world.
+    pub fn of_devices(
+        world: &World,
+        renderer: WorldRenderer,
+        method: &'static str,
+        frames: Vec<WorldFrame>,
+    ) -> Result<Self, SetupError> {
         let state = renderer.start();
         let tools = state.tools().len();
-        if tools != 1 {
-            return Err(SetupError::Devices(tools));
+        if tools != frames.len() || tools == 0 {
+            return Err(SetupError::Devices {
+                world: tools,
+                given: frames.len(),
+            });
         }
-        let turns = world.tools.iter().any(|tool| tool.turns);
-        if turns && !frame.is_aligned() {
+        let turns: Vec<bool> = world.tools.iter().map(|tool| tool.turns).collect();
+        let mut placed = turns.iter().zip(&frames);
+        if placed.any(|(turns, frame)| *turns && !frame.is_aligned()) {
             return Err(SetupError::TurnedFrame);
         }
         let actuation = renderer.in_loop().actuation;
         Ok(Self {
             acts_at_once: actuation.delay == 0.0 && actuation.lag == 0.0,
             method,
-            frame,
+            names: world.tools.iter().map(|tool| tool.name.clone()).collect(),
+            positions: vec![[0.0; 3]; tools],
+            orientations: vec![[f64::NAN; 4]; tools],
+            frames,
             turns,
             limited: Limited::default(),
             booked: 0.0,
@@ -67,16 +94,16 @@ impl RenderedWorld {
         })
     }
 
-    /// Where the device stands in the world.
+    /// Where each device stands in the world.
     #[must_use]
-    pub fn frame(&self) -> &WorldFrame {
-        &self.frame
+    pub fn frames(&self) -> &[WorldFrame] {
+        &self.frames
     }
 
-    /// Whether the tool turns: a device of six axes.
+    /// Which tools turn: they need a device of six axes.
     #[must_use]
-    pub fn turns(&self) -> bool {
-        self.turns
+    pub fn turns(&self) -> &[bool] {
+        &self.turns
     }
 
     /// Makes ready to go on from `before`, with those bodies that are kept ([`WorldRenderer::succeed`]).
@@ -99,13 +126,16 @@ impl RenderedWorld {
         self.is_new = before.is_new;
     }
 
-    /// Tells the renderer what was sent, or held, in the axes of the device.
-    fn report(&mut self, wrench: Wrench) {
-        let force = self.frame.of_device(wrench.force);
-        self.renderer.report_sent(&mut self.state, 0, force);
+    /// Tells the renderer what was sent to a device, or held by it, in the axes of the device.
+    fn report(&mut self, device: usize, wrench: Wrench) {
+        let Some(frame) = self.frames.get(device) else {
+            return;
+        };
+        let force = frame.of_device(wrench.force);
+        self.renderer.report_sent(&mut self.state, device, force);
         // A device of six axes has those of the world.
         self.renderer
-            .report_sent_torque(&mut self.state, 0, wrench.torque);
+            .report_sent_torque(&mut self.state, device, wrench.torque);
     }
 
     /// The world at the last sample.
@@ -116,6 +146,14 @@ impl RenderedWorld {
 }
 
 impl Renders for RenderedWorld {
+    fn devices(&self) -> usize {
+        self.frames.len()
+    }
+
+    fn device_name(&self, device: usize) -> Option<&str> {
+        self.names.get(device).map(String::as_str)
+    }
+
     fn period(&self) -> f64 {
         self.renderer.in_loop().period
     }
@@ -124,24 +162,35 @@ impl Renders for RenderedWorld {
         self.method
     }
 
-    fn step(&mut self, sample: &Fresh) -> Answer {
-        if let Some(held) = sample.held
-            && self.acts_at_once
-        {
-            self.report(held);
+    fn step(&mut self, sample: &Fresh<'_>, asked: &mut [Wrench]) -> Answer {
+        for (number, device) in sample.devices.iter().enumerate() {
+            if let Some(held) = device.held
+                && self.acts_at_once
+            {
+                self.report(number, held);
+            }
         }
-        // An orientation that is missing is none that can be used.
-        let orientations = [sample.orientation.unwrap_or([f64::NAN; 4])];
-        let positions = [self.frame.in_world(sample.position)];
+        let placed = self.positions.iter_mut().zip(&mut self.orientations);
+        let devices = self.frames.iter().zip(sample.devices);
+        for ((position, orientation), (frame, device)) in placed.zip(devices) {
+            *position = frame.in_world(device.position);
+            // An orientation that is missing is none that can be used.
+            *orientation = device.orientation.unwrap_or([f64::NAN; 4]);
+        }
         let output = self.renderer.step(
             &mut self.state,
             &Sample {
                 elapsed: sample.elapsed,
-                ..Sample::at(&positions).turned(&orientations)
+                ..Sample::at(&self.positions).turned(&self.orientations)
             },
         );
-        let force = output.forces.first().copied().unwrap_or_default();
-        let torque = output.torques.first().copied().unwrap_or_default();
+        let answers = output.forces.iter().zip(output.torques).zip(&self.frames);
+        for (asked, ((&force, &torque), frame)) in asked.iter_mut().zip(answers) {
+            *asked = Wrench {
+                force: frame.on_device(force),
+                torque,
+            };
+        }
         let fault = output.fault.map(|fault| fault.fault);
         self.limited = output.limited;
         let booked = self.state.books().created();
@@ -152,22 +201,18 @@ impl Renders for RenderedWorld {
         self.booked = booked;
         self.is_new = fault.is_some();
         Answer {
-            wrench: Wrench {
-                force: self.frame.on_device(force),
-                torque,
-            },
             coordinate: 0.0,
             fault,
         }
     }
 
-    fn report_written(&mut self, held: Wrench, sent: Option<Wrench>) {
+    fn report_written(&mut self, device: usize, held: Wrench, sent: Option<Wrench>) {
         let sent = if self.acts_at_once {
             held
         } else {
             sent.unwrap_or(held)
         };
-        self.report(sent);
+        self.report(device, sent);
     }
 
     fn account(&mut self, sequence: u64, _: Vector) {

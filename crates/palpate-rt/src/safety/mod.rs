@@ -69,6 +69,15 @@ pub struct Verdict {
     pub recovered: Option<Trip>,
 }
 
+/// What a look at a sample has found.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Looked {
+    /// A trip that began with the sample.
+    tripped: Option<Trip>,
+    /// A trip that ended with it.
+    recovered: Option<Trip>,
+}
+
 /// A force takes this many times as long to come back as a passing trip has kept it away, up to a
 /// whole soft start: an outage of a millisecond is over before a hand has felt the wall go.
 const TIMES_AWAY: f64 = 10.0;
@@ -97,6 +106,8 @@ pub struct Safety {
     fresh: Option<f64>,
     /// How long a trip has kept the force away `[s]`.
     away: f64,
+    /// Whether the force is kept away since another device of the same loop has none.
+    withheld: bool,
     missing: u32,
     oscillation: Oscillation,
 }
@@ -112,6 +123,7 @@ impl Safety {
             oscillation: Oscillation::new(params.oscillation),
             fresh: Some(params.soft_start),
             away: 0.0,
+            withheld: false,
             params,
             period,
             commanded: Wrench::NONE,
@@ -136,11 +148,18 @@ impl Safety {
 
     /// What to command for a fresh sample.
     pub fn judge(&mut self, rendered: &Rendered) -> Verdict {
+        let looked = self.look(rendered, false);
+        self.answer(rendered, looked, false)
+    }
+
+    /// The first half of [`judge`](Self::judge), for a loop of several devices: looks at a fresh sample of this one for a
+    /// reason to trip. Created energy is not counted where the force of any device of the loop `comes_in`.
+    pub(crate) fn look(&mut self, rendered: &Rendered, comes_in: bool) -> Looked {
         self.missing = 0;
-        if self.trip.is_some() || rendered.stalled || rendered.refused {
+        if self.trip.is_some() || self.withheld || rendered.stalled || rendered.refused {
             self.away += rendered.elapsed.unwrap_or(self.period);
         }
-        let found = self.find(rendered);
+        let found = self.find(rendered, comes_in);
         self.last_position = Some(rendered.position).filter(is_finite);
         let before = self.trip;
         let (mut tripped, mut recovered) = (None, None);
@@ -161,8 +180,27 @@ impl Safety {
             }
             _ => {}
         }
+        Looked { tripped, recovered }
+    }
+
+    /// The second half of [`judge`](Self::judge): what to command. None where it is `withheld`, since another device of
+    /// the loop has tripped.
+    pub(crate) fn answer(
+        &mut self,
+        rendered: &Rendered,
+        looked: Looked,
+        withheld: bool,
+    ) -> Verdict {
+        let Looked { tripped, recovered } = looked;
         if self.trip.is_some() {
             return self.none(tripped, recovered);
+        }
+        if withheld {
+            self.withheld = true;
+            return self.none(tripped, recovered);
+        }
+        if std::mem::take(&mut self.withheld) {
+            self.come_back_softly();
         }
         if rendered.refused {
             self.come_back_softly();
@@ -217,16 +255,42 @@ impl Safety {
 
     /// What to command when there is no fresh sample: the last force for one period, then none.
     pub fn missing(&mut self) -> Verdict {
-        self.missing += 1;
-        if self.missing < self.params.stale_after && self.trip.is_none() {
-            return Verdict {
-                wrench: self.commanded,
-                bounded: Bounded::default(),
-                tripped: None,
-                recovered: None,
-            };
+        match self.hold() {
+            Some(verdict) => verdict,
+            None => self.trip_on(Trip::StaleSample),
         }
-        self.trip_on(Trip::StaleSample)
+    }
+
+    /// What to command where this device has a fresh sample and another one of the loop has none, so that nothing is
+    /// rendered: as [`missing`](Self::missing), but this one does not trip.
+    pub(crate) fn wait(&mut self) -> Verdict {
+        match self.hold() {
+            Some(verdict) => verdict,
+            None => self.withhold(),
+        }
+    }
+
+    /// What was commanded last, if it may be held for one period more.
+    fn hold(&mut self) -> Option<Verdict> {
+        self.missing += 1;
+        let may_hold = self.missing < self.params.stale_after && self.trip.is_none();
+        may_hold.then_some(Verdict {
+            wrench: self.commanded,
+            bounded: Bounded::default(),
+            tripped: None,
+            recovered: None,
+        })
+    }
+
+    /// Commands none, since another device of the loop has tripped; the force comes back softly when that has passed.
+    pub(crate) fn withhold(&mut self) -> Verdict {
+        self.withheld = true;
+        self.none(None, None)
+    }
+
+    /// Whether the force is kept away, or still on its way back.
+    pub(crate) fn is_not_all_there(&self) -> bool {
+        self.trip.is_some() || self.withheld || self.soft.is_some()
     }
 
     /// Trips for a reason that was found elsewhere.
@@ -292,12 +356,12 @@ impl Safety {
         }
     }
 
-    fn find(&mut self, rendered: &Rendered) -> Option<Trip> {
+    fn find(&mut self, rendered: &Rendered, comes_in: bool) -> Option<Trip> {
         let found = self
             .find_in_motion(rendered)
             .or(rendered.stalled.then_some(Trip::Stalled));
         let elapsed = rendered.elapsed.unwrap_or(self.period);
-        if found.is_some() || self.trip.is_some() || self.soft.is_some() {
+        if found.is_some() || comes_in || self.is_not_all_there() {
             // What a position that is no good makes of the energy says nothing, nor what becomes of
             // a contact without its force.
             self.oscillation.pass_over(rendered.created_energy);

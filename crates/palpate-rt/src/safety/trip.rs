@@ -48,6 +48,11 @@ impl Trip {
         }
     }
 
+    /// Whether it is said of a loop as a whole, and not of one of its devices.
+    pub(crate) fn is_of_the_loop(self) -> bool {
+        matches!(self, Self::Stalled | Self::Oscillation)
+    }
+
     /// Short name in kebab case, as recordings spell it.
     #[must_use]
     pub fn name(self) -> &'static str {

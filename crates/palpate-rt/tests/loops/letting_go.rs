@@ -119,7 +119,7 @@ fn what_finds_no_room_in_a_tap_is_lost_and_counted() {
     let numbers: Vec<u64> = listener
         .by_ref()
         .map(|told| match told {
-            Told::Tick(tick, _, _) => tick.sequence,
+            Told::Tick(tick, ..) => tick.sequence,
             Told::Note(noted) => noted.sequence,
         })
         .collect();

@@ -7,6 +7,7 @@ mod faults;
 mod letting_go;
 mod motors_off;
 mod safety;
+mod several;
 mod simulated;
 mod time;
 mod world_change;

@@ -18,7 +18,7 @@ type InSpace = ControlLoop<SpatialDevice<SteppedClock>, SteppedClock, RenderedWo
 type Scripted = ControlLoop<ScriptedDevice<SteppedClock>, SteppedClock, RenderedWorld>;
 
 /// A scene of `experiments/worlds`.
-fn scene(name: &str) -> WorldScene {
+pub(crate) fn scene(name: &str) -> WorldScene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../experiments/worlds")
         .join(name);
@@ -73,7 +73,7 @@ fn scripted(script: Vec<Step>, frame: WorldFrame, limits: SafetyParams) -> Scrip
     ControlLoop::of_world(device, clock, world, limits).unwrap()
 }
 
-fn length([x, y, z]: Vector) -> f64 {
+pub(crate) fn length([x, y, z]: Vector) -> f64 {
     (x * x + y * y + z * z).sqrt()
 }
 
@@ -237,7 +237,7 @@ fn a_tick_tells_its_contacts_and_the_bodies_that_move() {
         row.tick.contacts
     );
     assert_eq!(row.tick.bodies, 2, "the block, and the tool's avatar");
-    let Some(Told::Tick(tick, contacts, bodies)) = listener.by_ref().last() else {
+    let Some(Told::Tick(tick, contacts, bodies, _)) = listener.by_ref().last() else {
         panic!("the last thing told is a tick");
     };
     assert_eq!(tick.sequence, 99);
@@ -289,7 +289,10 @@ fn a_loop_of_two_devices_is_refused() {
     let pinch = scene("pinch.toml");
     let renderer = pinch.renderer("coupled").unwrap();
     let refused = RenderedWorld::new(&pinch.world, renderer, "coupled", WorldFrame::the_same());
-    assert_eq!(refused.unwrap_err(), SetupError::Devices(2));
+    assert_eq!(
+        refused.unwrap_err(),
+        SetupError::Devices { world: 2, given: 1 }
+    );
 }
 
 #[test]

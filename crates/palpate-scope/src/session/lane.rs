@@ -140,7 +140,7 @@ impl Lane {
         let has_ended = self.thread.as_ref().is_some_and(LoopThread::has_ended);
         while let Some(told) = self.listener.next() {
             match told {
-                Told::Tick(tick, contacts, _) => self.tick(&tick, &contacts),
+                Told::Tick(tick, contacts, _, _) => self.tick(&tick, &contacts),
                 Told::Note(noted) => {
                     self.noted(&noted);
                     note(&noted);

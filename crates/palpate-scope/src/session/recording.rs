@@ -234,7 +234,7 @@ mod tests {
             .entries()
             .unwrap()
             .filter_map(|entry| match entry.unwrap() {
-                Entry::Tick(tick, _, _) => Some((tick.sequence, tick.generation)),
+                Entry::Tick(tick, ..) => Some((tick.sequence, tick.generation)),
                 Entry::Event(_) => None,
             })
             .collect();
@@ -306,6 +306,7 @@ mod tests {
             recording.note(&Noted {
                 sequence: 10,
                 time: 0.1,
+                device: None,
                 note: Note::Changed {
                     generation,
                     rendering,

@@ -99,7 +99,7 @@ impl Lane {
         let has_ended = self.thread.as_ref().is_some_and(LoopThread::has_ended);
         while let Some(told) = self.listener.next() {
             match told {
-                Told::Tick(tick, contacts, bodies) => self.take(tick, contacts, bodies),
+                Told::Tick(tick, contacts, bodies, _) => self.take(tick, contacts, bodies),
                 Told::Note(noted) => {
                     match noted.note {
                         Note::Tripped(trip) => self.trip = Some(trip.to_string()),

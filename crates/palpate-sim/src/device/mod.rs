@@ -9,4 +9,4 @@ mod turning_pointer;
 pub use in_space::{SpatialDevice, SpatialHand, SpatialPointer};
 pub use pointer::{PointerDevice, PointerHand, PointerParams};
 pub use simulated::SimulatedDevice;
-pub use told::told_of;
+pub use told::{Told, told_of, told_of_devices};

@@ -20,7 +20,7 @@ impl Ticks {
     pub fn read(recording: &Recording) -> Result<Self, RecordingError> {
         let mut ticks = Self::default();
         for entry in recording.entries()? {
-            if let Entry::Tick(tick, contacts, _) = entry? {
+            if let Entry::Tick(tick, contacts, _, _) = entry? {
                 let contact = contacts.first().copied().unwrap_or(ContactTick::UNKNOWN);
                 let row = Row {
                     tick,

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use palpate_record::recording::{Entry, Flags, LoopTime, Recording, RecordingError};
+use palpate_record::recording::{DeviceTick, Entry, Flags, LoopTime, Recording, RecordingError};
 use serde::Serialize;
 
-use super::{motors_off, shortcomings};
+use super::{DEVICES, motors_off, shortcomings};
 use crate::text::{counted, digits};
 
 /// Name and version of the JSON report.
@@ -70,7 +70,10 @@ pub struct RecordingReport {
     pub longest_period_s: Option<f64>,
     /// Longest tick `[s]`.
     pub longest_tick_s: Option<f64>,
-    /// Longest answer of the device `[s]`.
+    /// Each device of a loop that has several; empty where it has one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub devices: Vec<DeviceReport>,
+    /// Longest answer of the device, of several devices together `[s]`.
     pub longest_round_trip_s: Option<f64>,
     /// What the renderer was told of the device at the start, by key with its unit: mass, delay, lag and gain,
     /// and the standard deviations of the last three. Empty where nobody said, as in recordings of older versions.
@@ -96,6 +99,47 @@ pub struct GapReport {
     pub ticks: u64,
 }
 
+/// A device of a loop that has several.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DeviceReport {
+    /// Its name in the world.
+    pub name: String,
+    /// In how many ticks what was said of it.
+    pub flags: BTreeMap<&'static str, u64>,
+}
+
+/// In how many ticks what was said of each device.
+#[derive(Default)]
+struct DeviceFlags(Vec<BTreeMap<&'static str, u64>>);
+
+impl DeviceFlags {
+    fn add(&mut self, devices: &[DeviceTick]) {
+        if self.0.len() < devices.len() {
+            self.0.resize(devices.len(), BTreeMap::new());
+        }
+        for (flags, device) in self.0.iter_mut().zip(devices) {
+            let named = Flags::NAMED.into_iter();
+            for (_, name) in named.filter(|(flag, _)| device.flags.has(*flag)) {
+                *flags.entry(name).or_insert(0) += 1;
+            }
+        }
+    }
+
+    fn reports(self, recording: &Recording) -> Vec<DeviceReport> {
+        let names = recording.receipt.texts.get(DEVICES);
+        let names: Vec<&str> = names.map_or_else(Vec::new, |names| names.lines().collect());
+        let reports = self.0.into_iter().enumerate().map(|(number, flags)| {
+            let name = names.get(number);
+            DeviceReport {
+                name: name.map_or_else(|| format!("{}", number + 1), |name| (*name).to_owned()),
+                flags,
+            }
+        });
+        reports.collect()
+    }
+}
+
 impl RecordingReport {
     /// The report on `recording`, all of which is read.
     ///
@@ -104,12 +148,14 @@ impl RecordingReport {
     pub fn new(recording: &Recording) -> Result<Self, RecordingError> {
         let mut flags = BTreeMap::new();
         let mut events = BTreeMap::new();
+        let mut devices = DeviceFlags::default();
         let [mut lateness, mut period, mut tick_duration, mut round_trip] = [None; 4];
         let entries = recording.entries()?;
         for entry in entries {
             match entry? {
                 Entry::Event(event) => *events.entry(event.kind).or_insert(0) += 1,
-                Entry::Tick(tick, _, _) => {
+                Entry::Tick(tick, _, _, of_tick) => {
+                    devices.add(&of_tick);
                     raise(&mut lateness, tick.lateness);
                     raise(&mut period, tick.period);
                     raise(&mut tick_duration, tick.tick_duration);
@@ -145,6 +191,7 @@ impl RecordingReport {
             ticks_lost: recording.lost(),
             events_lost: recording.lost_events(),
             unchecked: recording.unchecked,
+            devices: devices.reports(recording),
             lasted_s: time.map(|time| time.lasted.as_secs_f64()),
             motors_off_s: time.map(|time| time.motors_off.as_secs_f64()),
             time,
@@ -268,6 +315,18 @@ impl fmt::Display for RecordingReport {
         }
         for (name, count) in &self.flags {
             writeln!(f, "  {name}: {count}")?;
+        }
+        for device in &self.devices {
+            let flags = device.flags.iter();
+            let flags: Vec<_> = flags
+                .map(|(name, count)| format!("{name}: {count}"))
+                .collect();
+            let said = if flags.is_empty() {
+                "nothing to be said".to_owned()
+            } else {
+                flags.join(", ")
+            };
+            writeln!(f, "  device {}: {said}", device.name)?;
         }
         if self.parameter_changes > 0 {
             writeln!(f, "  changes of parameters: {}", self.parameter_changes)?;

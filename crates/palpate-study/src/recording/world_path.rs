@@ -1,6 +1,6 @@
-//! Where the device of a recorded world went.
+//! Where the devices of a recorded world went.
 
-use palpate_record::recording::{Flags, Recording, RecordingError};
+use palpate_record::recording::{Entry, Flags, Recording, RecordingError};
 use palpate_testbed::world::LedPath;
 
 /// Why the motion of a recorded world cannot be replayed.
@@ -20,32 +20,39 @@ pub enum WorldPathError {
     },
 }
 
-/// Where the one device of a recorded world went, and if it `turns` how it was turned, with how many ticks have no position:
-/// straight lines stand there. `in_world` turns what the device measured `[m]` into a place in the world `[m]`; a device that turns
-/// has the axes of the world.
+/// Where the devices of a recorded world went, and how those were turned that `turns` says, with how many ticks have no position of
+/// each device: straight lines stand there. `in_world` turns what a device, by its number, measured `[m]` into a place in the
+/// world `[m]`; a device that turns has the axes of the world.
 ///
 /// # Errors
 /// What cannot be read; a recording that is no motion.
 pub fn world_path(
     recording: &Recording,
-    turns: bool,
-    in_world: impl Fn([f64; 3]) -> [f64; 3],
+    turns: &[bool],
+    in_world: impl Fn(usize, [f64; 3]) -> [f64; 3],
 ) -> Result<(LedPath, u64), WorldPathError> {
     let (mut times, mut positions): (Vec<f64>, Vec<_>) = (Vec::new(), Vec::new());
     let mut orientations = Vec::new();
     let mut start = 0.0;
     let mut without = 0_u64;
-    let mut last = None;
-    for row in recording.rows()? {
-        let tick = row?.tick;
-        if last.replace(tick.sequence) == Some(tick.sequence) {
+    for entry in recording.entries()? {
+        let Entry::Tick(tick, _, _, several) = entry? else {
             continue;
-        }
-        let is_turned = tick.device_orientation.iter().all(|part| part.is_finite());
-        if tick.flags.has(Flags::DEVICE_FAULT)
-            || tick.device_axes[0].is_nan()
-            || (turns && !is_turned)
-        {
+        };
+        let devices: Vec<_> = if several.is_empty() {
+            vec![(tick.device_axes, tick.device_orientation)]
+        } else {
+            let of = several
+                .iter()
+                .map(|device| (device.axes, device.orientation));
+            of.collect()
+        };
+        let is_known = |((axes, orientation), turns): (&([f64; 3], [f64; 4]), &bool)| {
+            let is_turned = orientation.iter().all(|part| part.is_finite());
+            !axes[0].is_nan() && (!turns || is_turned)
+        };
+        let are_known = devices.len() == turns.len() && devices.iter().zip(turns).all(is_known);
+        if tick.flags.has(Flags::DEVICE_FAULT) || !are_known {
             without += 1;
             continue;
         }
@@ -53,13 +60,22 @@ pub fn world_path(
             start = tick.time;
         }
         times.push(tick.time - start);
-        // An axis that the device has not is none of the frame's.
-        let measured = tick.device_axes.map(|x| if x.is_nan() { 0.0 } else { x });
-        positions.push(vec![in_world(measured)]);
-        orientations.push(vec![tick.device_orientation]);
+        let places = devices.iter().enumerate().map(|(number, (axes, _))| {
+            // An axis that the device has not is none of the frame's.
+            in_world(number, axes.map(|x| if x.is_nan() { 0.0 } else { x }))
+        });
+        positions.push(places.collect::<Vec<_>>());
+        let turned = devices.iter().zip(turns).map(|((_, orientation), turns)| {
+            if *turns {
+                *orientation
+            } else {
+                [1.0, 0.0, 0.0, 0.0]
+            }
+        });
+        orientations.push(turned.collect::<Vec<_>>());
     }
     let mut path = LedPath::new(times, positions);
-    if turns {
+    if turns.contains(&true) {
         path = path.and_then(|path| path.turned(orientations));
     }
     let path = path.map_err(|error| WorldPathError::NoMotion {

@@ -120,7 +120,7 @@ pub struct CalibrateResults {
 impl CalibrateArguments {
     /// How long the hand has to bring the device to its place; none: it is there.
     pub fn wait(&self) -> Result<Option<Duration>, Failure> {
-        let usual = (self.device.device == DeviceName::Haply2diy).then_some(USUAL_WAIT);
+        let usual = (self.device.kind() == DeviceName::Haply2diy).then_some(USUAL_WAIT);
         let Some(wait) = self.wait.or(usual) else {
             return Ok(None);
         };

@@ -41,7 +41,7 @@ impl Named {
         clock: &MonotonicClock,
         guarding: &Guarding,
     ) -> Result<Self, Failure> {
-        let is_pointer = arguments.device == DeviceName::Pointer;
+        let is_pointer = arguments.kind() == DeviceName::Pointer;
         let mut devices = Self {
             arguments: arguments.clone(),
             scene: scene.clone(),
@@ -77,20 +77,20 @@ impl Named {
 
 impl Devices for Named {
     fn most_lanes(&self) -> usize {
-        most_lanes(self.arguments.device)
+        most_lanes(self.arguments.kind())
     }
 
     fn go_on(&self) -> bool {
         // Scene and recording begin again with the loop.
         !matches!(
-            self.arguments.device,
+            self.arguments.kind(),
             DeviceName::Simulated | DeviceName::Replay
         )
     }
 
     fn any_period(&self) -> bool {
         // A driver waits for its board as long as the period that it was opened for allows.
-        is_virtual(self.arguments.device)
+        is_virtual(self.arguments.kind())
     }
 
     fn open(&mut self, at: Option<f64>) -> Result<Placed, String> {

@@ -72,7 +72,7 @@ pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
     let asked = Asked {
         duration: arguments.duration,
         // A recorded motion is over when it is over.
-        device_may_end: arguments.device.device == DeviceName::Replay,
+        device_may_end: arguments.device.kind() == DeviceName::Replay,
         lost: "the device was lost before the end",
     };
     let mut ended = Ok(());
@@ -102,7 +102,7 @@ fn add(ended: &mut Result<(), Failure>, next: Result<(), Failure>) {
 
 /// The scene, where it comes from, and a method for each lane.
 fn read(arguments: &LiveArguments) -> Result<(Scene, PathBuf, Vec<MethodName>), Failure> {
-    let most = most_lanes(arguments.device.device);
+    let most = most_lanes(arguments.device.kind());
     let (file, path, usual) = match &arguments.scene {
         Some(path) => {
             let file = super::simulate::read_scene(path)?;
@@ -142,7 +142,7 @@ fn read(arguments: &LiveArguments) -> Result<(Scene, PathBuf, Vec<MethodName>), 
         scene.rendering(*method).map_err(Failure::input)?;
     }
     tell_what_a_loop_has_not(&scene);
-    if arguments.device.device == DeviceName::Pointer
+    if arguments.device.kind() == DeviceName::Pointer
         && (scene.device.grip().is_some()
             || scene.device.pantograph().is_some()
             || scene.device.tremor().is_some())

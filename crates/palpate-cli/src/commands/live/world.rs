@@ -8,7 +8,7 @@ use palpate_scope::{Home, MOST_LANES, Session, WorldLane, WorldLaneEnd, WorldSet
 use palpate_session::{Energies, GuardianReport, RunReport, Subject};
 use palpate_sim::device::SpatialHand;
 
-use super::super::run::world::{FLAGS, rendered};
+use super::super::run::world::{FLAGS, OnDevice, rendered};
 use super::super::run::{Asked, guarding, limits, outcome, request};
 use super::serving::{listen, serve};
 use super::{LiveArguments, add};
@@ -30,7 +30,7 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
     let scene = &file.scene;
     let methods = worlds::methods(&arguments.flags, scene);
     let is_virtual = matches!(
-        arguments.device.device,
+        arguments.device.kind(),
         DeviceName::Pointer | DeviceName::Simulated
     );
     let most = if is_virtual { MOST_LANES } else { 1 };
@@ -59,7 +59,7 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
     let lasts = (arguments.duration < f64::INFINITY)
         .then(|| duration("--duration", arguments.duration))
         .transpose()?;
-    let hand = (arguments.device.device == DeviceName::Pointer)
+    let hand = (arguments.device.kind() == DeviceName::Pointer)
         .then(|| scene.devices.first())
         .flatten()
         .map(|device| SpatialHand::at(device.position));
@@ -69,10 +69,15 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
         let methods = methods.clone();
         move |number: usize| -> Result<WorldLane, Failure> {
             let method = methods.get(number).copied().unwrap_or("coupled");
-            let OpenedInWorld { device, frame } =
+            let OpenedInWorld { device, frame, .. } =
                 open_in_world_with(&device, &file.scene, &clock, &guarding, hand.as_ref())?;
             let limits = limits(device.capabilities(), &safety);
-            let world = rendered(&file, method, (&frame, device.capabilities()), &limits)
+            let on = OnDevice {
+                frame,
+                capabilities: device.capabilities().clone(),
+                limits,
+            };
+            let world = rendered(&file, method, &[on])
                 .map_err(|faults| Failure::input(&faults[0]))?
                 .map_err(Failure::input)?;
             Ok(WorldLane {

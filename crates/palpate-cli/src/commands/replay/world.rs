@@ -8,6 +8,7 @@ use palpate_study::recording::world_path;
 
 use super::ReplayArguments;
 use crate::commands::render::deliver_world;
+use crate::devices::names;
 use crate::failure::{Failure, tell};
 use crate::recorded::whole_or_said;
 use crate::worlds;
@@ -28,21 +29,26 @@ pub fn run(
     let name = arguments.recording.display().to_string();
     // Files of meshes are looked for beside the recording.
     let file = WorldFile::parse(&name, text).map_err(Failure::inputs)?;
-    let frame = recording.receipt.texts.get("frame");
-    let frame = frame
-        .and_then(|frame| WorldFrame::read(frame))
-        .ok_or_else(|| {
+    let several = file.scene.devices.len() > 1;
+    let frames = names(&file.scene).into_iter().map(|device| {
+        let (text, of) = if several {
+            (format!("frame {device}"), format!("the device {device}"))
+        } else {
+            ("frame".to_owned(), "the device".to_owned())
+        };
+        let frame = recording.receipt.texts.get(&text);
+        let frame = frame.and_then(|frame| WorldFrame::read(frame));
+        frame.ok_or_else(|| {
             Failure::input(format_args!(
-                "{name}: its receipt does not say where the device stands in the world"
+                "{name}: its receipt does not say where {of} stands in the world"
             ))
-        })?;
-    let turns = file
-        .scene
-        .devices
-        .iter()
-        .any(|device| device.turning.is_some());
-    let (path, without) =
-        world_path(recording, turns, |place| frame.in_world(place)).map_err(Failure::input)?;
+        })
+    });
+    let frames = frames.collect::<Result<Vec<_>, _>>()?;
+    let devices = file.scene.devices.iter();
+    let turns: Vec<bool> = devices.map(|device| device.turning.is_some()).collect();
+    let in_world = |device: usize, place| frames[device].in_world(place);
+    let (path, without) = world_path(recording, &turns, in_world).map_err(Failure::input)?;
     if without > 0 {
         let ticks = palpate_study::text::counted(without, "tick");
         tell(format_args!(

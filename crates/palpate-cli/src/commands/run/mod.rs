@@ -183,7 +183,7 @@ impl Session<'_> {
         let asked = Asked {
             duration: self.arguments.duration,
             // A recorded motion is over when it is over.
-            device_may_end: self.arguments.device.device == DeviceName::Replay,
+            device_may_end: self.arguments.device.kind() == DeviceName::Replay,
             lost: "the device was lost before the end; `palpate run --reconnect` waits for one that \
                    can be opened again",
         };

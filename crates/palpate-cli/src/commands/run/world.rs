@@ -8,14 +8,15 @@ use palpate_files::bounded::SCENE;
 use palpate_record::recording::Receipt;
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{ControlLoop, RenderedWorld, SetupError, WorldFrame, receipt};
+use palpate_rt::{ControlLoop, Ending, RenderedWorld, SetupError, WorldFrame, receipt};
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_session::{Energies, RunReport, Subject};
-use palpate_sim::device::told_of;
+use palpate_sim::device::{Told, told_of_devices};
+use palpate_study::recording::DEVICES;
 
 use super::driving::{Ran, drive, most_periods};
 use super::{Asked, SessionArguments, guarding, limits, outcome, request};
-use crate::devices::{OpenedInWorld, open_in_world};
+use crate::devices::{names, open_for_world};
 use crate::failure::Failure;
 use crate::results::print_report;
 use crate::values::duration;
@@ -95,21 +96,31 @@ impl Session<'_> {
         let method = worlds::one_method(&arguments.flags, scene)?;
         let period = scene.timing.period;
         let guarding = guarding(&arguments.safety, period)?;
-        let OpenedInWorld { device, frame } =
-            open_in_world(&arguments.device, scene, clock, &guarding)?;
-        let limits = limits(device.capabilities(), &arguments.safety);
-        let capabilities = device.capabilities().clone();
-        let world = rendered(self.file, method, (&frame, &capabilities), &limits)
+        let (device, given) = (&arguments.device, &arguments.given);
+        let opened = open_for_world(device, given, scene, clock, &guarding)?;
+        let on: Vec<OnDevice> = opened
+            .iter()
+            .map(|opened| {
+                let capabilities = opened.device.capabilities().clone();
+                OnDevice {
+                    frame: opened.frame,
+                    limits: limits(&capabilities, &arguments.safety),
+                    capabilities,
+                }
+            })
+            .collect();
+        let world = rendered(self.file, method, &on)
             .map_err(|faults| wrong_world(&arguments.flags, self.file, &faults))?
             .map_err(|error| self.wrong(error))?;
-        let control = ControlLoop::of_world(device, clock.clone(), world, limits)
+        let limits = on.iter().map(|on| on.limits);
+        let devices = opened.into_iter().map(|opened| opened.device).zip(limits);
+        let control = ControlLoop::of_devices(devices.collect(), clock.clone(), world)
             .map_err(|error| self.wrong(error))?;
         let most = most_periods(arguments.duration, control.period())?;
         let record = match self.record {
             Some(out) => {
-                let version = env!("CARGO_PKG_VERSION");
-                let receipt = receipt(version, &capabilities, &limits, &request);
-                Some((out, put(receipt, self.path, method, &frame)?))
+                let receipt = receipts(&on, &names(scene), &request);
+                Some((out, put(receipt, self.path, method)?))
             }
             None => None,
         };
@@ -121,20 +132,23 @@ impl Session<'_> {
             unwritten,
         } = drive(control, record, request, most, &guarding)?;
         let books = end.control.rendered().state().books();
-        let report = RunReport::new(
+        let capabilities: Vec<_> = on.iter().map(|on| &on.capabilities).collect();
+        let guarded = guarding.report_of(arguments.device.are_guarded(), &capabilities);
+        let report = RunReport::of_devices(
             Subject {
                 title: &scene.title,
                 method: worlds::known(method),
                 period,
             },
             &capabilities,
+            &names(scene),
             &end,
             &answers,
             &account,
             recording.as_ref(),
         )
         .with_energies(Energies::of_world(&end, books))
-        .guarded(guarding.report(arguments.device.is_guarded(), &capabilities));
+        .guarded(guarded);
         print_report(&report, arguments.json)?;
         let asked = Asked {
             duration: arguments.duration,
@@ -142,7 +156,17 @@ impl Session<'_> {
             lost: "the device was lost before the end; `palpate run --reconnect` waits for one that \
                    can be opened again",
         };
-        outcome::of(&end, &asked, unwritten, recording.as_ref())
+        let outcome = outcome::of(&end, &asked, unwritten, recording.as_ref());
+        let tripped = end.control.tripped_device().filter(|_| on.len() > 1);
+        match (outcome, tripped) {
+            // Of several devices, the one that has gone or tripped is named.
+            (Err(failure), Some((device, _)))
+                if end.ending == Ending::DeviceLost || matches!(failure, Failure::MotorsOff(_)) =>
+            {
+                Err(failure.of(&format!("device {}", names(scene)[device])))
+            }
+            (outcome, _) => outcome,
+        }
     }
 
     fn wrong(&self, error: SetupError) -> Failure {
@@ -153,35 +177,75 @@ impl Session<'_> {
     }
 }
 
-/// What a loop renders of a world, on a device that stands in it as `frame` says and is given no more than `limits` say. The renderer is told how coarse the device's sensor is, and that the device does not move along the axes that it
-/// has not.
+/// A device of a loop that renders a world.
+pub struct OnDevice {
+    /// Where it stands in the world.
+    pub frame: WorldFrame,
+    /// What it can do.
+    pub capabilities: Capabilities,
+    /// What may reach it.
+    pub limits: SafetyParams,
+}
+
+/// What a loop renders of a world, on devices that stand in it and are given no more than their limits say. The renderer is told
+/// how coarse the sensors of the devices are, and that a device does not move along the axes that it has not.
 pub fn rendered(
     file: &WorldFile,
     method: &str,
-    (frame, device): (&WorldFrame, &Capabilities),
-    limits: &SafetyParams,
+    on: &[OnDevice],
 ) -> Result<Result<RenderedWorld, SetupError>, Vec<palpate_world::WorldError>> {
-    let has_axis = |axis| frame.has(axis);
-    let (force, torque) = (limits.largest_force, limits.largest_torque);
-    let scene: WorldScene = told_of(&file.scene, device, has_axis, force, torque);
+    let told = on.iter().map(|on| Told {
+        device: &on.capabilities,
+        has_axes: [0, 1, 2].map(|axis| on.frame.has(axis)),
+        largest_force: on.limits.largest_force,
+        largest_torque: on.limits.largest_torque,
+    });
+    let scene: WorldScene = told_of_devices(&file.scene, &told.collect::<Vec<_>>());
     let renderer = scene.renderer(method)?;
     let method = worlds::known(method);
-    Ok(RenderedWorld::new(&scene.world, renderer, method, *frame))
+    let frames = on.iter().map(|on| on.frame).collect();
+    Ok(RenderedWorld::of_devices(
+        &scene.world,
+        renderer,
+        method,
+        frames,
+    ))
 }
 
-/// The receipt with the world as its file has it, by which method it is rendered, and where the device stands in it.
-pub fn put(
-    receipt: Receipt,
-    path: &Path,
-    method: &str,
-    frame: &WorldFrame,
-) -> Result<Receipt, Failure> {
+/// The receipt of a loop on these devices, but for its world: what is said of several stands under their names.
+pub fn receipts(on: &[OnDevice], names: &[&str], request: &Request) -> Receipt {
+    let of_one = |on: &OnDevice| {
+        let version = env!("CARGO_PKG_VERSION");
+        let receipt = receipt(version, &on.capabilities, &on.limits, request);
+        receipt.with("frame", &on.frame.to_string())
+    };
+    if let [on] = on {
+        return of_one(on);
+    }
+    let mut all = Receipt::new(env!("CARGO_PKG_VERSION"));
+    // In the order of their numbers.
+    all = all.with(DEVICES, &(names.join("\n") + "\n"));
+    for (on, name) in on.iter().zip(names) {
+        for (text, said) in of_one(on).texts {
+            let is_of_the_loop = text == "real time";
+            let text = if is_of_the_loop {
+                text
+            } else {
+                format!("{text} {name}")
+            };
+            all = all.with(&text, &said);
+        }
+    }
+    all
+}
+
+/// The receipt with the world as its file has it, and by which method it is rendered.
+pub fn put(receipt: Receipt, path: &Path, method: &str) -> Result<Receipt, Failure> {
     let name = path.display().to_string();
     let text = SCENE
         .text(path)
         .map_err(|error| Failure::System(format!("{name}: {error}")))?;
     Ok(receipt
         .with("world", &text)
-        .with("method", &format!("name = \"{method}\"\n"))
-        .with("frame", &frame.to_string()))
+        .with("method", &format!("name = \"{method}\"\n")))
 }

@@ -1,0 +1,126 @@
+//! The devices of a world, one or several.
+
+use palpate_device::clock::Clock;
+use palpate_scene::world::{WorldDevice, WorldScene};
+use palpate_session::Guarding;
+
+use super::choice::Choice;
+use super::{DeviceArguments, DeviceName, OpenedInWorld, open_as};
+use crate::arguments::Given;
+use crate::failure::Failure;
+
+/// Flags of one device, by the names of their fields: where several devices are named they stand behind the name of theirs.
+const FLAGS_OF_A_DEVICE: [&str; 13] = [
+    "port",
+    "generation",
+    "board",
+    "start_pose",
+    "reconnect",
+    "reconnect_in_start_pose",
+    "guardian",
+    "service",
+    "events",
+    "device_id",
+    "service_priority",
+    "origin",
+    "world_axes",
+];
+
+/// Opens a device for each device of a world, in the order of its file: the one that `arguments` name, or several by the names
+/// that they have in the file.
+///
+/// # Errors
+/// A device of the world that is not named or named twice, a name that the world has not, flags that belong behind a name, or
+/// one device for two; as for one device.
+pub fn open_for_world<C: Clock>(
+    arguments: &DeviceArguments,
+    given: &Given,
+    scene: &WorldScene,
+    clock: &C,
+    guarding: &Guarding,
+) -> Result<Vec<OpenedInWorld>, Failure> {
+    let mut opened: Vec<OpenedInWorld> = Vec::new();
+    let names = names(scene);
+    for ((own, of_one), name) in each(arguments, given, scene)?.into_iter().zip(&names) {
+        let next = open_as(own, of_one, scene, clock, guarding, None);
+        let next = next.map_err(|failure| match &arguments.device[..] {
+            [Choice::Kind(_)] => failure,
+            _ => failure.of(&format!("--device {name}=")),
+        })?;
+        let is_the_same =
+            |before: &OpenedInWorld| before.identity.is_some() && before.identity == next.identity;
+        if let Some(before) = opened.iter().position(is_the_same) {
+            return Err(Failure::Arguments(format!(
+                "--device: {} and {} are one device, {}; allowed: a device of its own for each",
+                names[before],
+                name,
+                next.identity.unwrap_or_default()
+            )));
+        }
+        opened.push(next);
+    }
+    Ok(opened)
+}
+
+/// Each device of the world, with the arguments that name what it is.
+fn each<'a>(
+    arguments: &'a DeviceArguments,
+    given: &Given,
+    scene: &'a WorldScene,
+) -> Result<Vec<(&'a WorldDevice, &'a DeviceArguments)>, Failure> {
+    let names = names(scene);
+    let refused = |why: String| {
+        Failure::Arguments(format!(
+            "--device: {why}; the world has {}, and allowed is --device \"NAME=DEVICE FLAGS\" once for each, or simulated \
+             or pointer for all",
+            listed(&names)
+        ))
+    };
+    if let [Choice::Kind(kind)] = arguments.device[..] {
+        let is_for_all = matches!(kind, DeviceName::Simulated | DeviceName::Pointer);
+        if names.len() > 1 && !is_for_all {
+            return Err(refused("one device is named for all".into()));
+        }
+        return Ok(scene.devices.iter().map(|own| (own, arguments)).collect());
+    }
+    if let Some(flag) = given.one_of(&FLAGS_OF_A_DEVICE) {
+        return Err(refused(format!(
+            "{flag} stands alone, and belongs behind the name of its device, within the quotes"
+        )));
+    }
+    let mut found: Vec<Option<&DeviceArguments>> = vec![None; names.len()];
+    for choice in &arguments.device {
+        let Choice::Of { name, arguments } = choice else {
+            return Err(refused("a device has no name".into()));
+        };
+        let Some(place) = names.iter().position(|own| own == name) else {
+            return Err(refused(format!("no device is called {name}")));
+        };
+        if found[place].replace(arguments).is_some() {
+            return Err(refused(format!("{name} stands twice")));
+        }
+    }
+    let missing = names.iter().zip(&found).find(|(_, found)| found.is_none());
+    if let Some((name, _)) = missing {
+        return Err(refused(format!("{name} is not named")));
+    }
+    let devices = scene.devices.iter().zip(found);
+    Ok(devices
+        .filter_map(|(own, of_one)| Some((own, of_one?)))
+        .collect())
+}
+
+/// What the devices of a world are called in its file, in their order.
+pub fn names(scene: &WorldScene) -> Vec<&str> {
+    let tools = scene.world.tools.iter();
+    tools.map(|tool| tool.name.as_str()).collect()
+}
+
+/// `left and right`, `a, b and c`.
+fn listed(names: &[&str]) -> String {
+    match names {
+        [] => "none".into(),
+        [one] => (*one).into(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}

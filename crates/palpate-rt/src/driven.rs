@@ -1,0 +1,563 @@
+//! The devices of a loop, each with its safety, its last sample and what it holds.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::slice;
+use std::time::Duration;
+
+use palpate_device::clock::Clock;
+use palpate_device::{Device, DeviceError, DeviceErrorKind, Pose, Wrench, ZeroWriter};
+use palpate_record::recording::{DeviceTick, Flags};
+
+use crate::held::HeldSince;
+use crate::note::Note;
+use crate::rendering::FreshDevice;
+use crate::safety::{Bounded, Looked, Rendered, Safety, Trip, Verdict};
+use crate::tap::Teller;
+use crate::wire::posed;
+
+/// A sample whose time cannot be.
+const AHEAD: DeviceError = DeviceError {
+    kind: DeviceErrorKind::NothingNew,
+    what: "the time stamp of a sample lies more than a period ahead of the loop's clock",
+};
+
+/// What a sample of a device came to.
+#[derive(Clone, Copy, Debug)]
+enum Sampled {
+    Fresh(Pose),
+    Missing,
+    Gone(Trip),
+}
+
+/// A device of a loop.
+pub(crate) struct Driven<D> {
+    pub device: D,
+    pub safety: Safety,
+    /// Its number, where the loop has several devices.
+    pub number: Option<u32>,
+    held: HeldSince,
+    /// Its last fresh sample.
+    last: Option<Pose>,
+    /// When it was sampled for the last sample that was rendered.
+    rendered_at: Option<Duration>,
+    sampled: Sampled,
+    round_trip: Duration,
+    /// Whether a supervisor has a way of its own to command it no force.
+    pub is_supervised: bool,
+    /// When somebody beside the loop has commanded it no force, until that is booked.
+    cut: Option<Duration>,
+    /// What was rendered for it in this tick, and what its safety has found in that.
+    looked: Option<(Rendered, Looked)>,
+    /// What is to be commanded.
+    pub verdict: Verdict,
+    /// What it holds by its own account.
+    pub delivered: Wrench,
+    /// What was sent to its motors, where it says that apart.
+    pub sent: Option<Wrench>,
+    /// Whether it did not take the command of this tick.
+    has_failed: bool,
+    /// Whether it is gone.
+    pub is_lost: bool,
+}
+
+impl<D: Device> Driven<D> {
+    fn new(device: D, safety: Safety, number: Option<u32>) -> Self {
+        Self {
+            device,
+            safety,
+            number,
+            held: HeldSince::default(),
+            last: None,
+            rendered_at: None,
+            sampled: Sampled::Missing,
+            round_trip: Duration::ZERO,
+            is_supervised: false,
+            cut: None,
+            looked: None,
+            verdict: Verdict {
+                wrench: Wrench::NONE,
+                bounded: Bounded::default(),
+                tripped: None,
+                recovered: None,
+            },
+            delivered: Wrench::NONE,
+            sent: None,
+            has_failed: false,
+            is_lost: false,
+        }
+    }
+
+    /// Asks the device where it is. When it has answered.
+    pub fn sample<C: Clock>(
+        &mut self,
+        clock: &C,
+        asked: Duration,
+        period: Duration,
+        teller: &mut Teller,
+    ) -> Duration {
+        let read = self.device.read();
+        let answered = clock.now();
+        self.round_trip = answered.saturating_sub(asked);
+        let mut told = None;
+        self.sampled = match read {
+            // Believed, it would make every sample up to then an old one.
+            Ok(reading) if reading.time > answered.saturating_add(period) => {
+                told = Some(AHEAD).filter(|_| self.safety.trip().is_none());
+                Sampled::Missing
+            }
+            Ok(reading) => {
+                let last = self.last.as_ref().map(|last| last.time);
+                if last.is_some_and(|last| reading.time <= last) {
+                    Sampled::Missing
+                } else {
+                    self.last = Some(reading);
+                    Sampled::Fresh(reading)
+                }
+            }
+            Err(error) => {
+                let is_news = self.safety.trip() != Some(Trip::DeviceRefused)
+                    && error.kind != DeviceErrorKind::NothingNew;
+                told = Some(error).filter(|_| is_news);
+                match error.kind {
+                    DeviceErrorKind::NothingNew => Sampled::Missing,
+                    DeviceErrorKind::Refused => Sampled::Gone(Trip::DeviceRefused),
+                    DeviceErrorKind::Disconnected => {
+                        self.is_lost = true;
+                        Sampled::Gone(Trip::DeviceLost)
+                    }
+                }
+            }
+        };
+        if let Some(error) = told {
+            teller.note(clock.now(), self.number, Note::Device(error));
+        }
+        answered
+    }
+
+    /// What a sample of all devices says of this one; `None` where it has no fresh one.
+    fn fresh(&mut self) -> Option<FreshDevice> {
+        let Sampled::Fresh(reading) = self.sampled else {
+            return None;
+        };
+        Some(FreshDevice {
+            position: reading.position,
+            orientation: reading.orientation,
+            held: self.held.take(reading.time),
+        })
+    }
+
+    fn is_fresh(&self) -> bool {
+        matches!(self.sampled, Sampled::Fresh(_))
+    }
+
+    /// Looks at the sample for a reason to have no force.
+    fn look(&mut self, of_loop: Rendered, comes_in: bool) {
+        let Sampled::Fresh(reading) = self.sampled else {
+            return;
+        };
+        let before = self.rendered_at.replace(reading.time);
+        let rendered = Rendered {
+            elapsed: before.map(|before| reading.time.saturating_sub(before).as_secs_f64()),
+            position: reading.position,
+            ..of_loop
+        };
+        let looked = self.safety.look(&rendered, comes_in);
+        self.looked = Some((rendered, looked));
+    }
+
+    /// Decides what to command: none where a device of the loop `is_off`.
+    fn answer(&mut self, is_off: bool) {
+        if let Some((rendered, looked)) = self.looked.take() {
+            self.verdict = self.safety.answer(&rendered, looked, is_off);
+        }
+    }
+
+    /// How it answers a tick in which nothing is rendered, for want of a sample of this device or of another one.
+    fn go_without(&mut self, stalled: bool) {
+        self.verdict = match self.sampled {
+            Sampled::Gone(trip) => self.safety.trip_on(trip),
+            _ if stalled => self.safety.trip_on(Trip::Stalled),
+            Sampled::Missing => self.safety.missing(),
+            Sampled::Fresh(_) => self.safety.wait(),
+        };
+    }
+
+    /// Commands none, since another device of the loop has none.
+    fn withhold(&mut self) {
+        if self.safety.trip().is_none() {
+            let told = self.verdict;
+            self.verdict = Verdict {
+                tripped: told.tripped,
+                recovered: told.recovered,
+                ..self.safety.withhold()
+            };
+        }
+    }
+
+    /// Commands the verdict. Whether the device took it.
+    fn command<C: Clock>(&mut self, clock: &C, teller: &mut Teller) -> bool {
+        let wrench = self.verdict.wrench;
+        let written = self.device.write(wrench);
+        self.delivered = match written {
+            Ok(held) => held,
+            Err(error) => {
+                // It may take none where it does not take some.
+                let _ = self.device.write(Wrench::NONE);
+                self.has_failed = true;
+                teller.note(clock.now(), self.number, Note::Device(error));
+                let trip = if error.kind == DeviceErrorKind::Disconnected {
+                    self.is_lost = true;
+                    Trip::DeviceLost
+                } else {
+                    Trip::DeviceRefused
+                };
+                if let Some(trip) = self.safety.trip_on(trip).tripped {
+                    teller.note(clock.now(), self.number, Note::Tripped(trip));
+                }
+                Wrench::NONE
+            }
+        };
+        self.held.change(self.delivered, clock.now());
+        self.sent = written.ok().and_then(|_| self.device.last_sent());
+        !self.has_failed
+    }
+
+    fn may_hold_a_force(&self) -> bool {
+        !self.has_failed && (self.verdict.wrench != Wrench::NONE || self.delivered != Wrench::NONE)
+    }
+
+    /// Somebody has commanded it no force at that time; the first counts.
+    fn was_cut_at(&mut self, at: Duration) {
+        self.cut = Some(self.cut.map_or(at, |before| before.min(at)));
+    }
+
+    /// Commands no force, twice where it is not taken; more cannot be done here.
+    fn let_go<C: Clock>(&mut self, clock: &C) {
+        if self.device.write(Wrench::NONE).is_err() {
+            let _ = self.device.write(Wrench::NONE);
+        }
+        self.held.change(Wrench::NONE, clock.now());
+        self.safety.let_go();
+    }
+
+    /// What a recording has of it at a tick.
+    fn said(&self, devices: u32, started: Duration) -> DeviceTick {
+        let axes = self.device.capabilities().axes;
+        let pose = self.last.as_ref();
+        let place = pose.map(|pose| posed(pose, axes));
+        let unknown = DeviceTick::UNKNOWN;
+        DeviceTick {
+            device: self.number.unwrap_or(0),
+            devices,
+            flags: Flags::default()
+                .with(Flags::SAFETY_LIMITED, self.verdict.bounded.any())
+                .with(Flags::SAFETY_TRIPPED, self.safety.trip().is_some())
+                .with(Flags::DEVICE_FAULT, !self.is_fresh()),
+            time: pose.map_or(f64::NAN, |pose| {
+                pose.time.saturating_sub(started).as_secs_f64()
+            }),
+            round_trip: self.round_trip.as_secs_f64(),
+            axes: place.map_or(unknown.axes, |place| place.device_axes),
+            orientation: place.map_or(unknown.orientation, |place| place.device_orientation),
+            commanded_force: self.verdict.wrench.force,
+            commanded_torque: self.verdict.wrench.torque,
+            delivered_force: self.delivered.force,
+            delivered_torque: self.delivered.torque,
+            ..unknown
+        }
+    }
+}
+
+/// All devices of a loop: one or more, in their order. Where one has no force, none has.
+pub(crate) struct Devices<D> {
+    all: Vec<Driven<D>>,
+    /// Room for a sample of all of them.
+    samples: Vec<FreshDevice>,
+    /// What each is asked to give; room for a tick.
+    asked: Vec<Wrench>,
+    /// What recordings have of each at the last tick; none where there is one device.
+    ticks: Vec<DeviceTick>,
+}
+
+impl<D: Device> Devices<D> {
+    /// `None`: there is no device.
+    pub fn new(devices: impl IntoIterator<Item = (D, Safety)>) -> Option<Self> {
+        let devices: Vec<_> = devices.into_iter().collect();
+        let number = devices.len();
+        let is_one = number == 1;
+        let driven = (0..).zip(devices).map(|(place, (device, safety))| {
+            Driven::new(device, safety, Some(place).filter(|_| !is_one))
+        });
+        let all: Vec<_> = driven.collect();
+        all.first()?;
+        Some(Self {
+            all,
+            samples: Vec::with_capacity(number),
+            asked: vec![Wrench::NONE; number],
+            ticks: if is_one {
+                Vec::new()
+            } else {
+                vec![DeviceTick::UNKNOWN; number]
+            },
+        })
+    }
+
+    /// All of them: at least one.
+    pub fn iter(&self) -> slice::Iter<'_, Driven<D>> {
+        self.all.iter()
+    }
+
+    pub fn iter_mut(&mut self) -> slice::IterMut<'_, Driven<D>> {
+        self.all.iter_mut()
+    }
+
+    /// When the newest sample that there is was taken.
+    pub fn sampled_at(&self) -> Option<Duration> {
+        let times = self.iter().filter_map(|driven| driven.last.as_ref());
+        times.map(|pose| pose.time).max()
+    }
+
+    /// The first device.
+    #[allow(clippy::indexing_slicing, reason = "there is one, and no tick asks")]
+    pub fn first_device(&self) -> &D {
+        &self.all[0].device
+    }
+
+    /// What was commanded of the first device, and what it holds.
+    pub fn first_wrenches(&self) -> (Wrench, Wrench) {
+        let first = self.all.first();
+        first.map_or((Wrench::NONE, Wrench::NONE), |first| {
+            (first.verdict.wrench, first.delivered)
+        })
+    }
+
+    /// Another method renders from now on, for the safety that watches the created energy. Whether most of that was created
+    /// before the method that renders now.
+    pub fn another_method(&mut self) -> bool {
+        let Some(first) = self.all.first_mut() else {
+            return false;
+        };
+        let is_from_before = first.safety.oscillation_is_from_before();
+        first.safety.another_method();
+        is_from_before
+    }
+
+    /// The last sample of the first device, with as many axes as it has.
+    pub fn first_pose(&self) -> Option<(&Pose, usize)> {
+        let first = self.all.first()?;
+        let axes = first.device.capabilities().axes;
+        first.last.as_ref().map(|pose| (pose, axes))
+    }
+
+    pub fn are_fresh(&self) -> bool {
+        self.iter().all(Driven::is_fresh)
+    }
+
+    /// Whether a device gave no sample in this tick and is not gone.
+    pub fn lack_a_sample(&self) -> bool {
+        let mut sampled = self.iter().map(|driven| driven.sampled);
+        sampled.any(|sampled| matches!(sampled, Sampled::Missing))
+    }
+
+    /// The samples of all devices, where all are fresh, and the place for what is asked of each.
+    pub fn samples(&mut self) -> (&[FreshDevice], &mut [Wrench]) {
+        self.samples.clear();
+        let devices = self.all.iter_mut();
+        self.samples.extend(devices.filter_map(Driven::fresh));
+        (&self.samples, &mut self.asked)
+    }
+
+    /// Puts what was asked of each device through its safety, in two rounds: what one device has found takes the force off
+    /// all. `of_loop` has what is the same for all. The created energy is that of the loop: the first safety watches it.
+    pub fn judge(&mut self, of_loop: &Rendered) {
+        let comes_in = self.iter().any(|driven| driven.safety.is_not_all_there());
+        let mut created_energy = of_loop.created_energy;
+        for (driven, wrench) in self.all.iter_mut().zip(&self.asked) {
+            let rendered = Rendered {
+                wrench: *wrench,
+                created_energy,
+                ..*of_loop
+            };
+            driven.look(rendered, comes_in);
+            created_energy = 0.0;
+        }
+        let are_off = self.are_off();
+        for driven in self.iter_mut() {
+            driven.answer(are_off);
+        }
+    }
+
+    /// Answers a tick in which nothing is rendered: the last forces for one period, then none.
+    pub fn go_without(&mut self, stalled: bool) {
+        for driven in self.iter_mut() {
+            driven.go_without(stalled);
+        }
+        self.withhold_where_one_is_off();
+    }
+
+    /// No device has a force, since the loop stood still.
+    pub fn stall(&mut self) {
+        for driven in self.iter_mut() {
+            driven.verdict = driven.safety.trip_on(Trip::Stalled);
+        }
+        self.withhold_where_one_is_off();
+    }
+
+    fn withhold_where_one_is_off(&mut self) {
+        if self.are_off() {
+            for driven in self.iter_mut() {
+                driven.withhold();
+            }
+        }
+    }
+
+    /// Commands what was decided. Where a device does not take it, none of them keeps a force: those that were commanded one
+    /// before it are commanded none at once. Whether a device is gone.
+    pub fn command<C: Clock>(&mut self, clock: &C, teller: &mut Teller) -> bool {
+        let mut has_failed = false;
+        for driven in self.iter_mut() {
+            driven.has_failed = false;
+            if has_failed {
+                driven.withhold();
+            }
+            has_failed |= !driven.command(clock, teller);
+        }
+        if has_failed {
+            for driven in self.iter_mut().filter(|driven| driven.may_hold_a_force()) {
+                driven.withhold();
+                driven.command(clock, teller);
+            }
+        }
+        self.iter().any(|driven| driven.is_lost)
+    }
+
+    /// Whether a trip of any device keeps the forces of all off.
+    pub fn are_off(&self) -> bool {
+        self.iter().any(|driven| driven.safety.trip().is_some())
+    }
+
+    /// Whether a limit changed what was asked of any device.
+    pub fn are_bounded(&self) -> bool {
+        self.iter().any(|driven| driven.verdict.bounded.any())
+    }
+
+    /// The trip that keeps the forces off, with the number of its device: one that stays before one that passes.
+    pub fn trip(&self) -> Option<(usize, Trip)> {
+        let trips = self.iter().enumerate();
+        let trips = trips.filter_map(|(number, driven)| Some((number, driven.safety.trip()?)));
+        trips.min_by_key(|(_, trip)| trip.is_passing())
+    }
+
+    /// Ends the trips that stay. Whether there was one.
+    pub fn rearm(&mut self) -> bool {
+        let rearmed = self.iter_mut().map(|driven| driven.safety.rearm());
+        rearmed.fold(false, |any, rearmed| any | rearmed)
+    }
+
+    /// A supervisor has commanded no force at that time.
+    pub fn were_cut_at(&mut self, at: Duration) {
+        for driven in self.iter_mut().filter(|driven| driven.is_supervised) {
+            driven.was_cut_at(at);
+        }
+    }
+
+    /// Whether a guardian has commanded a device no force since this was asked last; then it was at `at`.
+    pub fn were_cut_by_guardians(&mut self, at: Duration) -> bool {
+        let mut were_cut = false;
+        for driven in self.iter_mut() {
+            if driven.device.was_cut() {
+                driven.was_cut_at(at);
+                were_cut = true;
+            }
+        }
+        were_cut
+    }
+
+    /// The books learn which devices held no force from when on. Since when none of them did, if all were cut.
+    pub fn book_cuts(&mut self) -> Option<Duration> {
+        let mut all = Some(Duration::ZERO);
+        for driven in self.iter_mut() {
+            let cut = driven.cut.take();
+            if let Some(at) = cut {
+                driven.held.cut(at);
+            }
+            all = all.zip(cut).map(|(all, at)| all.max(at));
+        }
+        all
+    }
+
+    /// The second way to command no force of each device that has one, in one; `None` where none has.
+    pub fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
+        let mut writers = Vec::new();
+        for driven in self.iter_mut() {
+            let writer = driven.device.zero_writer();
+            driven.is_supervised = writer.is_some();
+            writers.extend(writer);
+        }
+        if writers.len() < 2 {
+            return writers.pop();
+        }
+        Some(Box::new(All(writers)))
+    }
+
+    /// Commands each device no force. One that panics keeps the others from nothing.
+    ///
+    /// # Panics
+    /// A device panicked; all have been asked by then.
+    pub fn let_go<C: Clock>(&mut self, clock: &C) {
+        self.each(|driven| driven.let_go(clock));
+    }
+
+    /// Commands no force in the other way that devices may have, as [`let_go`](Self::let_go) does in their own.
+    ///
+    /// # Panics
+    /// A device panicked; all have been asked by then.
+    pub fn cut_off(&mut self) {
+        self.each(|driven| {
+            if let Some(mut zero) = driven.device.zero_writer() {
+                zero.write_zero();
+            }
+        });
+    }
+
+    fn each(&mut self, mut act: impl FnMut(&mut Driven<D>)) {
+        let mut panic: Option<Box<dyn Any + Send>> = None;
+        for driven in self.iter_mut() {
+            if let Err(payload) = catch_unwind(AssertUnwindSafe(|| act(driven))) {
+                panic = Some(payload);
+            }
+        }
+        if let Some(payload) = panic {
+            resume_unwind(payload);
+        }
+    }
+
+    /// Takes down what recordings have of each device, where there are several.
+    pub fn take_down(&mut self, sequence: u64, started: Duration) {
+        let number = u32::try_from(self.ticks.len()).unwrap_or(u32::MAX);
+        for (tick, driven) in self.ticks.iter_mut().zip(&self.all) {
+            *tick = DeviceTick {
+                sequence,
+                ..driven.said(number, started)
+            };
+        }
+    }
+
+    /// What recordings have of each device at the last tick; none where there is one device.
+    pub fn ticks(&self) -> &[DeviceTick] {
+        &self.ticks
+    }
+}
+
+/// Several ways to command no force, in one.
+struct All(Vec<Box<dyn ZeroWriter>>);
+
+impl ZeroWriter for All {
+    fn write_zero(&mut self) {
+        for zero in &mut self.0 {
+            // One that panics keeps the others from nothing.
+            let _ = catch_unwind(AssertUnwindSafe(|| zero.write_zero()));
+        }
+    }
+}

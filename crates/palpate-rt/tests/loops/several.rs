@@ -1,0 +1,649 @@
+//! Several devices in one loop: each within its own limits, and none with a force where one has none.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
+
+use palpate_device::clock::{Clock, SteppedClock};
+use palpate_device::{
+    Capabilities, Device, DeviceError, DeviceErrorKind, Pose, ScriptedDevice, Step, Vector, Wrench,
+    ZeroWriter,
+};
+use palpate_record::recording::Flags;
+use palpate_rt::realtime::Request;
+use palpate_rt::safety::{SafetyParams, Trip};
+use palpate_rt::{
+    BoundedWorld, ControlLoop, Ending, Listener, LoopThread, Note, Noted, RenderedWorld,
+    SetupError, StopFlag, Told, WorldFrame, tap,
+};
+use palpate_scene::world::{WorldFile, WorldScene};
+use palpate_sim::device::SpatialDevice;
+use palpate_world::Sample;
+
+use crate::wide;
+use crate::worlds::{length, scene};
+
+type Several<D = ScriptedDevice<SteppedClock>> = ControlLoop<D, SteppedClock, RenderedWorld>;
+
+/// A table of 1000 N/m under two points without friction: 1 N on each for each millimetre that it is below z = 0.
+const TWO_POINTS: &str = r#"
+format = 2
+[loop]
+period_s = 0.001
+[[device]]
+name = "left"
+mass_kg = 0.2
+tool = { sphere = { radius_m = 0.0 } }
+[[device]]
+name = "right"
+mass_kg = 0.2
+tool = { sphere = { radius_m = 0.0 } }
+[[body]]
+name = "table"
+fixed = true
+shape = { half_space = { normal = [0.0, 0.0, 1.0], offset_m = 0.0 } }
+[[contact]]
+between = ["left", "table"]
+stiffness_n_per_m = 1000.0
+[[contact]]
+between = ["right", "table"]
+stiffness_n_per_m = 1000.0
+[render]
+method = "basic"
+"#;
+
+fn rendered(scene: &WorldScene, method: &'static str) -> RenderedWorld {
+    let renderer = scene.renderer(method).unwrap();
+    let frames = vec![WorldFrame::the_same(); scene.devices.len()];
+    RenderedWorld::of_devices(&scene.world, renderer, method, frames).unwrap()
+}
+
+fn two_points() -> RenderedWorld {
+    let scene = WorldFile::parse("points.toml", TWO_POINTS).unwrap().scene;
+    rendered(&scene, "basic")
+}
+
+/// Below the table by `millimetres`.
+fn down(millimetres: f64) -> Step {
+    Step::At([0.0, 0.0, -millimetres * 1e-3])
+}
+
+/// Two points on the table, on devices that follow `scripts`.
+fn scripted(scripts: [Vec<Step>; 2], limits: [SafetyParams; 2]) -> (Several, SteppedClock) {
+    let clock = SteppedClock::new();
+    let devices = scripts.into_iter().zip(limits).map(|(script, limits)| {
+        let device = ScriptedDevice::new(clock.clone(), 3, script);
+        (device, limits)
+    });
+    let control = ControlLoop::of_devices(devices.collect(), clock.clone(), two_points()).unwrap();
+    (control, clock)
+}
+
+/// The last force that each device was written along z [N].
+fn written(control: &Several) -> [f64; 2] {
+    let mut last = control.devices().map(|device| device.forces().last());
+    [(); 2].map(|()| last.next().flatten().map_or(f64::NAN, |force| force[2]))
+}
+
+fn notes(listener: &mut Listener) -> Vec<Noted> {
+    let told = listener.by_ref().filter_map(|told| match told {
+        Told::Note(noted) => Some(noted),
+        Told::Tick(..) => None,
+    });
+    told.collect()
+}
+
+fn limits() -> SafetyParams {
+    SafetyParams {
+        workspace: Some([[-0.05; 3], [0.05; 3]]),
+        largest_speed: 2.0,
+        // The clock is moved by hand: nothing here is late by itself.
+        tolerated_lateness: 0.0,
+        ..SafetyParams::default()
+    }
+}
+
+/// Samples that touch the table softly, and then stay `depth` millimetres in it.
+fn touching(depth: f64, samples: usize) -> Vec<Step> {
+    let mut script = vec![down(-1.0), down(0.0)];
+    script.resize(samples, down(depth));
+    script
+}
+
+/// The pinch of two fingers, by both ways to render a world of several devices.
+#[test]
+fn forces_and_books_are_those_of_a_bounded_world() {
+    let pinch = scene("pinch.toml");
+    for method in ["basic", "coupled"] {
+        let limits = SafetyParams {
+            largest_force: 1.2,
+            slew_limit: 50.0,
+            soft_start: 0.05,
+            oscillation: wide().oscillation,
+            ..SafetyParams::default()
+        };
+        let places = |tick: usize| {
+            let into = 0.8e-3 * (1.0 - (0.03 * tick as f64).cos());
+            let up = 1e-5 * tick as f64;
+            [
+                [-0.0202 + into, 0.0005, 0.016 + up],
+                [0.0202 - 0.9 * into, -0.0003, 0.016 + up],
+            ]
+        };
+        let ticks = 300;
+        let clock = SteppedClock::new();
+        let devices = (0..2).map(|device| {
+            let script = (0..ticks).map(|tick| Step::At(places(tick)[device]));
+            let device = ScriptedDevice::new(clock.clone(), 3, script.collect());
+            (device, limits)
+        });
+        let world = rendered(&pinch, method);
+        let mut control: Several =
+            ControlLoop::of_devices(devices.collect(), clock.clone(), world).unwrap();
+        let mut bounded = BoundedWorld::new(pinch.renderer(method).unwrap(), limits).unwrap();
+        let mut most: f64 = 0.0;
+        let mut limited = [0; 2];
+        for tick in 0..ticks {
+            let said = control.tick().tick;
+            let positions = places(tick);
+            let sample = Sample {
+                elapsed: (tick > 0).then_some(1e-3),
+                ..Sample::at(&positions)
+            };
+            let held = bounded.step(&sample);
+            assert_eq!(held.fault, None);
+            limited[0] += usize::from(held.bounded.force);
+            limited[1] += usize::from(held.bounded.slew);
+            let ticks = control.device_ticks().iter();
+            let forces: Vec<Vector> = ticks.map(|device| device.commanded_force).collect();
+            let expected: Vec<Vector> = held.wrenches.iter().map(|held| held.force).collect();
+            assert_eq!(forces, expected, "{method}, tick {tick}");
+            assert_eq!(said.commanded_force, forces[0]);
+            most = most.max(length(forces[1]));
+        }
+        assert_eq!(control.rendered().state().books(), bounded.state().books());
+        assert_eq!(
+            control.rendered().state().bodies(),
+            bounded.state().bodies()
+        );
+        println!("{method}: up to {most:.2} N, {limited:?} ticks at the limits");
+        assert!(limited.iter().all(|ticks| *ticks > 3), "{limited:?}");
+        assert!(most > 0.5 && control.trip().is_none(), "{most} N");
+    }
+}
+
+#[test]
+fn it_is_the_loop_of_the_simulator_with_two_hands() {
+    let pinch = scene("pinch.toml");
+    let bench = palpate_sim::world::WorldBench::new(&pinch).unwrap();
+    let expected = bench
+        .run("coupled", &pinch.renderer("coupled").unwrap())
+        .unwrap();
+    let clock = SteppedClock::new();
+    let devices = pinch.devices.iter().map(|device| {
+        let device = SpatialDevice::new(device, &pinch.timing.actuator, clock.clone()).unwrap();
+        (device, wide())
+    });
+    let world = rendered(&pinch, "coupled");
+    let mut control: Several<SpatialDevice<SteppedClock>> =
+        ControlLoop::of_devices(devices.collect(), clock.clone(), world).unwrap();
+    let mut worst: f64 = 0.0;
+    for positions in expected.positions.iter().take(60) {
+        control.tick();
+        for (device, position) in control.devices().zip(positions) {
+            let now = device.position();
+            let off: Vector = std::array::from_fn(|axis| now[axis] - position[axis]);
+            worst = worst.max(length(off));
+        }
+    }
+    println!("at most {worst:.1e} m from the simulator's motion");
+    assert!(worst < 1e-6, "{worst} m");
+}
+
+#[test]
+fn each_device_has_its_own_limits() {
+    let unbounded = SafetyParams {
+        largest_force: 100.0,
+        ..wide()
+    };
+    let weak = SafetyParams {
+        largest_force: 1.5,
+        ..unbounded
+    };
+    let slow = SafetyParams {
+        slew_limit: 500.0,
+        ..unbounded
+    };
+    for (limits, expected, limited) in [
+        ([weak, unbounded], [1.5, 3.0], [true, false]),
+        ([unbounded, weak], [3.0, 1.5], [false, true]),
+        ([slow, weak], [0.5, 1.5], [true, true]),
+    ] {
+        let (mut control, _) = scripted([vec![down(3.0)], vec![down(3.0)]], limits);
+        let tick = control.tick().tick;
+        let said = control.device_ticks();
+        for (device, (force, is_limited)) in said.iter().zip(expected.into_iter().zip(limited)) {
+            assert!(
+                (device.commanded_force[2] - force).abs() < 1e-12,
+                "{said:?}"
+            );
+            assert_eq!(device.flags.has(Flags::SAFETY_LIMITED), is_limited);
+        }
+        assert!(tick.flags.has(Flags::SAFETY_LIMITED));
+    }
+    // A box of one device is none of the other.
+    let boxed = SafetyParams {
+        workspace: Some([[-1.0, -1.0, -1e-3], [1.0; 3]]),
+        ..unbounded
+    };
+    let scripts = || [vec![down(2.0)], vec![down(2.0)]];
+    for (limits, device) in [([boxed, unbounded], 0), ([unbounded, boxed], 1)] {
+        let (mut control, _) = scripted(scripts(), limits);
+        control.tick();
+        let expected = Some((device, Trip::OutsideWorkspace));
+        assert_eq!(control.tripped_device(), expected);
+        assert_eq!(written(&control), [0.0; 2]);
+    }
+}
+
+/// The table of `docs/realtime.md`, for each of two devices of which the other does nothing wrong.
+#[test]
+fn a_fault_of_one_device_takes_the_force_off_both_and_is_named() {
+    use DeviceErrorKind::{Disconnected, NothingNew, Refused};
+    let faults = [
+        (Step::At([f64::NAN; 3]), 5, 1, Trip::NotANumber),
+        (Step::At([f64::INFINITY; 3]), 5, 1, Trip::NotANumber),
+        (Step::Stale, 5, 2, Trip::StaleSample),
+        (Step::Fails(NothingNew), 5, 2, Trip::StaleSample),
+        (Step::At([0.02, 0.0, -1e-3]), 5, 1, Trip::TooFast),
+        (Step::At([0.06, 0.0, -1e-3]), 5, 1, Trip::OutsideWorkspace),
+        (Step::Fails(Refused), 5, 1, Trip::DeviceRefused),
+        (Step::Fails(Disconnected), 1, 1, Trip::DeviceLost),
+        (
+            Step::RefusesForce([0.0, 0.0, -1e-3]),
+            5,
+            1,
+            Trip::DeviceRefused,
+        ),
+    ];
+    for at_fault in [0, 1] {
+        for (fault, times, periods, trip) in faults {
+            let case = format!("device {at_fault}, {fault:?}");
+            let mut script = touching(1.0, 20);
+            script.extend(vec![fault; times]);
+            script.push(down(1.0));
+            let mut scripts = [vec![down(-1.0), down(0.0), down(1.0)], script];
+            if at_fault == 0 {
+                scripts.reverse();
+            }
+            let (control, _) = scripted(scripts, [limits(); 2]);
+            let (tap, mut listener) = tap(10_000);
+            let mut control = control.tapped(tap);
+            for _ in 0..20 {
+                control.tick();
+            }
+            assert_eq!(written(&control), [1.0; 2], "{case}");
+            let mut until_none = 0;
+            while written(&control) != [0.0; 2] {
+                until_none += 1;
+                control.tick();
+                assert!(until_none <= periods, "{case}: {:?}", written(&control));
+                let is_off = written(&control) == [0.0; 2];
+                // Both at once.
+                assert!(is_off || written(&control) == [1.0; 2], "{case}");
+            }
+            assert_eq!(until_none, periods, "{case}");
+            assert_eq!(control.tripped_device(), Some((at_fault, trip)), "{case}");
+            let said = control.device_ticks();
+            for (number, device) in said.iter().enumerate() {
+                let has_tripped = device.flags.has(Flags::SAFETY_TRIPPED);
+                assert_eq!(has_tripped, number == at_fault, "{case}");
+                assert_eq!(device.delivered_force, [0.0; 3], "{case}");
+            }
+            let told = notes(&mut listener);
+            let tripped: Vec<_> = told
+                .iter()
+                .filter(|noted| matches!(noted.note, Note::Tripped(_)))
+                .collect();
+            assert_eq!(tripped.len(), 1, "{case}: {told:?}");
+            let number = u32::try_from(at_fault).unwrap();
+            assert_eq!(tripped[0].device, Some(number), "{case}");
+            let text = tripped[0].event_of(listener.device_names()).text;
+            let name = ["left", "right"][at_fault];
+            assert_eq!(
+                text,
+                format!("device `{name}`: {trip}; no device has a force")
+            );
+            // It comes back softly on both, or stays off on both until somebody rearms.
+            let still_there = if trip == Trip::TooFast { 0 } else { times - 1 };
+            for _ in 0..still_there.saturating_sub(periods - 1) {
+                control.tick();
+                assert_eq!(written(&control), [0.0; 2], "{case}");
+            }
+            if !trip.is_passing() {
+                for _ in 0..300 {
+                    control.tick();
+                }
+                assert_eq!(written(&control), [0.0; 2], "{case}");
+                control.rearm().store(true, Ordering::Release);
+            }
+            let mut last = [0.0; 2];
+            for _ in 0..300 {
+                control.tick();
+                let now = written(&control);
+                let largest = 1.0 / 3.0 + 1e-9;
+                for (now, last) in now.iter().zip(last) {
+                    assert!(now - last < largest, "{case}: {last} N, then {now} N");
+                }
+                last = now;
+            }
+            assert_eq!((last, control.trip()), ([1.0; 2], None), "{case}");
+        }
+    }
+}
+
+/// Each has a sample now and then, and never both at once: after two periods nothing is held.
+#[test]
+fn devices_whose_samples_are_missing_by_turns_hold_no_force() {
+    let by_turns = |first: bool| {
+        let mut script = touching(1.0, 20);
+        for tick in 0..50 {
+            let is_there = (tick % 2 == 0) == first;
+            script.push(if is_there { down(1.0) } else { Step::Stale });
+        }
+        script
+    };
+    let (mut control, _) = scripted([by_turns(true), by_turns(false)], [limits(); 2]);
+    for _ in 0..21 {
+        control.tick();
+    }
+    assert_eq!(written(&control), [1.0; 2]);
+    for _ in 0..40 {
+        control.tick();
+        assert_eq!(written(&control), [0.0; 2]);
+    }
+    assert!(matches!(
+        control.tripped_device(),
+        Some((_, Trip::StaleSample))
+    ));
+}
+
+/// A single sample that is missing costs nothing, and the renderer is told the time that has passed.
+#[test]
+fn one_missing_sample_of_one_device_is_bridged() {
+    for at_fault in [0, 1] {
+        let mut script = touching(1.0, 20);
+        script.extend([Step::Stale, down(1.0)]);
+        let mut scripts = [vec![down(-1.0), down(0.0), down(1.0)], script];
+        scripts.swap(1, usize::from(at_fault == 1));
+        let (mut control, _) = scripted(scripts, [limits(); 2]);
+        for _ in 0..21 {
+            control.tick();
+        }
+        assert_eq!(written(&control), [1.0; 2]);
+        let tick = control.tick().tick;
+        assert!((tick.period - 2e-3).abs() < 1e-12, "{} s", tick.period);
+        assert_eq!(written(&control), [1.0; 2]);
+        assert_eq!(control.trip(), None);
+    }
+}
+
+#[test]
+fn the_supervisor_and_each_guardian_cut_all() {
+    let (mut control, clock) = scripted([touching(1.0, 20), touching(1.0, 20)], [limits(); 2]);
+    let zeroed: Vec<_> = control.devices().map(|d| d.times_zeroed()).collect();
+    let guardians: Vec<_> = control.devices().map(|d| d.guardian()).collect();
+    let mut supervisor = control.supervisor().unwrap();
+    for _ in 0..20 {
+        control.tick();
+        assert!(!supervisor.look(clock.now()));
+    }
+    clock.advance(Duration::from_millis(2));
+    assert!(supervisor.look(clock.now()));
+    let counts = zeroed.iter().map(|count| count.load(Ordering::SeqCst));
+    assert_eq!(counts.collect::<Vec<_>>(), [1, 1]);
+    control.tick();
+    assert_eq!(written(&control), [0.0; 2]);
+    assert_eq!(control.trip(), Some(Trip::Stalled));
+    for _ in 0..300 {
+        control.tick();
+    }
+    assert_eq!((written(&control), control.trip()), ([1.0; 2], None));
+    // The guardian of one device has taken its force off while the loop stood still.
+    for guardian in guardians {
+        clock.oversleep_once(Duration::from_millis(5));
+        guardian.store(true, Ordering::SeqCst);
+        control.tick();
+        assert_eq!(written(&control), [0.0; 2]);
+        assert_eq!(control.trip(), Some(Trip::Stalled));
+        for _ in 0..300 {
+            control.tick();
+        }
+        assert_eq!((written(&control), control.trip()), ([1.0; 2], None));
+    }
+}
+
+/// A device that is pressed 2 mm into the table, holds what it is told, and does what it is asked to.
+struct Pressed {
+    clock: SteppedClock,
+    capabilities: Capabilities,
+    held: Arc<AtomicU64>,
+    panics: Arc<AtomicBool>,
+    /// How long it takes to answer.
+    takes: Duration,
+}
+
+impl Device for Pressed {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn read(&mut self) -> Result<Pose, DeviceError> {
+        self.clock.advance(self.takes);
+        assert!(!self.panics.load(Ordering::SeqCst), "so it was asked to");
+        Ok(Pose::at([0.0, 0.0, -2e-3], self.clock.now()))
+    }
+
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        assert!(!self.panics.load(Ordering::SeqCst), "so it was asked to");
+        let [.., up] = wrench.force;
+        self.held.store(up.to_bits(), Ordering::SeqCst);
+        Ok(wrench)
+    }
+
+    fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
+        struct Zero(Arc<AtomicU64>);
+        impl ZeroWriter for Zero {
+            fn write_zero(&mut self) {
+                self.0.store(0, Ordering::SeqCst);
+            }
+        }
+        assert!(!self.panics.load(Ordering::SeqCst), "so it was asked to");
+        Some(Box::new(Zero(Arc::clone(&self.held))))
+    }
+}
+
+type Held = [(Arc<AtomicU64>, Arc<AtomicBool>); 2];
+
+fn pressed(takes: [Duration; 2]) -> (Several<Pressed>, Held) {
+    let clock = SteppedClock::new();
+    let held: Held = Default::default();
+    let devices = held.iter().zip(takes).map(|((held, panics), takes)| {
+        let device = Pressed {
+            clock: clock.clone(),
+            capabilities: Capabilities::unknown("pressed", 3),
+            held: Arc::clone(held),
+            panics: Arc::clone(panics),
+            takes,
+        };
+        (device, wide())
+    });
+    let control = ControlLoop::of_devices(devices.collect(), clock.clone(), two_points()).unwrap();
+    (control, held)
+}
+
+fn forces(held: &Held) -> [f64; 2] {
+    [0, 1].map(|device| f64::from_bits(held[device].0.load(Ordering::SeqCst)))
+}
+
+#[test]
+fn however_a_loop_ends_all_devices_are_without_a_force() {
+    let begin = || {
+        let (mut control, held) = pressed([Duration::ZERO; 2]);
+        for _ in 0..5 {
+            control.tick();
+        }
+        assert_eq!(forces(&held), [2.0; 2]);
+        (control, held)
+    };
+    let (control, held) = begin();
+    drop(control);
+    assert_eq!(forces(&held), [0.0; 2]);
+
+    let (mut control, held) = begin();
+    assert_eq!(control.run(&StopFlag::new(), Some(20)), Ending::Complete);
+    assert_eq!(forces(&held), [0.0; 2]);
+
+    let (mut control, held) = begin();
+    let stop = StopFlag::new();
+    stop.raise();
+    assert_eq!(control.run(&stop, None), Ending::Stopped);
+    assert_eq!(forces(&held), [0.0; 2]);
+
+    // One that panics, and goes on doing so in both ways to let go of it: the other one is let go of.
+    for at_fault in [0, 1] {
+        let (control, held) = begin();
+        let running = LoopThread::start(control, Request::nothing(), &StopFlag::new(), None);
+        held[at_fault].1.store(true, Ordering::SeqCst);
+        let end = running.unwrap().join();
+        assert_eq!(end.ending, Ending::Panicked);
+        assert_eq!(forces(&held)[1 - at_fault], 0.0, "device {at_fault}");
+
+        let (control, held) = begin();
+        held[at_fault].1.store(true, Ordering::SeqCst);
+        catch_unwind(AssertUnwindSafe(|| drop(control))).unwrap();
+        assert_eq!(forces(&held)[1 - at_fault], 0.0, "device {at_fault}");
+    }
+}
+
+/// The times of all answers are in the tick, and a device that takes too long takes the force off all.
+#[test]
+fn answers_of_several_devices_take_their_time_one_after_the_other() {
+    let micros = Duration::from_micros;
+    let (mut control, held) = pressed([micros(200), micros(300)]);
+    for _ in 0..10 {
+        let tick = control.tick().tick;
+        assert!((tick.device_round_trip - 500e-6).abs() < 1e-12);
+        assert!(!tick.flags.has(Flags::MISSED_DEADLINE));
+        let said = control.device_ticks();
+        for (device, (time, answer)) in said.iter().zip([(200e-6, 200e-6), (500e-6, 300e-6)]) {
+            let time = time + 1e-3 * tick.sequence as f64;
+            assert!((device.time - time).abs() < 1e-12, "{device:?}");
+            assert!((device.round_trip - answer).abs() < 1e-12, "{device:?}");
+        }
+        // The time of the newest sample.
+        assert_eq!(tick.time, said[1].time);
+        assert_eq!(forces(&held), [2.0; 2]);
+    }
+    // Together they are too late for each deadline, and the loop goes on with every second one.
+    let (mut control, held) = pressed([micros(700), micros(600)]);
+    for _ in 0..10 {
+        assert!(control.tick().tick.flags.has(Flags::MISSED_DEADLINE));
+    }
+    assert_eq!(control.statistics().missed_deadlines, 10);
+    assert_eq!(forces(&held), [2.0; 2]);
+    drop(control);
+    let (mut control, held) = pressed([micros(200), Duration::from_millis(30)]);
+    for _ in 0..10 {
+        control.tick();
+    }
+    assert_eq!(control.trip(), Some(Trip::Stalled));
+    assert_eq!(forces(&held), [0.0; 2]);
+}
+
+/// Two fingers on a stiff cube that is light, by the spring force of the sample: it buzzes.
+#[test]
+fn created_energy_of_the_world_trips_once_for_all() {
+    let mut pinch = scene("pinch.toml");
+    pinch.timing.period = 0.004;
+    for contact in &mut pinch.world.contacts {
+        contact.law.stiffness *= 4.0;
+    }
+    let clock = SteppedClock::new();
+    let devices = pinch.devices.iter().map(|device| {
+        let device = SpatialDevice::new(device, &pinch.timing.actuator, clock.clone()).unwrap();
+        (device, SafetyParams::default())
+    });
+    let world = rendered(&pinch, "basic");
+    let (tap, mut listener) = tap(10_000);
+    let control: Several<SpatialDevice<SteppedClock>> =
+        ControlLoop::of_devices(devices.collect(), clock.clone(), world).unwrap();
+    let mut control = control.tapped(tap);
+    for _ in 0..1000 {
+        control.tick();
+        if control.trip() == Some(Trip::Oscillation) {
+            break;
+        }
+    }
+    assert_eq!(control.trip(), Some(Trip::Oscillation));
+    let said = control.device_ticks().iter();
+    assert!(
+        said.clone()
+            .all(|device| device.delivered_force == [0.0; 3])
+    );
+    let told = notes(&mut listener);
+    let oscillated: Vec<_> = told
+        .iter()
+        .filter(|noted| matches!(noted.note, Note::Oscillated { .. }))
+        .collect();
+    assert_eq!(oscillated.len(), 1, "{told:?}");
+    // It is said of the world, and of no device.
+    assert_eq!(oscillated[0].device, None);
+}
+
+#[test]
+fn a_loop_has_a_device_for_each_tool() {
+    let clock = SteppedClock::new();
+    let device = || ScriptedDevice::new(clock.clone(), 3, vec![down(0.0)]);
+    for given in [0, 1, 3] {
+        let devices = (0..given).map(|_| (device(), limits())).collect();
+        let refused = ControlLoop::of_devices(devices, clock.clone(), two_points());
+        assert_eq!(refused.err(), Some(SetupError::Devices { world: 2, given }));
+    }
+    let refused = ControlLoop::of_world(device(), clock.clone(), two_points(), limits());
+    let error = refused.err().unwrap().to_string();
+    assert_eq!(
+        error,
+        "the world has 2 devices, and 1 are given; allowed: one for each"
+    );
+}
+
+/// A recording has each device, and a loop with one device none of that.
+#[test]
+fn a_listener_hears_of_each_device() {
+    let (control, _) = scripted([touching(1.0, 20), touching(2.0, 20)], [wide(); 2]);
+    let (tap, mut listener) = tap(1000);
+    let mut control = control.tapped(tap);
+    for _ in 0..20 {
+        control.tick();
+    }
+    let Some(Told::Tick(tick, _, _, devices)) = listener.by_ref().last() else {
+        panic!("the last thing told is a tick");
+    };
+    assert_eq!(tick.sequence, 19);
+    let said: Vec<_> = devices
+        .iter()
+        .map(|device| {
+            (
+                device.sequence,
+                device.device,
+                device.devices,
+                device.axes[2],
+            )
+        })
+        .collect();
+    assert_eq!(said, [(19, 0, 2, -1e-3), (19, 1, 2, -2e-3)]);
+    assert_eq!(devices[1].delivered_force, [0.0, 0.0, 2.0]);
+    assert_eq!(listener.device_names(), ["left", "right"]);
+}
