@@ -118,7 +118,8 @@ impl Coupling {
         let after: f64 = meeting.touches.iter().map(|touch| touch.work).sum();
         let parts = meeting.tools.iter();
         let places: f64 = parts.map(|part| part.rigid.position.sum()).sum();
-        if !(after + places - worked).is_finite() {
+        let moved: f64 = meeting.images.iter().map(Image::sum).sum();
+        if !(after + places + moved - worked).is_finite() {
             state.fail(Fault::Overflow);
             self.let_go(state);
             return false;

@@ -93,10 +93,15 @@ impl Image {
         self.way = Vector6::zeros();
     }
 
+    /// A number if all of its state is numbers.
+    pub fn sum(&self) -> f64 {
+        let place = self.position.sum() + self.orientation.coords.sum();
+        place + self.twist.sum() + self.impulse.sum()
+    }
+
     /// Stands still where it is; nowhere, if that is no number.
     pub fn stop(&mut self) {
-        let place = self.position.sum() + self.orientation.coords.sum();
-        *self = if place.is_finite() {
+        *self = if self.sum().is_finite() {
             Self {
                 position: self.position,
                 orientation: self.orientation,

@@ -22,6 +22,7 @@ mod guard;
 mod hulls;
 mod ideal;
 mod joints;
+mod local;
 mod resting;
 mod six_axes;
 mod tumbling;

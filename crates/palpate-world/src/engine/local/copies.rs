@@ -4,7 +4,10 @@ use super::model::LocalModel;
 use super::past::Then;
 use super::state::LocalState;
 use crate::SubSteps;
+use crate::engine::body::BodyNow;
 use crate::engine::image::{Image, ImageOffset};
+use crate::engine::meeting::Meeting;
+use crate::engine::touch::Touch;
 
 /// How finely a step of the host is computed once more: by the phase of its fastest contact, in at most 640 sub-steps.
 const HOST_STEPS: SubSteps = SubSteps {
@@ -72,7 +75,8 @@ impl LocalState {
             book.work += then.work - before.work;
             if step > 0.0 {
                 let mean = (then.impulse - before.impulse) / step;
-                book.host_work += mean.dot(&host.apart_from(&self.host.images[body]));
+                let work = mean.dot(&host.apart_from(&self.host.images[body]));
+                book.host_work += if work.is_finite() { work } else { 0.0 };
             }
         }
     }
@@ -101,11 +105,19 @@ impl LocalState {
             step.max(period),
         );
         self.engine.effort = self.engine.effort.and(effort);
-        let images = self.host.images.iter().take(self.at_model.len());
-        let sum: f64 = images
-            .map(|image| image.position.sum() + image.twist.sum())
-            .sum();
+        let sum: f64 = self.host.images.iter().map(Image::sum).sum();
+        if !sum.is_finite() {
+            self.host.touches.fill(Touch::apart());
+            put_fixed_world(&mut self.host);
+        }
         sum.is_finite()
+    }
+}
+
+/// What never moves has the image after the last body's.
+pub(super) fn put_fixed_world(meeting: &mut Meeting) {
+    if let Some(last) = meeting.images.last_mut() {
+        *last = Image::of(&BodyNow::fixed([0.0; 3]), &ImageOffset::none());
     }
 }
 

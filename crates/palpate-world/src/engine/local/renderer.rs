@@ -2,7 +2,7 @@
 
 use nalgebra::Vector6;
 
-use super::copies::{duration, nowhere};
+use super::copies::{duration, nowhere, put_fixed_world};
 use super::model::{LocalContact, LocalModel};
 use super::params::LocalParams;
 use super::past::{Past, Then};
@@ -11,7 +11,7 @@ use super::slot::{Slot, closed};
 use super::state::{LocalOutput, LocalState, ModelRefusal, SlowPortBook};
 use crate::engine::body::BodyNow;
 use crate::engine::coupling::Coupling;
-use crate::engine::image::{Image, ImageOffset, angular, linear};
+use crate::engine::image::{angular, linear};
 use crate::engine::meeting::Meeting;
 use crate::engine::pairs::of_spheres;
 use crate::engine::touch::Touch;
@@ -124,10 +124,7 @@ impl LocalRenderer {
         let (bodies, period) = (self.params.bodies, self.coupling.in_loop.period);
         let pairs = vec![closed(bodies); self.params.contacts];
         let mut engine = self.coupling.start(&pairs, bodies + 1);
-        let fixed = Image::of(&BodyNow::fixed([0.0; 3]), &ImageOffset::none());
-        if let Some(last) = engine.meeting.images.last_mut() {
-            *last = fixed;
-        }
+        put_fixed_world(&mut engine.meeting);
         let host = Meeting {
             tools: Vec::new(),
             leads: Vec::new(),
@@ -292,6 +289,7 @@ impl LocalRenderer {
         for image in images.iter_mut().take(self.params.bodies) {
             image.stop();
         }
+        put_fixed_world(&mut state.engine.meeting);
     }
 
     /// What is remembered of the tick, and given back to the host.

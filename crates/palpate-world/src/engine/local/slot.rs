@@ -15,6 +15,9 @@ use crate::rigid::{Rotation, Vector3};
 pub(super) struct Slot {
     /// At full strength.
     law: PointLaw,
+    /// What it was by the model before, and the share of that which is left.
+    law_before: PointLaw,
+    law_left: f64,
     /// Share of the law that acts, 0 to 1.
     pub strength: f64,
     /// Whether the newest model has it.
@@ -23,6 +26,8 @@ pub(super) struct Slot {
     shift: Shift,
     /// Share of the shift that is left.
     left: f64,
+    /// Whether it fades where it was, because the newest model has it far away.
+    is_leaving: bool,
     before: Option<Before>,
 }
 
@@ -64,10 +69,13 @@ impl Slot {
         };
         Self {
             law: NO_LAW,
+            law_before: NO_LAW,
+            law_left: 0.0,
             strength: 0.0,
             is_wanted: false,
             shift,
             left: 0.0,
+            is_leaving: false,
             before: None,
         }
     }
@@ -115,6 +123,8 @@ impl Slot {
         let normal = back * Vector3::from(contact.normal);
         pair.orientation = turned_to(&normal);
         pair.is_open = true;
+        self.law_before = self.law_now();
+        self.law_left = 1.0;
         self.law = PointLaw::share(&contact.law, 1.0);
         match contact.touching {
             Touching::Tool(tool) => {
@@ -140,31 +150,35 @@ impl Slot {
     /// The copies have been moved: the contact stays where it was for now, or begins.
     pub fn compare(&mut self, pair: &mut Pair, tools: &[Part], images: &[Image]) {
         pair.shift = None;
+        self.left = 0.0;
+        self.is_leaving = false;
         let before = self.before.take();
         if pair.toucher.tool().is_none() {
+            self.law_left = 0.0;
             self.strength = 1.0;
-            self.left = 0.0;
             return;
         }
         let Some(now) = found(tools, images, pair) else {
             return;
         };
-        let is_deep = now.penetration > 0.0;
-        match before {
-            Some(before) if is_deep || before.found.penetration > 0.0 => {
-                self.shift = Shift {
-                    depth: before.found.penetration - now.penetration,
-                    normal: before.found.normal - now.normal,
-                    rate: before.rate - rate(tools, images, pair, &now),
-                };
-                self.left = 1.0;
-            }
-            Some(_) => self.left = 0.0,
-            None => {
-                self.left = 0.0;
-                self.strength = if is_deep { 0.0 } else { 1.0 };
-            }
+        let (to, is_deep) = (now.penetration, now.penetration > 0.0);
+        let Some(before) = before else {
+            self.law_left = 0.0;
+            self.strength = if is_deep { 0.0 } else { 1.0 };
+            return;
+        };
+        let from = before.found.penetration;
+        if !is_deep && from <= 0.0 {
+            return;
         }
+        // What comes out of nothing begins no farther away than it is to be deep: the force takes half of the time.
+        self.left = 1.0;
+        self.shift = Shift {
+            depth: if is_deep { from.max(-to) } else { from } - to,
+            normal: before.found.normal - now.normal,
+            rate: before.rate - rate(tools, images, pair, &now),
+        };
+        self.is_leaving = to < -from;
     }
 
     /// A tick is over: a share of what has not come in yet does. `settling` and `fading` are the shares.
@@ -173,7 +187,7 @@ impl Slot {
         if is_of_tool && pair.is_open {
             self.strength = if is_stale {
                 (self.strength - fading).max(0.0)
-            } else if self.is_wanted {
+            } else if self.is_wanted && !self.is_leaving {
                 (self.strength + settling).min(1.0)
             } else {
                 (self.strength - settling).max(0.0)
@@ -182,20 +196,45 @@ impl Slot {
                 pair.is_open = false;
             }
         }
-        let share = self.strength;
+        self.law_left = (self.law_left - settling).max(0.0);
+        let law = self.law_now();
         pair.law = PointLaw {
-            stiffness: self.law.stiffness * share,
-            damping: self.law.damping * share,
-            friction: self.law.friction,
-            friction_stiffness: self.law.friction_stiffness * share,
+            stiffness: law.stiffness * self.strength,
+            damping: law.damping * self.strength,
+            friction_stiffness: law.friction_stiffness * self.strength,
+            ..law
         };
-        self.left = (self.left - settling).max(0.0);
+        if self.is_leaving && self.strength > 0.0 {
+            pair.shift = Some(self.shift);
+            return;
+        }
+        // It is gone from where it was, and comes back where it is.
+        self.left = if self.is_leaving {
+            0.0
+        } else {
+            (self.left - settling).max(0.0)
+        };
+        self.is_leaving = false;
         let left = self.left;
         pair.shift = (left > 0.0).then(|| Shift {
             depth: self.shift.depth * left,
             normal: self.shift.normal * left,
             rate: self.shift.rate * left,
         });
+    }
+}
+
+impl Slot {
+    /// At full strength, with what is left of the one before.
+    fn law_now(&self) -> PointLaw {
+        let (now, before, left) = (&self.law, &self.law_before, self.law_left);
+        let of = |entry: fn(&PointLaw) -> f64| entry(now) + (entry(before) - entry(now)) * left;
+        PointLaw {
+            stiffness: of(|law| law.stiffness),
+            damping: of(|law| law.damping),
+            friction: of(|law| law.friction),
+            friction_stiffness: of(|law| law.friction_stiffness),
+        }
     }
 }
 
