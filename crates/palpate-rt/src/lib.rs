@@ -92,9 +92,9 @@ pub use note::{Ending, Note, Noted};
 pub use receipt::receipt;
 pub use recorder::{Account, Recorder};
 pub use rendering::{
-    Answer, CHANGE_DURATION, ChangeError, ChangingWorld, FrameError, Fresh, OneContact, Parameters,
-    Rendered, RenderedWorld, Rendering, Renders, WorldAxis, WorldChangeError, WorldFrame,
-    WorldRows, Worlds, changing_world, parameters,
+    Answer, CHANGE_DURATION, ChangeError, ChangingWorld, FrameError, Fresh, LocalWorld, OneContact,
+    Parameters, Rendered, RenderedWorld, Rendering, Renders, SlowHost, WorldAxis, WorldChangeError,
+    WorldFrame, WorldRows, Worlds, changing_world, local_world, parameters,
 };
 pub use setup::SetupError;
 pub use statistics::{Durations, LoopStatistics};

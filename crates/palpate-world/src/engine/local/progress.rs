@@ -1,5 +1,6 @@
 //! What the loop gives back to the host.
 
+use super::state::ModelRefusal;
 use crate::Vector;
 use crate::engine::body::BodyWrench;
 
@@ -20,6 +21,10 @@ pub struct LocalProgress {
     pub copies: Vec<Vector>,
     /// Tick of the newest model, if there was one.
     pub model_tick: Option<u64>,
+    /// Whether the contacts fade, or have faded, because there is no model or it is too old.
+    pub is_stale: bool,
+    /// Why the last model that came was not taken, if it was not.
+    pub refusal: Option<ModelRefusal>,
 }
 
 /// What tools gave to a body.
@@ -32,6 +37,27 @@ pub struct BodyImpulse {
 }
 
 impl LocalProgress {
+    /// Comes to be as `other`. It does not allocate where both are of one renderer.
+    pub fn copy_from(&mut self, other: &Self) {
+        let Self {
+            tick,
+            period,
+            positions,
+            velocities,
+            impulses,
+            copies,
+            model_tick,
+            is_stale,
+            refusal,
+        } = other;
+        (self.tick, self.period) = (*tick, *period);
+        self.positions.clone_from(positions);
+        self.velocities.clone_from(velocities);
+        self.impulses.clone_from(impulses);
+        self.copies.clone_from(copies);
+        (self.model_tick, self.is_stale, self.refusal) = (*model_tick, *is_stale, *refusal);
+    }
+
     /// Time from an earlier progress to this one `[s]`: what the host steps over.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "a number of ticks")]

@@ -157,8 +157,11 @@ impl LocalRenderer {
                 impulses: vec![BodyImpulse::default(); bodies],
                 copies: vec![[0.0; 3]; bodies],
                 model_tick: None,
+                is_stale: true,
+                refusal: None,
             },
             refusal: None,
+            came: false,
             slow_ports: vec![SlowPortBook::default(); bodies],
             works: vec![0.0; bodies],
             pairs,
@@ -179,6 +182,7 @@ impl LocalRenderer {
         if engine.fault.is_none() {
             engine.look(pairs, |book| &mut book.observed);
         }
+        state.came = model.is_some();
         state.refusal = model.and_then(|model| self.take(state, model).err());
         self.go_over(state);
         for image in &mut state.engine.meeting.images {
@@ -329,5 +333,9 @@ impl LocalRenderer {
             progress.velocities[tool] = part.rigid.velocity.into();
         }
         progress.model_tick = state.model_tick;
+        progress.is_stale = state.is_stale;
+        if state.came {
+            progress.refusal = state.refusal;
+        }
     }
 }

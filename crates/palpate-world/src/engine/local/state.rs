@@ -30,6 +30,8 @@ pub struct LocalState {
     pub(super) is_stale: bool,
     pub(super) progress: LocalProgress,
     pub(super) refusal: Option<ModelRefusal>,
+    /// Whether a model came with the last sample.
+    pub(super) came: bool,
     pub(super) slow_ports: Vec<SlowPortBook>,
     /// Work of the tools on each copy since the start `[J]`.
     pub(super) works: Vec<f64>,
