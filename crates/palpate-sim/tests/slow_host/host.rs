@@ -34,7 +34,7 @@ impl Host {
             ([side(0), side(1), side(2)], [0.0; 3])
         });
         let feet = match (scene.body, scene.floor) {
-            (_, None) | (Body::Hill(_), _) => Vec::new(),
+            (_, None) | (Body::Hill(_) | Body::Bumps, _) => Vec::new(),
             (Body::Ball(_), _) => vec![([0.0; 3], [0.0; 3])],
             (Body::Cube(_), _) => corners.collect(),
         };
@@ -52,7 +52,7 @@ impl Host {
     }
 
     fn moves(&self) -> bool {
-        !matches!(self.scene.body, Body::Hill(_))
+        !matches!(self.scene.body, Body::Hill(_) | Body::Bumps)
     }
 
     fn inverse_moment(&self) -> f64 {
@@ -150,6 +150,12 @@ impl Host {
                 let far = length(from);
                 (far - radius, times(from, 1.0 / far))
             }
+            Body::Bumps => {
+                let mesh = self.scene.mesh.as_ref().unwrap();
+                let out = less(from, mesh.nearest(from));
+                let far = length(out);
+                (far, times(out, 1.0 / far))
+            }
             Body::Cube(half) => {
                 let own = turned_back(self.orientation, from);
                 let nearest = own.map(|x| x.clamp(-half, half));
@@ -170,7 +176,7 @@ impl Host {
     /// The tool's contact and, if asked for, those with the floor, as they are published.
     pub fn contacts(
         &self,
-        tool: Vector,
+        (tool, way): (Vector, Vector),
         is_curved: bool,
         with_floor: bool,
     ) -> Vec<Option<LocalContact>> {
@@ -181,6 +187,7 @@ impl Host {
         let contact = LocalContact::at_gap((0, tool, radius), on, distance - radius, normal, law);
         let curvature = match self.scene.body {
             Body::Ball(radius) | Body::Hill(radius) if is_curved => 1.0 / radius,
+            Body::Bumps if is_curved => self.curvature(tool, normal, way),
             _ => 0.0,
         };
         let mut contacts = vec![Some(contact.curved(curvature))];
@@ -199,6 +206,19 @@ impl Host {
             }));
         }
         contacts
+    }
+
+    /// Curvature of the surface along the way that the tool goes until the next model, by the normal at its end.
+    fn curvature(&self, tool: Vector, normal: Vector, way: Vector) -> f64 {
+        let along = less(way, times(normal, dot(way, normal)));
+        let far = length(along);
+        if far < 1e-4 {
+            return 0.0;
+        }
+        let (_, turned) = self.distance(sum(tool, along));
+        // Of the surface on which the tool's centre goes, and so of the one below it.
+        let of_centre = dot(less(turned, normal), along) / (far * far);
+        of_centre / (1.0 - of_centre * self.scene.tool()).max(0.1)
     }
 
     /// The body, with what else accelerates it: the weight, and the floor where its contacts are not published.

@@ -1,11 +1,16 @@
 //! Scenes with their ideals.
 
+use std::sync::Arc;
+
 use palpate_testbed::grid::Grid;
+use palpate_testbed::world::mesh::TriangleMesh;
+use palpate_testbed::world::mesh::gallery::bumpy_sphere;
 use palpate_testbed::world::{
     CheckedIdeal, ContactLaw, Member, Motion, Pair, Shape, Tool, WorldBody, WorldDevice, WorldHand,
     WorldIdeal, WorldJudgement, WorldScene,
 };
 
+use crate::facets::Facets;
 use crate::vector::Vector;
 
 pub const PERIOD: f64 = 0.001;
@@ -26,11 +31,14 @@ pub enum Body {
     Cube(f64),
     /// A ball of this radius that is fixed.
     Hill(f64),
+    /// A fixed mesh: a ball with bumps.
+    Bumps,
 }
 
 #[derive(Clone, Debug)]
 pub struct Scene {
     pub name: &'static str,
+    pub mesh: Option<Arc<Facets>>,
     pub body: Body,
     pub place: Vector,
     /// Stiffness, damping and friction of the floor, the plane z = 0.
@@ -56,6 +64,11 @@ impl Scene {
         let (shape, moves) = match body {
             Body::Ball(radius) => (Shape::Sphere { radius }, true),
             Body::Hill(radius) => (Shape::Sphere { radius }, false),
+            Body::Bumps => {
+                let (vertices, faces) = bumps();
+                let mesh = TriangleMesh::new(&vertices, &faces).unwrap();
+                (Shape::Mesh(Arc::new(mesh)), false)
+            }
             Body::Cube(half) => (
                 Shape::Box {
                     half_extents: [half; 3],
@@ -114,8 +127,13 @@ impl Scene {
             pairs,
             joints: Vec::new(),
         };
+        let mesh = (body == Body::Bumps).then(|| {
+            let (vertices, faces) = bumps();
+            Arc::new(Facets::new(&vertices, &faces))
+        });
         Self {
             name,
+            mesh,
             body,
             place,
             floor,
@@ -130,7 +148,12 @@ impl Scene {
     }
 }
 
-/// A ball that is juggled; the same on a floor that is pressed; a cube that is pushed over a table; a hill that is slid over.
+/// A ball of 50 mm with bumps of 1 mm, of 13068 triangles.
+fn bumps() -> (Vec<Vector>, Vec<[u32; 3]>) {
+    bumpy_sphere(0.05, 0.001, 5.0, 33)
+}
+
+/// A ball that is juggled; the same on a floor that is pressed; a cube that is pushed over a table; a hill and bumps that are slid over.
 pub fn scenes() -> Vec<Scene> {
     let on_floor = HALF - GRAVITY * BODY_MASS / FLOOR;
     let ball = (Body::Ball(HALF), [0.002, -0.001, 0.075]);
@@ -140,6 +163,8 @@ pub fn scenes() -> Vec<Scene> {
     let beside = [-0.035, 0.001, 0.018];
     let hill = (Body::Hill(0.1), [0.0, 0.0, -0.1]);
     let slope = [-0.03, 0.0, 0.012];
+    let bumps = (Body::Bumps, [0.0, 0.0, -0.05]);
+    let side = [-0.02, 0.004, 0.012];
     vec![
         Scene::new(
             "ball",
@@ -167,6 +192,13 @@ pub fn scenes() -> Vec<Scene> {
             hill,
             (None, 0.3),
             (slope, [0.05, 0.0, 0.0], [0.0, 0.0, -2.0]),
+            TOOL,
+        ),
+        Scene::new(
+            "bumps",
+            bumps,
+            (None, 0.2),
+            (side, [0.03, 0.004, 0.0], [0.0, 0.0, -2.0]),
             TOOL,
         ),
     ]

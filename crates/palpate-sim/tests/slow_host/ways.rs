@@ -88,13 +88,19 @@ pub fn local(bench: &Bench, pace: Pace, told: Told, change: impl Fn(&mut LocalPa
     )
     .unwrap();
     let mut state = renderer.start();
-    let publish = |host: &Host, tick: u64, at: Vector| {
-        let contacts = host.contacts(at, told.is_curved, told.with_floor);
+    // Until the next model is there.
+    let ahead = PERIOD * (pace.every + pace.late) as f64;
+    let publish = |host: &Host, tick: u64, at: Vector, velocity: Vector| {
+        let contacts = host.contacts(
+            (at, times(velocity, ahead)),
+            told.is_curved,
+            told.with_floor,
+        );
         renderer
             .model(tick, &host.bodies(told.with_floor), &contacts)
             .unwrap()
     };
-    let mut coming = vec![(0, publish(&host, 0, bench.scene.start))];
+    let mut coming = vec![(0, publish(&host, 0, bench.scene.start, [0.0; 3]))];
     let mut taken = state.progress().clone();
     let (error, _, step, _) = run(bench, |sample, at| {
         if sample > 0 && sample % pace.every == 0 {
@@ -104,7 +110,12 @@ pub fn local(bench: &Bench, pace: Pace, told: Told, change: impl Fn(&mut LocalPa
                 progress.wrench_since(&taken, 0),
             );
             host.step(h, |_, _| [wrench.force, wrench.torque]);
-            let model = publish(&host, progress.tick, progress.positions[0]);
+            let model = publish(
+                &host,
+                progress.tick,
+                progress.positions[0],
+                progress.velocities[0],
+            );
             coming.push((sample + pace.late, model));
             taken = progress;
         }
