@@ -1,5 +1,7 @@
 //! Ways to render what a slow host computes.
 
+use std::time::Instant;
+
 use palpate_testbed::world::{PlantParams, WorldPlant};
 use palpate_world::engine::local::{LocalParams, LocalRenderer};
 use palpate_world::{CoupledParams, Sample, Shape, Tool, WorldLoop};
@@ -33,6 +35,13 @@ pub struct Outcome {
     pub created: f64,
     /// Largest change of the force from sample to sample `[N]`.
     pub step: f64,
+    /// Median time of a tick without a model and of one that takes a model `[us]`, of a local model.
+    pub times: [f64; 2],
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times.get(times.len() / 2).copied().unwrap_or_default()
 }
 
 /// What is told of the local model.
@@ -102,6 +111,7 @@ pub fn local(bench: &Bench, pace: Pace, told: Told, change: impl Fn(&mut LocalPa
     };
     let mut coming = vec![(0, publish(&host, 0, bench.scene.start, [0.0; 3]))];
     let mut taken = state.progress().clone();
+    let mut times = [Vec::new(), Vec::new()];
     let (error, _, step, _) = run(bench, |sample, at| {
         if sample > 0 && sample % pace.every == 0 {
             let progress = state.progress().clone();
@@ -121,7 +131,9 @@ pub fn local(bench: &Bench, pace: Pace, told: Told, change: impl Fn(&mut LocalPa
         }
         let due = coming.first().is_some_and(|(due, _)| *due <= sample);
         let model = due.then(|| coming.remove(0).1);
+        let begin = Instant::now();
         let output = renderer.step(&mut state, &Sample::at(&[at]), model.as_ref());
+        times[usize::from(due)].push(1e6 * begin.elapsed().as_secs_f64());
         assert_eq!((output.fault, output.refusal), (None, None));
         assert!(!output.is_stale, "{sample}");
         output.forces[0]
@@ -130,6 +142,7 @@ pub fn local(bench: &Bench, pace: Pace, told: Told, change: impl Fn(&mut LocalPa
         error,
         created: state.books().created(),
         step,
+        times: times.map(median),
     }
 }
 
@@ -156,6 +169,7 @@ pub fn held(bench: &Bench, pace: Pace, damping: f64) -> Outcome {
         error,
         created: work + host.work + host.stored(end),
         step,
+        times: [0.0; 2],
     }
 }
 
@@ -201,5 +215,6 @@ pub fn coupling(bench: &Bench, pace: Pace, stiffness: f64, damping: f64) -> Outc
         error,
         created: work + host.work + host.stored(place) + kept,
         step,
+        times: [0.0; 2],
     }
 }

@@ -585,3 +585,30 @@ fn a_sample_that_is_no_number_gives_no_force_and_the_next_good_one_goes_on() {
     );
     assert!((led.step(0.002, None).0[2] - 2.0).abs() < 1e-9);
 }
+
+#[test]
+fn a_copy_that_overflows_is_a_fault_and_a_good_model_goes_on() {
+    let renderer = renderer(LocalParams::new(1, 1), f64::INFINITY);
+    let mut state = renderer.start();
+    let mut wild = BodyNow::fixed([0.0; 3]);
+    wild.angular_velocity = [1e300, 0.0, 0.0];
+    let contact = [plane(0.0, soft()).map(|contact| LocalContact {
+        on: Some(0),
+        ..contact
+    })];
+    let model = renderer.model(0, &[wild], &contact).unwrap();
+    let position = at_depth(0.001);
+    let output = renderer.step(&mut state, &Sample::at(&position), Some(&model));
+    assert_eq!(output.fault.map(|it| it.fault), Some(Fault::Overflow));
+    assert_eq!(output.forces[0], [0.0; 3]);
+    let good = BodyNow::fixed([0.0; 3]);
+    let mut last = [0.0; 3];
+    for _ in 0..300 {
+        let tick = state.progress().tick;
+        let model = renderer.model(tick, &[good], &contact).unwrap();
+        let output = renderer.step(&mut state, &Sample::at(&position), Some(&model));
+        assert_eq!(output.fault, None);
+        last = output.forces[0];
+    }
+    assert!((last[2] - 1.0).abs() < 1e-9, "{last:?}");
+}
