@@ -206,6 +206,13 @@ fn a_contact_that_begins_inside_comes_in_and_its_energy_is_from_outside() {
     }
     assert!(largest < 0.25, "{largest}");
     assert!((led.last[2] - 4.0).abs() < 1e-9);
+    let slots: Vec<_> = led.state.contacts().collect();
+    assert_eq!(slots.len(), 2);
+    for (number, (slot, contact)) in slots.into_iter().enumerate() {
+        // No body: what never moves.
+        assert_eq!((slot, contact.tool, contact.body), (number, 0, 0));
+        assert!((contact.force[2] - 2.0).abs() < 1e-9 && contact.normal == UP);
+    }
     let books = led.state.books();
     let second = books.contacts[1];
     assert!(
@@ -486,6 +493,8 @@ fn a_body_that_the_host_puts_elsewhere_makes_no_step() {
         last = force;
     }
     assert!((last - 0.5).abs() < 1e-9, "{last}");
+    let (slot, touched) = state.contacts().next().unwrap();
+    assert_eq!((slot, touched.tool, touched.body), (0, 0, 0));
     assert!(largest < 0.16, "{largest}");
     let book = state.books().contacts[0];
     let lost = 0.5 * 1000.0 * (0.002_f64.powi(2) - 0.0005_f64.powi(2));

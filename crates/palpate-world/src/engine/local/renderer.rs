@@ -260,6 +260,10 @@ impl LocalRenderer {
             slot.take(pair, contact.as_ref(), &state.host.images, &self.radii);
             slot.compare(pair, &meeting.tools, &meeting.images);
         }
+        for (contact, pair) in state.engine.contacts.iter_mut().zip(&state.pairs) {
+            contact.tool = pair.toucher.tool().unwrap_or(contact.tool);
+            contact.body = pair.body;
+        }
         Ok(())
     }
 

@@ -123,7 +123,8 @@ impl LocalState {
         &self.progress
     }
 
-    /// Each slot in which a tool may touch something, with its number.
+    /// Each slot in which a tool may touch something, with its number. The body of what never moves is
+    /// [`LocalParams::bodies`](super::LocalParams::bodies), which no body has.
     pub fn contacts(&self) -> impl Iterator<Item = (usize, &EngineContact)> {
         let slots = self.engine.contacts().iter().zip(&self.pairs).enumerate();
         let of_tools = slots.filter(|(_, (_, pair))| pair.is_open && pair.toucher.tool().is_some());
