@@ -31,7 +31,7 @@ fn best(outcomes: impl Iterator<Item = Outcome>) -> Outcome {
 /// What a user without a local model has: the best of four dampings, and of 16 couplings.
 fn without(bench: &Bench, pace: Pace) -> [Outcome; 2] {
     let dampings = [0.0, 1.0, 3.0, 10.0];
-    // A query of the mesh takes its time.
+    // Fewer where the host's queries take their time.
     let stiffnesses: &[f64] = match bench.scene.mesh {
         Some(_) => &[300.0],
         None => &[100.0, 300.0, 1000.0, 3000.0],
