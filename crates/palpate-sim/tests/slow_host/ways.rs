@@ -51,12 +51,15 @@ pub struct Told {
     pub with_floor: bool,
     /// Longest part into which the host divides its steps `[s]`.
     pub part: f64,
+    /// Mass of the device as the renderer is told, over the true one.
+    pub mass: f64,
 }
 
 pub const ALL: Told = Told {
     is_curved: true,
     with_floor: true,
     part: FINE,
+    mass: 1.0,
 };
 
 /// The loop by the force that `force` gives for each sample's number and position.
@@ -93,7 +96,7 @@ pub fn local(bench: &Bench, pace: Pace, told: Told, change: impl Fn(&mut LocalPa
         &[tool],
         params,
         WorldLoop::new(PERIOD),
-        CoupledParams::new(vec![DEVICE_MASS]),
+        CoupledParams::new(vec![DEVICE_MASS.map(|mass| told.mass * mass)]),
     )
     .unwrap();
     let mut state = renderer.start();
