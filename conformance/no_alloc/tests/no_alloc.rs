@@ -402,3 +402,63 @@ fn contact_with_an_engine_s_body_allocates_nothing() {
     assert!(forces > 100 && faults >= 80, "{forces}, {faults}");
     assert_eq!(count, 0);
 }
+
+/// The same by the local models of a slow host, whether one comes, is refused, is missing or gets too old.
+#[test]
+fn contact_by_a_local_model_allocates_nothing() {
+    use palpate_world::engine::BodyNow;
+    use palpate_world::engine::local::{LocalContact, LocalParams, LocalProgress, LocalRenderer};
+    use palpate_world::{ContactLaw, CoupledParams, Sample, Shape, Tool, WorldLoop};
+    let tools = [Tool::new("tool", Shape::Sphere { radius: 0.01 })];
+    let room = LocalParams {
+        stale_after: 0.05,
+        fade: 0.02,
+        ..LocalParams::new(1, 4)
+    };
+    let params = CoupledParams::new(vec![[0.1, 0.2, f64::INFINITY]]);
+    let renderer = LocalRenderer::new(&tools, room, WorldLoop::new(0.001), params).unwrap();
+    let mut state = renderer.start();
+    let mut now = BodyNow::fixed([0.0; 3]);
+    for axis in 0..6 {
+        now.mobility[axis][axis] = if axis < 3 { 10.0 } else { 1e5 };
+    }
+    let up = [0.0, 0.0, 1.0];
+    let law = ContactLaw::spring(2000.0).with_friction(0.5);
+    let ball = LocalContact::of_tool(0, Some(0), [0.0, 0.0, 0.02], up, law).curved(50.0);
+    let floor = LocalContact::of_body((0, [0.0; 3], 0.02), None, [0.0, 0.0, -0.02], up, law);
+    let model = |tick| {
+        let contacts = [Some(ball), Some(floor), (tick % 40 != 0).then_some(ball)];
+        renderer.model(tick, &[now], &contacts).unwrap()
+    };
+    let models: Vec<_> = (0..2000).map(|tick| model(tick)).collect();
+    let mut progress = LocalProgress::default();
+    progress.copy_from(state.progress());
+    let (mut forces, mut faults, mut refusals, mut stale) = (0, 0, 0, 0);
+    let count = allocations(|| {
+        for tick in 0..2000_usize {
+            let t = tick as f64 * 0.001;
+            let mut positions = [[0.002 * t, 0.0, 0.031 + 0.003 * (11.0 * t).sin()]];
+            if tick % 50 == 20 {
+                positions[0][1] = f64::NAN;
+            }
+            // Every 20 ticks, ten ticks late; after a second the host hangs for 0.2 s.
+            let is_there = tick % 20 == 10 && !(1000..1200).contains(&tick);
+            let model = is_there.then(|| &models[tick - 10]);
+            // One from the future now and then.
+            let model = if tick % 100 == 55 {
+                models.last()
+            } else {
+                model
+            };
+            let output = renderer.step(&mut state, &Sample::at(&positions), model);
+            forces += usize::from(output.forces[0] != [0.0; 3]);
+            faults += usize::from(output.fault.is_some());
+            refusals += usize::from(output.refusal.is_some());
+            stale += usize::from(output.is_stale);
+            progress.copy_from(state.progress());
+        }
+    });
+    assert!(forces > 100 && faults >= 40, "{forces}, {faults}");
+    assert!(refusals >= 19 && stale > 100, "{refusals}, {stale}");
+    assert_eq!(count, 0);
+}

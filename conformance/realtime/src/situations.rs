@@ -13,7 +13,8 @@ use palpate_device::{Device, DeviceErrorKind, NullDevice, ReplayDevice, Scripted
 use palpate_record::recording::Flags;
 use palpate_rt::safety::{OscillationParams, SafetyParams, Trip};
 use palpate_rt::{
-    ControlLoop, Ending, Note, RenderedWorld, StopFlag, Told, WorldFrame, changing_world, tap,
+    ControlLoop, Ending, Note, RenderedWorld, StopFlag, Told, WorldFrame, changing_world,
+    local_world, tap,
 };
 use palpate_scene::method::MethodName;
 use palpate_scene::world::{WorldFile, WorldScene};
@@ -22,6 +23,9 @@ use palpate_sim::device::{
     PointerDevice, PointerHand, PointerParams, SimulatedDevice, SpatialDevice, SpatialHand,
     SpatialPointer,
 };
+use palpate_world::engine::BodyNow;
+use palpate_world::engine::local::{LocalContact, LocalParams, LocalRenderer};
+use palpate_world::{ContactLaw, CoupledParams, Shape, Tool, WorldLoop};
 
 use crate::hostile::anything;
 use crate::several::{a_pinch, anything_of_two, faults_of_each};
@@ -33,7 +37,7 @@ pub type Watch<'a> = dyn FnMut(&mut dyn FnMut()) + 'a;
 pub type Situation = (&'static str, fn(&mut Watch));
 
 /// Every situation in which the clock is moved by hand.
-pub const STEPPED: [Situation; 20] = [
+pub const STEPPED: [Situation; 21] = [
     ("every method on a simulated device", every_method),
     ("worlds on a device in space", worlds),
     ("six axes, on a device and in a pointer's hand", six_axes),
@@ -41,6 +45,7 @@ pub const STEPPED: [Situation; 20] = [
         "worlds that take the place of each other",
         worlds_that_change,
     ),
+    ("a slow host that publishes, and hangs", a_slow_host),
     ("every fault of a device in a world", faults_in_a_world),
     ("no device", no_device),
     ("a pointer that moves, lets go and takes hold", a_pointer),
@@ -277,6 +282,48 @@ fn worlds_that_change(watch: &mut Watch) {
         assert_eq!(seen, worlds.generation(), "{name}");
         assert!(seen >= 30 && forces > 50, "{name}: {seen}, {forces}");
     }
+}
+
+fn a_slow_host(watch: &mut Watch) {
+    let scene = world_scene("worlds-on-devices/ball-on-table.toml");
+    let clock = SteppedClock::new();
+    let own = &scene.devices[0];
+    let device = SpatialDevice::new(own, &scene.timing.actuator, clock.clone()).unwrap();
+    let tool = Tool::new("tool", Shape::Sphere { radius: 0.01 });
+    let renderer = LocalRenderer::new(
+        &[tool],
+        LocalParams {
+            stale_after: 0.05,
+            ..LocalParams::new(1, 4)
+        },
+        WorldLoop::new(0.001),
+        CoupledParams::new(vec![own.mass]),
+    );
+    let frame = WorldFrame::the_same();
+    let (mut host, world) = local_world(renderer.unwrap(), frame).unwrap();
+    let limits = SafetyParams::default();
+    let mut control = ControlLoop::of_local_world(device, clock, world, limits).unwrap();
+    let (mut forces, mut stale) = (0, 0);
+    for tick in 0..2000 {
+        let is_hanging = (1000..1300).contains(&tick);
+        if tick % 20 == 0 && !is_hanging {
+            let progress = host.progress().clone();
+            let mut body = BodyNow::fixed(own.position);
+            body.mobility[2][2] = 10.0;
+            let law = ContactLaw::spring(1000.0).with_friction(0.5);
+            // Two millimetres into it, wherever it is; every third time one contact less.
+            let (at, up) = (progress.positions[0], [0.0, 0.0, 1.0]);
+            let contact = LocalContact::at_gap((0, at, 0.01), Some(0), -0.002, up, law);
+            let contacts = [Some(contact), (tick % 60 != 0).then_some(contact)];
+            host.publish(progress.tick, &[body], &contacts).unwrap();
+        }
+        watch(&mut || {
+            let told = control.tick().tick;
+            forces += usize::from(told.commanded_force != [0.0; 3]);
+        });
+        stale += usize::from(host.progress().is_stale);
+    }
+    assert!(forces > 500 && stale > 100, "{forces}, {stale}");
 }
 
 fn faults_in_a_world(watch: &mut Watch) {

@@ -94,8 +94,9 @@ pub use receipt::receipt;
 pub use recorder::{Account, Recorder};
 pub use rendering::{
     Answer, CHANGE_DURATION, ChangeError, ChangingWorld, FrameError, Fresh, FreshDevice,
-    OneContact, Parameters, Rendered, RenderedWorld, Rendering, Renders, WorldAxis,
-    WorldChangeError, WorldFrame, WorldRows, Worlds, changing_world, parameters,
+    LocalWorld, OneContact, Parameters, Rendered, RenderedWorld, Rendering, Renders, SlowHost,
+    WorldAxis, WorldChangeError, WorldFrame, WorldRows, Worlds, changing_world, local_world,
+    parameters,
 };
 pub use setup::SetupError;
 pub use statistics::{Durations, LoopStatistics};

@@ -2,6 +2,7 @@
 
 mod changing_world;
 mod frame;
+mod local_world;
 mod one_contact;
 mod rendered;
 mod renders;
@@ -12,6 +13,7 @@ use palpate::{ParameterError, Running};
 
 pub use changing_world::{ChangingWorld, WorldChangeError, Worlds, changing_world};
 pub use frame::{FrameError, WorldAxis, WorldFrame};
+pub use local_world::{LocalWorld, SlowHost, local_world};
 pub use one_contact::OneContact;
 pub use palpate::{CHANGE_DURATION, ChangeError};
 pub use rendered::Rendered;

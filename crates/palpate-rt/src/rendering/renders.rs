@@ -6,8 +6,8 @@ use palpate_record::recording::{BodyTick, ContactTick, Flags};
 
 use super::{Parameters, Rendering};
 
-/// What a loop renders. [`OneContact`](super::OneContact) and [`RenderedWorld`](super::RenderedWorld) are the two that
-/// there are. Nothing here may allocate, lock or panic: all of it is part of a tick.
+/// What a loop renders: [`OneContact`](super::OneContact), a [`RenderedWorld`](super::RenderedWorld), or what a slow host
+/// publishes, a [`LocalWorld`](super::LocalWorld). Nothing here may allocate, lock or panic: all of it is part of a tick.
 ///
 /// Positions and forces are in the frames of their devices. Devices are numbered in one order from 0, the same in all
 /// that follows.

@@ -16,12 +16,15 @@ pub(super) struct Image {
     pub ahead: Vector6<f64>,
     /// Force `[N]` and torque about the reference point `[N m]` of the contacts.
     pub load: Vector6<f64>,
-    /// Their impulse since the step began `[N s]`, `[N m s]`.
+    /// The same of contacts that no tool is part of.
+    pub other_load: Vector6<f64>,
+    /// Impulse of `load` since the step began `[N s]`, `[N m s]`.
     pub impulse: Vector6<f64>,
     /// How far it has moved and turned since the step began `[m]`, `[rad]`.
     way: Vector6<f64>,
     gained: Vector6<f64>,
-    acceleration: Vector6<f64>,
+    /// By everything but contacts.
+    pub acceleration: Vector6<f64>,
     pub mobility: Matrix6<f64>,
 }
 
@@ -59,6 +62,7 @@ impl Image {
             twist: none,
             ahead: none,
             load: none,
+            other_load: none,
             impulse: none,
             way: none,
             gained: none,
@@ -83,8 +87,45 @@ impl Image {
         }
     }
 
+    /// A step begins.
+    pub fn begin(&mut self) {
+        self.impulse = Vector6::zeros();
+        self.way = Vector6::zeros();
+    }
+
+    /// A number if all of its state is numbers.
+    pub fn sum(&self) -> f64 {
+        let place = self.position.sum() + self.orientation.coords.sum();
+        place + self.twist.sum() + self.impulse.sum()
+    }
+
+    /// Stands still where it is; nowhere, if that is no number.
+    pub fn stop(&mut self) {
+        *self = if self.sum().is_finite() {
+            Self {
+                position: self.position,
+                orientation: self.orientation,
+                ..Self::nowhere()
+            }
+        } else {
+            Self::nowhere()
+        };
+    }
+
+    /// Where it is less where `other` is: translation `[m]` and rotation vector `[rad]`.
+    pub fn apart_from(&self, other: &Self) -> Vector6<f64> {
+        let turned = (self.orientation * other.orientation.inverse()).scaled_axis();
+        six(&(self.position - other.position).into(), &turned.into())
+    }
+
+    /// Is put elsewhere, by a translation `[m]` and a rotation vector `[rad]`.
+    pub fn shift(&mut self, by: &Vector6<f64>) {
+        self.position += linear(by);
+        self.orientation = Rotation::from_scaled_axis(angular(by)) * self.orientation;
+    }
+
     pub fn push(&mut self, half: f64) {
-        self.gained = (self.acceleration + self.mobility * self.load) * half;
+        self.gained = (self.acceleration + self.mobility * (self.load + self.other_load)) * half;
         self.twist += self.gained;
         self.impulse += self.load * half;
     }
@@ -103,8 +144,17 @@ impl Image {
 
     /// Adds the force of a contact at `place`.
     pub fn pushed_at(&mut self, force: &Vector3, place: &Vector3) {
+        self.load += self.wrench_of(force, place);
+    }
+
+    /// Adds the force of a contact that no tool is part of.
+    pub fn pushed_otherwise_at(&mut self, force: &Vector3, place: &Vector3) {
+        self.other_load += self.wrench_of(force, place);
+    }
+
+    fn wrench_of(&self, force: &Vector3, place: &Vector3) -> Vector6<f64> {
         let torque = (place - self.position).cross(force);
-        self.load += six(&(*force).into(), &torque.into());
+        six(&(*force).into(), &torque.into())
     }
 
     /// Acceleration along `direction` by a unit force along it at `place` `[1/kg]`.

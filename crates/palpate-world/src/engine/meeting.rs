@@ -1,7 +1,7 @@
 //! Avatars and images in motion, over one step of an engine.
 
 use super::image::Image;
-use super::pairs::Pair;
+use super::pairs::{Pair, Toucher};
 use super::touch::Touch;
 use crate::part::Part;
 use crate::rigid::Vector3;
@@ -65,7 +65,7 @@ impl Meeting {
         }
         for (touch, pair) in self.touches.iter_mut().zip(pairs) {
             if !touch.is_apart() {
-                let relative = relative(&self.tools[pair.tool], &self.images[pair.body], touch);
+                let relative = relative(&self.tools, &self.images, pair, &touch.place);
                 touch.slide(&relative, half);
             }
         }
@@ -89,9 +89,11 @@ impl Meeting {
             if touch.is_apart() {
                 continue;
             }
-            let tool = &self.tools[pair.tool];
-            let relative = relative(tool, &self.images[pair.body], touch);
-            let mean = tool.rigid.velocity - tool.gained * 0.5;
+            let relative = relative(&self.tools, &self.images, pair, &touch.place);
+            let tool = pair.toucher.tool().and_then(|tool| self.tools.get(tool));
+            let mean = tool.map_or(Vector3::zeros(), |tool| {
+                tool.rigid.velocity - tool.gained * 0.5
+            });
             touch.book(&pair.law, &relative, &mean, half);
             touch.relative = relative;
         }
@@ -105,24 +107,37 @@ impl Meeting {
         }
         for image in &mut self.images {
             image.load.fill(0.0);
+            image.other_load.fill(0.0);
         }
         for (touch, pair) in self.touches.iter_mut().zip(pairs) {
-            let (tool, image) = (&mut self.tools[pair.tool], &mut self.images[pair.body]);
-            let centre = tool.rigid.position;
-            let placed = image.place(&pair.position, &pair.orientation);
-            let nearest = pair.outline.nearest(&placed, &centre);
-            let penetration = pair.radius - nearest.distance;
-            if penetration > 0.0 {
-                touch.place = centre - nearest.normal * (pair.radius - 0.5 * penetration);
-                let now = relative(tool, image, touch);
-                let ahead = tool.ahead.velocity - image.velocity_at(&image.ahead, &touch.place);
-                let rate = -nearest.normal.dot(&ahead);
-                touch.press(&pair.law, penetration, rate, nearest.normal, &(now * half));
-                touch.relative = now;
-                tool.load(&touch.force, &touch.place);
-                image.pushed_at(&-touch.force, &touch.place);
-            } else if !touch.is_apart() {
-                touch.part(&pair.law);
+            let found = found(&self.tools, &self.images, pair);
+            let Some(found) = found.filter(|found| found.penetration > 0.0) else {
+                if !touch.is_apart() {
+                    touch.part(&pair.law);
+                }
+                continue;
+            };
+            touch.place = found.place;
+            let now = relative(&self.tools, &self.images, pair, &touch.place);
+            let rate = rate(&self.tools, &self.images, pair, &found);
+            touch.press(
+                &pair.law,
+                found.penetration,
+                rate,
+                found.normal,
+                &(now * half),
+            );
+            touch.relative = now;
+            let image = &mut self.images[pair.body];
+            match pair.toucher {
+                Toucher::Tool(tool) => {
+                    image.pushed_at(&-touch.force, &touch.place);
+                    self.tools[tool].load(&touch.force, &touch.place);
+                }
+                Toucher::Body { body, .. } => {
+                    image.pushed_otherwise_at(&-touch.force, &touch.place);
+                    self.images[body].pushed_otherwise_at(&touch.force, &touch.place);
+                }
             }
         }
     }
@@ -176,26 +191,37 @@ impl Meeting {
     fn fastest(&self, pairs: &[Pair], h: f64) -> f64 {
         let (mut square, mut damping) = (0.0, 0.0);
         for (touch, pair) in self.touches.iter().zip(pairs) {
-            let (tool, image) = (&self.tools[pair.tool], &self.images[pair.body]);
-            let centre = tool.rigid.position;
-            let placed = image.place(&pair.position, &pair.orientation);
-            let nearest = pair.outline.nearest(&placed, &centre);
-            let place = centre - nearest.normal * nearest.distance;
-            let relative = tool.rigid.velocity - image.velocity_at(&image.twist, &place);
-            let gap = nearest.distance - pair.radius;
+            let Some(found) = found(&self.tools, &self.images, pair) else {
+                continue;
+            };
+            let (normal, gap) = (found.normal, -found.penetration);
+            // On the surface that is touched.
+            let place = found.centre - normal * (gap + pair.radius);
+            let relative = relative(&self.tools, &self.images, pair, &place);
             // Twice the way, for what pushes them meanwhile.
             if touch.is_apart() && gap > 2.0 * relative.norm() * h + RESTING_SPEED * h {
                 continue;
             }
-            let of_tool = tool.mobility.linear.max();
-            let along = of_tool + image.mobility_at(&nearest.normal, &place);
+            let image = &self.images[pair.body];
+            let toucher_along = |axis: &Vector3| match pair.toucher {
+                Toucher::Tool(tool) => self.tools[tool].mobility.linear.max(),
+                Toucher::Body { body, .. } => self.images[body].mobility_at(axis, &place),
+            };
+            let along = toucher_along(&normal) + image.mobility_at(&normal, &place);
             let law = &pair.law;
             let tangential = if law.friction > 0.0 {
-                let across: f64 = [Vector3::x(), Vector3::y(), Vector3::z()]
+                let toucher_across = match pair.toucher {
+                    Toucher::Tool(tool) => self.tools[tool].mobility.linear.max(),
+                    Toucher::Body { body, .. } => axes()
+                        .iter()
+                        .map(|axis| self.images[body].mobility_at(axis, &place))
+                        .sum(),
+                };
+                let across: f64 = axes()
                     .iter()
                     .map(|axis| image.mobility_at(axis, &place))
                     .sum();
-                law.friction_stiffness * (of_tool + across)
+                law.friction_stiffness * (toucher_across + across)
             } else {
                 0.0
             };
@@ -211,7 +237,71 @@ impl Meeting {
 /// What is at rest may gain this much within a step `[m/s]`.
 const RESTING_SPEED: f64 = 0.1;
 
-/// Velocity of the tool against the image where they touch `[m/s]`.
-fn relative(tool: &Part, image: &Image, touch: &Touch) -> Vector3 {
-    tool.rigid.velocity - image.velocity_at(&image.twist, &touch.place)
+fn axes() -> [Vector3; 3] {
+    [Vector3::x(), Vector3::y(), Vector3::z()]
+}
+
+/// Where a pair would touch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found {
+    pub centre: Vector3,
+    /// Midway between the two surfaces.
+    pub place: Vector3,
+    pub normal: Vector3,
+    /// How far they overlap, below 0 where they do not `[m]`.
+    pub penetration: f64,
+}
+
+/// Where a pair would touch; none of one that cannot.
+pub(super) fn found(tools: &[Part], images: &[Image], pair: &Pair) -> Option<Found> {
+    let centre = match pair.toucher {
+        Toucher::Tool(tool) => tools.get(tool)?.rigid.position,
+        Toucher::Body { body, centre } => {
+            let image = &images[body];
+            image.position + image.orientation * centre
+        }
+    };
+    if !pair.is_open {
+        return None;
+    }
+    let placed = images[pair.body].place(&pair.position, &pair.orientation);
+    let nearest = pair.outline.nearest(&placed, &centre);
+    let mut penetration = pair.radius - nearest.distance;
+    let mut normal = nearest.normal;
+    if let Some(shift) = &pair.shift {
+        penetration += shift.depth;
+        let turned = normal + shift.normal;
+        let length = turned.norm();
+        if length > f64::MIN_POSITIVE {
+            normal = turned / length;
+        }
+    }
+    Some(Found {
+        centre,
+        place: centre - normal * (pair.radius - 0.5 * penetration),
+        normal,
+        penetration,
+    })
+}
+
+/// How fast a pair gets deeper, as expected at the end of the sub-step `[m/s]`.
+pub(super) fn rate(tools: &[Part], images: &[Image], pair: &Pair, found: &Found) -> f64 {
+    let place = &found.place;
+    let touching = match pair.toucher {
+        Toucher::Tool(tool) => tools[tool].ahead.velocity,
+        Toucher::Body { body, .. } => images[body].velocity_at(&images[body].ahead, place),
+    };
+    let image = &images[pair.body];
+    let ahead = touching - image.velocity_at(&image.ahead, place);
+    pair.shift.map_or(0.0, |shift| shift.rate) - found.normal.dot(&ahead)
+}
+
+/// Velocity of what touches against the image at `place` `[m/s]`.
+fn relative(tools: &[Part], images: &[Image], pair: &Pair, place: &Vector3) -> Vector3 {
+    let touching = match pair.toucher {
+        Toucher::Tool(tool) => tools[tool].rigid.velocity,
+        Toucher::Body { body, .. } => images[body].velocity_at(&images[body].twist, place),
+    };
+    let image = &images[pair.body];
+    touching - image.velocity_at(&image.twist, place)
 }

@@ -20,7 +20,9 @@
 //! offset of its image, which the avatar meets in place of the body.
 
 mod body;
+mod coupling;
 mod image;
+pub mod local;
 mod meeting;
 mod pairs;
 mod renderer;

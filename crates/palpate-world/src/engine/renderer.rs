@@ -3,33 +3,19 @@
 use palpate::Fault;
 
 use super::body::{BodyNow, BodyWrench, EngineBody, Stepping};
-use super::image::{Image, ImageOffset};
-use super::meeting::Meeting;
+use super::coupling::Coupling;
+use super::image::Image;
 use super::pairs::{Pair, pairs};
-use super::state::{
-    Device, EngineBooks, EngineContact, EngineOutput, EngineState, Period, PortBook,
-};
-use super::touch::Touch;
-use crate::commands::Commands;
-use crate::method::coupled::{Coupled, LEAST_FORCE};
-use crate::observer::{AxisForce, AxisMotion};
-use crate::part::{Drive, Part};
-use crate::rigid::{Mobility, Rigid, Rotation, Vector3};
-use crate::tracking::Tracking;
-use crate::{
-    ContactBook, CoupledParams, Effort, Limited, Mode, Place, Sample, Tool, ToolState, Vector,
-    WorldError, WorldGuard, WorldLoop,
-};
+use super::state::{EngineOutput, EngineState};
+use crate::{CoupledParams, Place, Sample, Tool, Vector, WorldError, WorldGuard, WorldLoop};
 
 /// Contacts of tools with the bodies of another engine, in one loop. Immutable: one renderer serves any number of
 /// [`EngineState`]s.
 #[derive(Clone, Debug)]
 pub struct EngineRenderer {
-    in_loop: WorldLoop,
-    tools: usize,
+    coupling: Coupling,
     bodies: usize,
     pairs: Vec<Pair>,
-    coupled: Coupled,
     stepping: Stepping,
 }
 
@@ -54,11 +40,9 @@ impl EngineRenderer {
         }
         match params.check(tools) {
             Ok(coupled) if faults.is_empty() => Ok(Self {
-                in_loop,
-                tools: tools.len(),
+                coupling: Coupling { in_loop, coupled },
                 bodies: bodies.len(),
                 pairs,
-                coupled,
                 stepping,
             }),
             checked => {
@@ -71,82 +55,19 @@ impl EngineRenderer {
     /// The loop it is rendered in.
     #[must_use]
     pub fn in_loop(&self) -> &WorldLoop {
-        &self.in_loop
+        &self.coupling.in_loop
     }
 
     /// A new state: nothing sampled, nothing touched, the books empty.
     #[must_use]
     pub fn start(&self) -> EngineState {
-        let nowhere = Rigid {
-            position: Vector3::zeros(),
-            orientation: Rotation::identity(),
-            velocity: Vector3::zeros(),
-            spin: Vector3::zeros(),
-        };
-        let tool = Part::new(nowhere, Mobility::none(), Drive::constant(Vector3::zeros()));
-        let meeting = Meeting {
-            tools: vec![tool; self.tools],
-            leads: vec![Vector3::zeros(); self.tools],
-            impulses: vec![Vector3::zeros(); self.tools],
-            images: vec![Image::nowhere(); self.bodies],
-            touches: vec![Touch::apart(); self.pairs.len()],
-        };
-        let devices = self.coupled.priors.iter();
-        let contacts = self.pairs.iter().map(|pair| EngineContact {
-            tool: pair.tool,
-            body: pair.body,
-            mode: Mode::Free,
-            point: [0.0; 3],
-            normal: [0.0; 3],
-            penetration: 0.0,
-            force: [0.0; 3],
-        });
-        EngineState {
-            before: meeting.clone(),
-            meeting,
-            offsets: vec![ImageOffset::none(); self.bodies],
-            is_body_touched: vec![false; self.bodies],
-            devices: devices
-                .map(|priors| Device::new(priors, Vector3::zeros()))
-                .collect(),
-            tracking: Tracking::new(&vec![false; self.tools]),
-            commands: Commands::new(self.tools, &self.in_loop.actuation, self.in_loop.period),
-            intended: vec![Vector3::zeros(); self.tools],
-            forces: vec![[0.0; 3]; self.tools],
-            advanced: 0.0,
-            fault: None,
-            limited: Limited::default(),
-            effort: Effort::default(),
-            tools: vec![ToolState::default(); self.tools],
-            contacts: contacts.collect(),
-            books: EngineBooks {
-                contacts: vec![ContactBook::default(); self.pairs.len()],
-                devices: vec![PortBook::default(); self.tools],
-            },
-        }
+        self.coupling.start(&self.pairs, self.bodies)
     }
 
     /// Takes a sample of all devices: a period begins. A sample that cannot be used gives no contact in it, and
     /// [`EngineRenderer::hold`] says why.
     pub fn sample(&self, state: &mut EngineState, sample: &Sample<'_>) {
-        state.effort = Effort::default();
-        state.limited = Limited::default();
-        state.advanced = 0.0;
-        state.fault = None;
-        let elapsed = state.tracking.believe(sample, &self.in_loop);
-        let period = self.in_loop.period;
-        state.commands.pass(*elapsed.as_ref().unwrap_or(&period));
-        match elapsed {
-            Ok(elapsed) => {
-                self.observe(state, sample, elapsed);
-                state.tracking.trust();
-                self.place(state);
-            }
-            Err(fault) => {
-                state.fault = Some(fault);
-                self.let_go(state);
-            }
-        }
+        self.coupling.sample(&self.pairs, state, sample);
     }
 
     /// Steps avatars and contacts on by `h` `[s]` against the engine's bodies, in the order of their description, as
@@ -166,57 +87,23 @@ impl EngineRenderer {
             && wrenches.len() == self.bodies
             && bodies.iter().all(BodyNow::is_finite)
             && h > 0.0
-            && h <= self.in_loop.bridged_gap();
+            && h <= self.coupling.in_loop.bridged_gap();
         if !is_usable {
             state.fail(Fault::Overflow);
-            self.let_go(state);
+            self.coupling.let_go(state);
+            return;
+        }
+        let images = state.meeting.images.iter_mut();
+        for ((image, body), offset) in images.zip(bodies).zip(&state.offsets) {
+            *image = Image::of(body, offset);
+        }
+        state.look(&self.pairs, |book| &mut book.observed);
+        if !self.coupling.meet(&self.pairs, state, h) {
             return;
         }
         let EngineState {
-            meeting,
-            before,
-            books,
-            offsets,
-            ..
+            meeting, offsets, ..
         } = state;
-        for ((image, body), offset) in meeting.images.iter_mut().zip(bodies).zip(&*offsets) {
-            *image = Image::of(body, offset);
-        }
-        meeting.look(&self.pairs);
-        for ((book, touch), pair) in books
-            .contacts
-            .iter_mut()
-            .zip(&meeting.touches)
-            .zip(&self.pairs)
-        {
-            let stored = touch.stored(&pair.law);
-            book.observed += stored - book.stored;
-            book.stored = stored;
-        }
-        let (sub_steps, period) = (&self.in_loop.sub_steps, self.in_loop.period);
-        let worked: f64 = meeting.touches.iter().map(|touch| touch.work).sum();
-        let effort = meeting.advance(before, &self.pairs, sub_steps, h, period);
-        state.effort = state.effort.and(effort);
-        let after: f64 = meeting.touches.iter().map(|touch| touch.work).sum();
-        let parts = meeting.tools.iter();
-        let places: f64 = parts.map(|part| part.rigid.position.sum()).sum();
-        if !(after + places - worked).is_finite() {
-            state.fail(Fault::Overflow);
-            self.let_go(state);
-            return;
-        }
-        for ((book, touch), pair) in books
-            .contacts
-            .iter_mut()
-            .zip(&meeting.touches)
-            .zip(&self.pairs)
-        {
-            let stored = touch.stored(&pair.law);
-            // Work and dissipation are booked when the period ends.
-            book.step_error += stored - book.stored;
-            book.stored = stored;
-        }
-        state.advanced += h;
         for (number, body) in bodies.iter().enumerate() {
             let image = &meeting.images[number];
             wrenches[number] = image.wrench(h);
@@ -227,268 +114,13 @@ impl EngineRenderer {
 
     /// Ends the period: the forces on the devices, to hold until the next.
     pub fn hold<'s>(&self, state: &'s mut EngineState) -> EngineOutput<'s> {
-        if state.fault.is_none() && state.advanced > 0.0 {
-            self.plan(state);
-        } else {
-            state.intended.fill(Vector3::zeros());
-            state.forces.fill([0.0; 3]);
-        }
-        if !state.intended.iter().flatten().all(|x| x.is_finite()) {
-            state.fail(Fault::Overflow);
-            state.intended.fill(Vector3::zeros());
-            state.forces.fill([0.0; 3]);
-            self.let_go(state);
-        }
-        state.commands.send(&state.intended, &state.forces);
-        self.publish(state);
+        self.coupling.hold(&self.pairs, state);
         state.output()
     }
 
     /// Says what was really sent to a tool for the last [`EngineRenderer::hold`] `[N]`, where it is not that force. A
     /// force that is not finite is left as it is.
     pub fn report_sent(&self, state: &mut EngineState, tool: usize, force: Vector) {
-        if force.iter().all(|x| x.is_finite()) {
-            state.commands.correct(tool, force.into());
-        }
-    }
-
-    /// The interval that has ended, by what the sample tells.
-    fn observe(&self, state: &mut EngineState, sample: &Sample<'_>, elapsed: f64) {
-        let is_in_progress = state.tracking.in_progress;
-        for (tool, (device, priors)) in state
-            .devices
-            .iter_mut()
-            .zip(&self.coupled.priors)
-            .enumerate()
-        {
-            let position = Vector3::from(sample.positions[tool]);
-            if !is_in_progress {
-                *device = Device::new(priors, position);
-                continue;
-            }
-            let moved = position - device.measured;
-            let acted = state.commands.passed(tool);
-            for axis in 0..3 {
-                let force = AxisForce {
-                    mean: acted.sent[axis],
-                    lead: acted.lead[axis],
-                    impulse_deviation: acted.impulse_deviation[axis],
-                };
-                device.observers[axis].see(&priors[axis], moved[axis], &force, elapsed);
-            }
-            device.measured = position;
-            let book = &mut state.books.devices[tool];
-            book.port_work += acted.sent.dot(&moved);
-            let Some(period) = device.period.take() else {
-                continue;
-            };
-            book.held += period.mean.dot(&moved);
-            device.conclude(&period, elapsed);
-            if !period.touched && !state.commands.is_expected(tool) {
-                self.walk_back(device, elapsed);
-            }
-            let norm = device.offset.norm();
-            if norm > self.coupled.offset_limit {
-                device.offset *= self.coupled.offset_limit / norm;
-                state.limited.offset = true;
-            }
-            for (touch, (pair, book)) in state
-                .meeting
-                .touches
-                .iter()
-                .zip(self.pairs.iter().zip(&mut state.books.contacts))
-            {
-                if pair.tool == tool {
-                    book.held += touch.impulse.dot(&moved) / period.duration;
-                }
-            }
-        }
-        for (offset, touched) in state.offsets.iter_mut().zip(&mut state.is_body_touched) {
-            if !*touched {
-                let way = self.coupled.offset_return * elapsed;
-                let norm = offset.0.fixed_rows::<3>(0).norm();
-                let kept = if norm > way { 1.0 - way / norm } else { 0.0 };
-                let turned = 1.0 - (elapsed / self.coupled.velocity_return).min(1.0);
-                offset.0.fixed_rows_mut::<3>(0).scale_mut(kept);
-                offset.0.fixed_rows_mut::<3>(3).scale_mut(turned);
-            }
-            let norm = offset.0.fixed_rows::<3>(0).norm();
-            if norm > self.coupled.offset_limit {
-                let kept = self.coupled.offset_limit / norm;
-                offset.0.fixed_rows_mut::<3>(0).scale_mut(kept);
-                state.limited.offset = true;
-            }
-            *touched = false;
-        }
-    }
-
-    /// The avatar of a tool that touches nothing goes back to its device.
-    fn walk_back(&self, device: &mut Device, elapsed: f64) {
-        let norm = device.offset.norm();
-        let most = self.coupled.offset_return * elapsed;
-        if norm <= most {
-            device.offset = Vector3::zeros();
-        } else {
-            device.offset *= 1.0 - most / norm;
-        }
-        device.velocity_offset *= 1.0 - (elapsed / self.coupled.velocity_return).min(1.0);
-    }
-
-    /// The avatars, where the period of the command to come begins.
-    fn place(&self, state: &mut EngineState) {
-        let pieces = state.commands.look_ahead(self.in_loop.period);
-        for (tool, device) in state.devices.iter_mut().enumerate() {
-            let observers = &device.observers;
-            device.ahead = observers.each_ref().map(|observer| observer.motion);
-            for piece in 0..pieces {
-                let duration = state.commands.duration(piece);
-                let acting = state.commands.coming(tool, piece);
-                for (axis, motion) in device.ahead.iter_mut().enumerate() {
-                    let force = AxisForce {
-                        mean: acting.intended[axis],
-                        lead: acting.lead[axis],
-                        impulse_deviation: 0.0,
-                    };
-                    let change = motion.under(&force, duration);
-                    motion.offset += change.travel;
-                    motion.velocity += change.gained;
-                    motion.external += change.external;
-                }
-            }
-            let part = &mut state.meeting.tools[tool];
-            part.rigid.position = device.measured + device.of(|axis| axis.offset) + device.offset;
-            part.rigid.velocity = device.of(|axis| axis.velocity) + device.velocity_offset;
-            part.mobility.linear = device.of(|axis| axis.mobility);
-            part.drive = Drive {
-                damping_rate: device.of(|axis| axis.damping_rate),
-                spring_rate: device.of(|axis| axis.spring_rate),
-                ..Drive::constant(device.of(|axis| axis.external))
-            };
-        }
-        state.meeting.begin();
-    }
-
-    /// No contact from here on: what the contacts stored is given up.
-    fn let_go(&self, state: &mut EngineState) {
-        state.tracking.in_progress = false;
-        for (touch, book) in state
-            .meeting
-            .touches
-            .iter_mut()
-            .zip(&mut state.books.contacts)
-        {
-            *touch = Touch::apart();
-            book.observed -= book.stored;
-            book.stored = 0.0;
-        }
-        for offset in &mut state.offsets {
-            *offset = ImageOffset::none();
-        }
-        for device in &mut state.devices {
-            device.period = None;
-        }
-    }
-
-    fn plan(&self, state: &mut EngineState) {
-        let duration = state.advanced;
-        for (tool, device) in state.devices.iter_mut().enumerate() {
-            let mut touched = false;
-            for (touch, (pair, book)) in state
-                .meeting
-                .touches
-                .iter()
-                .zip(self.pairs.iter().zip(&mut state.books.contacts))
-            {
-                if pair.tool == tool {
-                    touched |= !touch.is_apart() || touch.impulse != Vector3::zeros();
-                    book.work += touch.work;
-                    book.work_on_avatar += touch.work_on_avatar;
-                    book.dissipated += touch.dissipated;
-                    book.step_error += touch.work + touch.dissipated;
-                }
-            }
-            let mean = state.meeting.impulses[tool] / duration;
-            let lead = state.meeting.leads[tool] - mean * (0.5 * duration * duration);
-            let mut held = mean;
-            for axis in 0..3 {
-                let mobility = device.ahead[axis].mobility;
-                if touched && mobility > 0.0 {
-                    // What is owed at the beginning of the period that this force governs.
-                    held[axis] += device.velocity_offset[axis] / (mobility * duration);
-                }
-            }
-            let mut intended = state.commands.command(tool, &held, duration);
-            if !touched && intended.norm() <= LEAST_FORCE {
-                intended = Vector3::zeros();
-            }
-            device.period = Some(Period {
-                duration,
-                mean,
-                lead,
-                held,
-                touched,
-            });
-            state.intended[tool] = intended;
-            let mut sent = intended;
-            let norm = intended.norm();
-            if let Some(&most) = self.in_loop.force_limits.get(tool)
-                && norm > most
-            {
-                sent *= most / norm;
-                state.limited.force = true;
-            }
-            state.forces[tool] = sent.into();
-        }
-    }
-
-    /// Writes what can be read from a state.
-    fn publish(&self, state: &mut EngineState) {
-        for (touch, contact) in state.meeting.touches.iter().zip(&mut state.contacts) {
-            contact.mode = touch.mode;
-            contact.point = touch.place.into();
-            contact.normal = touch.normal.into();
-            contact.penetration = touch.penetration;
-            contact.force = touch.force.into();
-        }
-        for (tool, (shown, device)) in state.tools.iter_mut().zip(&state.devices).enumerate() {
-            let motions = device.observers.each_ref().map(|observer| observer.motion);
-            let of =
-                |quantity: fn(&AxisMotion) -> f64| Vector3::from(motions.each_ref().map(quantity));
-            let position = device.measured + of(|axis| axis.offset);
-            let velocity = of(|axis| axis.velocity);
-            shown.position = position.into();
-            shown.velocity = velocity.into();
-            shown.offset = device.offset.into();
-            shown.velocity_offset = device.velocity_offset.into();
-            shown.avatar_position = (position + device.offset).into();
-            shown.avatar_velocity = (velocity + device.velocity_offset).into();
-            shown.force = state.forces[tool];
-            shown.mass = Some(of(|axis| 1.0 / axis.mobility).into());
-        }
-    }
-}
-
-impl Device {
-    /// The offset of the avatar at the end of a period: avatar under the forces of the contacts, device under what it
-    /// was held by for `elapsed` `[s]`, with what is now known of the device.
-    fn conclude(&mut self, period: &Period, elapsed: f64) {
-        for axis in 0..3 {
-            let known = self.observers[axis].motion;
-            let apart = AxisMotion {
-                offset: 0.0,
-                velocity: self.velocity_offset[axis],
-                external: 0.0,
-                ..known
-            };
-            let held = period.held[axis] * (elapsed / period.duration);
-            let force = AxisForce {
-                mean: period.mean[axis] - held,
-                lead: period.lead[axis],
-                impulse_deviation: 0.0,
-            };
-            let change = apart.under(&force, period.duration);
-            self.offset[axis] += change.travel;
-            self.velocity_offset[axis] += change.gained;
-        }
+        self.coupling.report_sent(state, tool, force);
     }
 }

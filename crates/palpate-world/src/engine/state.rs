@@ -4,6 +4,7 @@ use palpate::Fault;
 
 use super::image::ImageOffset;
 use super::meeting::Meeting;
+use super::pairs::Pair;
 use crate::commands::Commands;
 use crate::observer::{AxisMotion, AxisObserver, AxisPrior};
 use crate::rigid::Vector3;
@@ -156,6 +157,25 @@ impl EngineState {
     #[must_use]
     pub fn books(&self) -> &EngineBooks {
         &self.books
+    }
+
+    /// Looks at the contacts anew, and books what their stored energy changed by.
+    pub(super) fn look(&mut self, pairs: &[Pair], entry: fn(&mut ContactBook) -> &mut f64) {
+        self.meeting.look(pairs);
+        self.book_stored(pairs, entry);
+    }
+
+    /// Books what the stored energy of each contact of a tool has changed by, under one of its entries.
+    pub(super) fn book_stored(&mut self, pairs: &[Pair], entry: fn(&mut ContactBook) -> &mut f64) {
+        let touches = self.meeting.touches.iter().zip(pairs);
+        for (book, (touch, pair)) in self.books.contacts.iter_mut().zip(touches) {
+            if pair.toucher.tool().is_none() {
+                continue;
+            }
+            let stored = touch.stored(&pair.law);
+            *entry(book) += stored - book.stored;
+            book.stored = stored;
+        }
     }
 
     pub(super) fn output(&self) -> EngineOutput<'_> {

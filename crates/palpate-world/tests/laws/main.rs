@@ -23,6 +23,7 @@ mod hulls;
 mod ideal;
 mod joints;
 mod kick;
+mod local;
 mod resting;
 mod six_axes;
 mod tumbling;

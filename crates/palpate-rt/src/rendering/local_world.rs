@@ -1,0 +1,246 @@
+//! The local model of a slow host in the loop, and the host's end of it.
+
+use palpate_device::clock::Clock;
+use palpate_device::{Device, Vector, Wrench};
+use palpate_record::recording::{ContactTick, Flags, Phase};
+use palpate_world::engine::BodyNow;
+use palpate_world::engine::local::{
+    LocalContact, LocalModel, LocalProgress, LocalRenderer, LocalState,
+};
+use palpate_world::{Limited, Mode, Sample, WorldError};
+
+use super::frame::WorldFrame;
+use super::renders::{Answer, Fresh, Renders};
+use crate::control_loop::ControlLoop;
+use crate::safety::SafetyParams;
+use crate::setup::SetupError;
+
+/// The host's end, for any thread: models go in and the loop's progress comes out without either side ever waiting. Of
+/// several models between two ticks the last counts.
+#[derive(Debug)]
+pub struct SlowHost {
+    renderer: LocalRenderer,
+    out: triple_buffer::Input<Option<LocalModel>>,
+    progress: triple_buffer::Output<LocalProgress>,
+}
+
+/// What a slow host publishes, as the loop renders it: its renderer, its state, and where the device stands in the host's world.
+#[derive(Debug)]
+pub struct LocalWorld {
+    renderer: LocalRenderer,
+    state: LocalState,
+    frame: WorldFrame,
+    coming: triple_buffer::Output<Option<LocalModel>>,
+    back: triple_buffer::Input<LocalProgress>,
+    /// Whether what was held is what acted: the renderer is told of no delay and no lag.
+    acts_at_once: bool,
+    limited: Limited,
+    /// What the books said of created energy at the last sample `[J]`.
+    booked: f64,
+    /// As much of it as was created while the motors were on `[J]`.
+    created: f64,
+    /// Whether the last sample was refused, or there was none: what a sample then changes is from outside.
+    is_new: bool,
+    contacts: Vec<ContactTick>,
+}
+
+/// Both ends of a local model of one tool, with a device that stands in the host's world as `frame` says.
+///
+/// The host's thread repeats: take the newest [`progress`](SlowHost::progress), step over the time since the last one under
+/// [`LocalProgress::wrench_since`], look for contacts at the avatars, and [`publish`](SlowHost::publish).
+/// `examples/slow_host.rs` of this crate does so.
+///
+/// # Errors
+/// Another number of tools than one: a local model in a loop in real time has one device so far.
+pub fn local_world(
+    renderer: LocalRenderer,
+    frame: WorldFrame,
+) -> Result<(SlowHost, LocalWorld), SetupError> {
+    let state = renderer.start();
+    let tools = state.tools().len();
+    if tools != 1 {
+        return Err(SetupError::Devices {
+            world: tools,
+            given: 1,
+        });
+    }
+    let (out, coming) = triple_buffer::triple_buffer(&None);
+    let (back, progress) = triple_buffer::triple_buffer(state.progress());
+    let host = SlowHost {
+        renderer: renderer.clone(),
+        out,
+        progress,
+    };
+    let actuation = renderer.in_loop().actuation;
+    let world = LocalWorld {
+        acts_at_once: actuation.delay == 0.0 && actuation.lag == 0.0,
+        limited: Limited::default(),
+        booked: 0.0,
+        created: 0.0,
+        is_new: true,
+        contacts: Vec::with_capacity(renderer.params().contacts),
+        renderer,
+        state,
+        frame,
+        coming,
+        back,
+    };
+    Ok((host, world))
+}
+
+impl SlowHost {
+    /// How far the loop has come, as of its last tick.
+    pub fn progress(&mut self) -> &LocalProgress {
+        self.progress.read()
+    }
+
+    /// Publishes bodies and contacts as of the `tick` of a progress: see [`LocalRenderer::model`]. The loop renders by them from
+    /// its next tick on. What it refuses, the next progress says.
+    ///
+    /// # Errors
+    /// Everything that is wrong with bodies and contacts, by number; the model before stays then.
+    pub fn publish(
+        &mut self,
+        tick: u64,
+        bodies: &[BodyNow],
+        contacts: &[Option<LocalContact>],
+    ) -> Result<(), Vec<WorldError>> {
+        let model = self.renderer.model(tick, bodies, contacts)?;
+        // What was in this place before is freed here, and never by the loop.
+        self.out.write(Some(model));
+        Ok(())
+    }
+}
+
+impl LocalWorld {
+    /// The local model at the last sample.
+    #[must_use]
+    pub fn state(&self) -> &LocalState {
+        &self.state
+    }
+
+    /// Tells the renderer what was sent, or held, in the axes of the device.
+    fn report(&mut self, wrench: Wrench) {
+        let force = self.frame.of_device(wrench.force);
+        self.renderer.report_sent(&mut self.state, 0, force);
+    }
+}
+
+impl Renders for LocalWorld {
+    fn period(&self) -> f64 {
+        self.renderer.in_loop().period
+    }
+
+    fn method(&self) -> &'static str {
+        "coupled"
+    }
+
+    fn step(&mut self, sample: &Fresh<'_>, asked: &mut [Wrench]) -> Answer {
+        let device = sample.devices.first().copied().unwrap_or_default();
+        if let Some(held) = device.held
+            && self.acts_at_once
+        {
+            self.report(held);
+        }
+        let model = if self.coming.update() {
+            self.coming.output_buffer().as_ref()
+        } else {
+            None
+        };
+        let positions = [self.frame.in_world(device.position)];
+        let fresh = Sample {
+            elapsed: sample.elapsed,
+            ..Sample::at(&positions)
+        };
+        let output = self.renderer.step(&mut self.state, &fresh, model);
+        let force = output.forces.first().copied().unwrap_or_default();
+        let fault = output.fault.map(|fault| fault.fault);
+        self.limited = output.limited;
+        self.back
+            .input_buffer_mut()
+            .copy_from(self.state.progress());
+        self.back.publish();
+        let booked = self.state.books().created();
+        let is_from_outside = sample.was_off || self.is_new || fault.is_some();
+        if !is_from_outside {
+            self.created += booked - self.booked;
+        }
+        self.booked = booked;
+        self.is_new = fault.is_some();
+        if let Some(asked) = asked.first_mut() {
+            *asked = Wrench {
+                force: self.frame.on_device(force),
+                torque: [0.0; 3],
+            };
+        }
+        Answer {
+            coordinate: 0.0,
+            fault,
+        }
+    }
+
+    fn report_written(&mut self, _: usize, held: Wrench, sent: Option<Wrench>) {
+        let sent = if self.acts_at_once {
+            held
+        } else {
+            sent.unwrap_or(held)
+        };
+        self.report(sent);
+    }
+
+    fn account(&mut self, sequence: u64, _: Vector) {
+        self.contacts.clear();
+        let books = self.state.books().contacts;
+        for (slot, contact) in self.state.contacts() {
+            let Some(book) = books.get(slot).filter(|_| contact.mode != Mode::Free) else {
+                continue;
+            };
+            if self.contacts.len() == self.contacts.capacity() {
+                break;
+            }
+            self.contacts.push(ContactTick {
+                sequence,
+                pair: u32::try_from(slot).unwrap_or(u32::MAX),
+                flags: Flags::CONTACT,
+                penetration: contact.penetration,
+                stored_energy: book.stored,
+                held_leak: book.leak(),
+                point: contact.point,
+                normal: contact.normal,
+                force: contact.force,
+                phase: Phase::Contact,
+                ..ContactTick::UNKNOWN
+            });
+        }
+    }
+
+    fn contacts(&self) -> &[ContactTick] {
+        &self.contacts
+    }
+
+    fn flags(&self) -> Flags {
+        Flags::default()
+            .with(Flags::CONTACT, !self.contacts.is_empty())
+            .with(Flags::LIMITED_FORCE, self.limited.force)
+    }
+
+    fn created_energy(&self) -> f64 {
+        self.created
+    }
+}
+
+impl<D: Device, C: Clock> ControlLoop<D, C, LocalWorld> {
+    /// A loop that renders what a slow host publishes, on `device`. It ticks from the first call of [`tick`](Self::tick) on. A
+    /// row has the contacts under the numbers that the host gives them, and no bodies.
+    ///
+    /// # Errors
+    /// A limit of the safety outside its range; a period below a nanosecond or above 10 s.
+    pub fn of_local_world(
+        device: D,
+        clock: C,
+        world: LocalWorld,
+        limits: SafetyParams,
+    ) -> Result<Self, SetupError> {
+        Self::rendering(vec![(device, limits)], clock, world)
+    }
+}

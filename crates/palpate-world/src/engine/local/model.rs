@@ -1,0 +1,304 @@
+//! What a host publishes, and what is checked of it.
+
+use nalgebra::UnitVector3;
+
+use super::params::LocalParams;
+use crate::engine::body::BodyNow;
+use crate::rigid::Vector3;
+use crate::{ContactLaw, Place, Tool, Vector, WorldError};
+
+/// What the fast loop is told: bodies and contacts of a host as of a tick. Made, and checked, by
+/// [`LocalRenderer::model`](super::LocalRenderer::model).
+#[derive(Clone, Debug, PartialEq)]
+pub struct LocalModel {
+    pub(super) tick: u64,
+    pub(super) tools: usize,
+    pub(super) bodies: Vec<BodyNow>,
+    pub(super) contacts: Vec<Option<LocalContact>>,
+}
+
+/// A place where a sphere may touch a surface, with the bodies where the model says that they are.
+///
+/// The surface is a plane or, with a curvature, a sphere. It is fixed to its body, and has no end.
+///
+/// ```text
+///           o  sphere: a tool, or a part of a body
+///           ^
+///           | normal
+///    -------+-------  surface of `on`, at `place`
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LocalContact {
+    /// What touches.
+    pub touching: Touching,
+    /// Number of the body whose surface is touched; `None`: something that never moves.
+    pub on: Option<usize>,
+    /// A point of the surface, along the world's axes: as a rule the one that is nearest to the sphere `[m]`.
+    pub place: Vector,
+    /// Unit vector out of the surface there, along the world's axes.
+    pub normal: Vector,
+    /// Curvature of the surface `[1/m]`: 1/r of a ball of radius r, -1/r of the inside of one, 0 of a plane.
+    pub curvature: f64,
+    /// What the contact does.
+    pub law: ContactLaw,
+}
+
+/// What touches a surface: a sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Touching {
+    /// The tool of this number. Its force is rendered.
+    Tool(usize),
+    /// A sphere of a body: a contact of the host's own, for instance of a ball with a floor. The host computes its force, and the
+    /// loop computes what it makes of the body's copy between two models.
+    Body {
+        /// Number of the body.
+        body: usize,
+        /// Centre of the sphere, along the world's axes, with the body where the model says `[m]`.
+        centre: Vector,
+        /// Its radius `[m]`; 0 for a corner.
+        radius: f64,
+    },
+}
+
+impl LocalContact {
+    /// A flat surface of `on` that a tool may touch, through `place` `[m]`, with this normal.
+    #[must_use]
+    pub fn of_tool(
+        tool: usize,
+        on: Option<usize>,
+        place: Vector,
+        normal: Vector,
+        law: ContactLaw,
+    ) -> Self {
+        Self {
+            touching: Touching::Tool(tool),
+            on,
+            place,
+            normal,
+            curvature: 0.0,
+            law,
+        }
+    }
+
+    /// The same by the signed `gap` `[m]` between the surface and the tool, a sphere of `radius` `[m]`, when the tool's centre
+    /// is at `centre` `[m]`: what most engines answer to a query. Below 0 they overlap.
+    #[must_use]
+    pub fn at_gap(
+        (tool, centre, radius): (usize, Vector, f64),
+        on: Option<usize>,
+        gap: f64,
+        normal: Vector,
+        law: ContactLaw,
+    ) -> Self {
+        let place = Vector3::from(centre) - Vector3::from(normal) * (gap + radius);
+        Self::of_tool(tool, on, place.into(), normal, law)
+    }
+
+    /// A flat surface that a sphere of a body touches: see [`Touching::Body`].
+    #[must_use]
+    pub fn of_body(
+        (body, centre, radius): (usize, Vector, f64),
+        on: Option<usize>,
+        place: Vector,
+        normal: Vector,
+        law: ContactLaw,
+    ) -> Self {
+        Self {
+            touching: Touching::Body {
+                body,
+                centre,
+                radius,
+            },
+            ..Self::of_tool(0, on, place, normal, law)
+        }
+    }
+
+    /// The same with a surface that is bent by `curvature` `[1/m]`.
+    #[must_use]
+    pub fn curved(self, curvature: f64) -> Self {
+        Self { curvature, ..self }
+    }
+}
+
+impl LocalModel {
+    /// The tick of the loop up to which the model has the tools' impulses in it.
+    #[must_use]
+    pub fn tick(&self) -> u64 {
+        self.tick
+    }
+
+    /// Everything that is wrong with bodies and contacts; otherwise the model, with empty slots for the contacts that are not
+    /// given.
+    pub(super) fn checked(
+        tick: u64,
+        bodies: &[BodyNow],
+        contacts: &[Option<LocalContact>],
+        tools: &[Tool],
+        params: &LocalParams,
+    ) -> Result<Self, Vec<WorldError>> {
+        let mut faults = Vec::new();
+        if bodies.len() != params.bodies {
+            let message = format!(
+                "there are {} bodies, and the loop has room for exactly {}: give each, also where nothing touches it",
+                bodies.len(),
+                params.bodies
+            );
+            faults.push(WorldError::new(
+                Place::World,
+                "bodies",
+                "the local model",
+                message,
+            ));
+        }
+        for (number, body) in bodies.iter().enumerate() {
+            if !body.is_finite() {
+                let message = "position, orientation, motion, acceleration and mobility have to be numbers, and the \
+                               orientation a unit quaternion";
+                faults.push(WorldError::new(
+                    Place::Body(number),
+                    "",
+                    format!("body {number}"),
+                    message,
+                ));
+            }
+        }
+        if contacts.len() > params.contacts {
+            let message = format!(
+                "there are {} contacts, and at most {} are allowed: give those that are nearest to touching",
+                contacts.len(),
+                params.contacts
+            );
+            faults.push(WorldError::new(
+                Place::World,
+                "contacts",
+                "the local model",
+                message,
+            ));
+        }
+        for (number, contact) in contacts.iter().enumerate() {
+            let Some(contact) = contact else { continue };
+            for (field, message) in contact.faults(tools.len(), bodies.len()) {
+                let subject = format!("contact {number}");
+                faults.push(WorldError::new(
+                    Place::Contact(number),
+                    field,
+                    subject,
+                    message,
+                ));
+            }
+        }
+        if !faults.is_empty() {
+            return Err(faults);
+        }
+        let mut slots = contacts.to_vec();
+        slots.resize(params.contacts, None);
+        for contact in slots.iter_mut().flatten() {
+            contact.normal = UnitVector3::new_normalize(Vector3::from(contact.normal))
+                .into_inner()
+                .into();
+        }
+        Ok(Self {
+            tick,
+            tools: tools.len(),
+            bodies: bodies.to_vec(),
+            contacts: slots,
+        })
+    }
+}
+
+/// How far the length of a normal may be from 1.
+const LENGTH_TOLERANCE: f64 = 1e-3;
+
+impl LocalContact {
+    fn faults(&self, tools: usize, bodies: usize) -> Vec<(&'static str, String)> {
+        let mut faults = Vec::new();
+        let mut vectors = vec![("place", self.place)];
+        match self.touching {
+            Touching::Tool(tool) if tool >= tools => {
+                faults.push((
+                    "touching",
+                    format!("it is of tool {tool}, and there are {tools} tools, from 0"),
+                ));
+            }
+            Touching::Tool(_) => {}
+            Touching::Body {
+                body,
+                centre,
+                radius,
+            } => {
+                vectors.push(("centre", centre));
+                if body >= bodies {
+                    faults.push((
+                        "touching",
+                        format!("it is of body {body}, and there are {bodies} bodies, from 0"),
+                    ));
+                }
+                if self.on == Some(body) {
+                    faults.push(("on", format!("body {body} cannot touch itself")));
+                }
+                if !(radius >= 0.0 && radius.is_finite()) {
+                    faults.push((
+                        "radius",
+                        format!("radius is {radius} m, and has to be at least 0"),
+                    ));
+                }
+            }
+        }
+        if let Some(on) = self.on
+            && on >= bodies
+        {
+            faults.push((
+                "on",
+                format!("it is on body {on}, and there are {bodies} bodies, from 0"),
+            ));
+        }
+        for (field, vector) in vectors {
+            if !vector.iter().all(|x| x.is_finite()) {
+                faults.push((
+                    field,
+                    format!("{field} is {vector:?} m, and has to be three numbers"),
+                ));
+            }
+        }
+        let length = Vector3::from(self.normal).norm();
+        let is_unit = (length - 1.0).abs() <= LENGTH_TOLERANCE;
+        if !is_unit {
+            faults.push((
+                "normal",
+                format!("normal has the length {length}, and has to have 1"),
+            ));
+        }
+        if !self.curvature.is_finite() {
+            let curvature = self.curvature;
+            faults.push((
+                "curvature",
+                format!("curvature is {curvature} 1/m, and has to be a number"),
+            ));
+        }
+        let ContactLaw {
+            stiffness,
+            damping,
+            friction,
+            friction_stiffness,
+        } = self.law;
+        for (field, value, is_allowed, allowed) in [
+            ("stiffness", stiffness, stiffness > 0.0, "above 0"),
+            ("damping", damping, damping >= 0.0, "at least 0"),
+            ("friction", friction, friction >= 0.0, "at least 0"),
+            (
+                "friction_stiffness",
+                friction_stiffness,
+                friction_stiffness > 0.0,
+                "above 0",
+            ),
+        ] {
+            if !(is_allowed && value.is_finite()) {
+                faults.push((
+                    field,
+                    format!("{field} is {value}, and has to be {allowed}"),
+                ));
+            }
+        }
+        faults
+    }
+}

@@ -1,0 +1,345 @@
+//! A tick with a local model.
+
+use nalgebra::Vector6;
+
+use super::copies::{duration, nowhere, put_fixed_world};
+use super::model::{LocalContact, LocalModel};
+use super::params::LocalParams;
+use super::past::{Past, Then};
+use super::progress::{BodyImpulse, LocalProgress};
+use super::slot::{Slot, closed};
+use super::state::{LocalOutput, LocalState, ModelRefusal, SlowPortBook};
+use crate::engine::body::BodyNow;
+use crate::engine::coupling::Coupling;
+use crate::engine::image::{angular, linear};
+use crate::engine::meeting::Meeting;
+use crate::engine::pairs::of_spheres;
+use crate::engine::touch::Touch;
+use crate::{CoupledParams, Place, Sample, Tool, Vector, WorldError, WorldGuard, WorldLoop};
+
+/// Contacts of tools by the local models of a slow host, in one fast loop. Immutable: one renderer serves any number of
+/// [`LocalState`]s.
+///
+/// ```
+/// use palpate_world::engine::BodyNow;
+/// use palpate_world::engine::local::{LocalContact, LocalParams, LocalRenderer};
+/// use palpate_world::{ContactLaw, CoupledParams, Sample, Shape, Tool, WorldLoop};
+///
+/// let tool = Tool::new("tool", Shape::Sphere { radius: 0.005 });
+/// let renderer = LocalRenderer::new(
+///     &[tool],
+///     LocalParams::new(0, 1),
+///     WorldLoop::new(0.001),
+///     CoupledParams::new(vec![[0.1; 3]]),
+/// )
+/// .map_err(|faults| faults[0].clone())?;
+/// let mut state = renderer.start();
+/// // The host has found a floor 5 mm below the tool's centre.
+/// let floor = LocalContact::at_gap((0, [0.0; 3], 0.005), None, 0.0, [0.0, 0.0, 1.0], ContactLaw::spring(1000.0));
+/// let model = renderer
+///     .model(state.progress().tick, &[], &[Some(floor)])
+///     .map_err(|faults| faults[0].clone())?;
+/// let first = renderer.step(&mut state, &Sample::at(&[[0.0; 3]]), Some(&model));
+/// assert_eq!(first.refusal, None);
+/// // Every millisecond, with no model or a new one.
+/// let output = renderer.step(&mut state, &Sample::at(&[[0.0, 0.0, -0.001]]), None);
+/// assert!(output.forces[0][2] > 0.5); // [N]
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct LocalRenderer {
+    coupling: Coupling,
+    tools: Vec<Tool>,
+    /// Of each tool `[m]`.
+    radii: Vec<f64>,
+    params: LocalParams,
+}
+
+impl LocalRenderer {
+    /// Checks everything once.
+    ///
+    /// # Errors
+    /// Everything that is wrong: at least one fault.
+    pub fn new(
+        tools: &[Tool],
+        params: LocalParams,
+        in_loop: WorldLoop,
+        coupled: CoupledParams,
+    ) -> Result<Self, Vec<WorldError>> {
+        let (radii, mut faults) = of_spheres(tools);
+        faults.extend(params.faults(in_loop.period));
+        faults.extend(in_loop.faults(tools.len()));
+        if in_loop.guard != WorldGuard::Off {
+            let message =
+                "guard is asked for, and a host's bodies have no books that it could reckon with";
+            faults.push(WorldError::new(Place::Loop, "guard", "the loop", message));
+        }
+        match coupled.check(tools) {
+            Ok(coupled) if faults.is_empty() => Ok(Self {
+                coupling: Coupling { in_loop, coupled },
+                tools: tools.to_vec(),
+                radii,
+                params,
+            }),
+            checked => {
+                faults.extend(checked.err().into_iter().flatten());
+                Err(faults)
+            }
+        }
+    }
+
+    /// The loop it is rendered in.
+    #[must_use]
+    pub fn in_loop(&self) -> &WorldLoop {
+        &self.coupling.in_loop
+    }
+
+    /// Room for models, and how the loop goes over from one to the next.
+    #[must_use]
+    pub fn params(&self) -> &LocalParams {
+        &self.params
+    }
+
+    /// Checks what a host is to publish: its bodies and contacts as of a `tick`, that of the [`LocalProgress`] whose impulses
+    /// the bodies have in them. It allocates, and belongs into the host's thread.
+    ///
+    /// A contact is known by its number: the contact of the same number in the next model is the same one, which has moved.
+    /// `None`, and a number that is missing, is no contact.
+    ///
+    /// # Errors
+    /// Everything that is wrong with bodies and contacts, by number: too many, no numbers, a normal that is no unit vector, a
+    /// law out of its range, a tool or body that there is not.
+    pub fn model(
+        &self,
+        tick: u64,
+        bodies: &[BodyNow],
+        contacts: &[Option<LocalContact>],
+    ) -> Result<LocalModel, Vec<WorldError>> {
+        LocalModel::checked(tick, bodies, contacts, &self.tools, &self.params)
+    }
+
+    /// A new state: no model, nothing sampled, nothing touched, the books empty.
+    #[must_use]
+    pub fn start(&self) -> LocalState {
+        let (bodies, period) = (self.params.bodies, self.coupling.in_loop.period);
+        let pairs = vec![closed(bodies); self.params.contacts];
+        let mut engine = self.coupling.start(&pairs, bodies + 1);
+        put_fixed_world(&mut engine.meeting);
+        let host = Meeting {
+            tools: Vec::new(),
+            leads: Vec::new(),
+            impulses: Vec::new(),
+            images: engine.meeting.images.clone(),
+            touches: vec![Touch::apart(); pairs.len()],
+        };
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "1 to 1000"
+        )]
+        let ticks = (self.params.stale_after / period).ceil() as usize + 2;
+        let tools = self.tools.len();
+        LocalState {
+            slots: vec![Slot::empty(); pairs.len()],
+            host_before: host.clone(),
+            host,
+            past: Past::new(bodies, ticks, nowhere()),
+            model_tick: None,
+            is_known: false,
+            at_model: vec![nowhere(); bodies],
+            settle: self.params.fade,
+            is_stale: true,
+            progress: LocalProgress {
+                tick: 0,
+                period,
+                positions: vec![[0.0; 3]; tools],
+                velocities: vec![[0.0; 3]; tools],
+                impulses: vec![BodyImpulse::default(); bodies],
+                copies: vec![[0.0; 3]; bodies],
+                model_tick: None,
+                is_stale: true,
+                refusal: None,
+            },
+            refusal: None,
+            came: false,
+            slow_ports: vec![SlowPortBook::default(); bodies],
+            works: vec![0.0; bodies],
+            pairs,
+            engine,
+        }
+    }
+
+    /// One tick: a sample of all tools in, with the newest model if one has come since the last tick, and what each device is to
+    /// hold out. It does not allocate, lock or wait, and no NaN comes out for any input.
+    pub fn step<'s>(
+        &self,
+        state: &'s mut LocalState,
+        sample: &Sample<'_>,
+        model: Option<&LocalModel>,
+    ) -> LocalOutput<'s> {
+        let LocalState { engine, pairs, .. } = state;
+        self.coupling.sample(pairs, engine, sample);
+        if engine.fault.is_none() {
+            engine.look(pairs, |book| &mut book.observed);
+        }
+        state.came = model.is_some();
+        state.refusal = model.and_then(|model| self.take(state, model).err());
+        self.go_over(state);
+        for image in &mut state.engine.meeting.images {
+            image.begin();
+        }
+        let LocalState { engine, pairs, .. } = state;
+        if engine.fault.is_none() {
+            engine.look(pairs, |book| &mut book.outside);
+            if !self
+                .coupling
+                .meet(pairs, engine, self.coupling.in_loop.period)
+            {
+                self.forget(state);
+            }
+        }
+        self.coupling.hold(&state.pairs, &mut state.engine);
+        self.remember(state);
+        let engine = &state.engine;
+        LocalOutput {
+            forces: &engine.forces,
+            limited: engine.limited,
+            effort: engine.effort,
+            fault: engine.fault,
+            age: self.age(state),
+            is_stale: state.is_stale,
+            refusal: state.refusal,
+        }
+    }
+
+    /// Says what was really sent to a tool for the last [`step`](Self::step) `[N]`, where it is not that force. A force that is
+    /// not finite is left as it is.
+    pub fn report_sent(&self, state: &mut LocalState, tool: usize, force: Vector) {
+        self.coupling.report_sent(&mut state.engine, tool, force);
+    }
+
+    /// Of the newest model, at the beginning of the period that comes next `[s]`.
+    fn age(&self, state: &LocalState) -> Option<f64> {
+        let period = self.coupling.in_loop.period;
+        let tick = state.model_tick?;
+        Some(duration(state.progress.tick.saturating_sub(tick), period))
+    }
+
+    fn take(&self, state: &mut LocalState, model: &LocalModel) -> Result<(), ModelRefusal> {
+        let period = self.coupling.in_loop.period;
+        let is_room = model.tools == self.tools.len()
+            && model.bodies.len() == self.params.bodies
+            && model.contacts.len() == self.params.contacts;
+        if !is_room {
+            return Err(ModelRefusal::OtherRoom);
+        }
+        let now = state.progress.tick;
+        if model.tick > now {
+            return Err(ModelRefusal::NotYet);
+        }
+        if state.model_tick.is_some_and(|tick| model.tick < tick) {
+            return Err(ModelRefusal::OutOfOrder);
+        }
+        if duration(now - model.tick, period) > self.params.stale_after {
+            return Err(ModelRefusal::TooOld);
+        }
+        let step = state.model_tick.map_or(0, |tick| model.tick - tick);
+        state.settle = if state.is_stale {
+            self.params.fade
+        } else {
+            self.params.settle.min(duration(step, period)).max(period)
+        };
+        let meeting = &state.engine.meeting;
+        for (slot, pair) in state.slots.iter_mut().zip(&state.pairs) {
+            slot.look_back(pair, &meeting.tools, &meeting.images);
+        }
+        state.take_bodies(model, period, self.params.return_time);
+        let meeting = &state.engine.meeting;
+        let slots = state.slots.iter_mut().zip(&mut state.pairs);
+        for ((slot, pair), contact) in slots.zip(&model.contacts) {
+            slot.take(pair, contact.as_ref(), &state.host.images, &self.radii);
+            slot.compare(pair, &meeting.tools, &meeting.images);
+        }
+        for (contact, pair) in state.engine.contacts.iter_mut().zip(&state.pairs) {
+            contact.tool = pair.toucher.tool().unwrap_or(contact.tool);
+            contact.body = pair.body;
+        }
+        Ok(())
+    }
+
+    /// A share of what has not come in yet does, and a model that is too old goes.
+    fn go_over(&self, state: &mut LocalState) {
+        let period = self.coupling.in_loop.period;
+        let is_fresh = self
+            .age(state)
+            .is_some_and(|age| age <= self.params.stale_after);
+        state.is_stale = !(is_fresh && state.is_known);
+        let (settling, fading) = (period / state.settle, period / self.params.fade);
+        let mut is_felt = false;
+        for (slot, pair) in state.slots.iter_mut().zip(&mut state.pairs) {
+            slot.go_over(pair, state.is_stale, settling, fading);
+            is_felt |= pair.toucher.tool().is_some() && slot.strength > 0.0;
+        }
+        if state.is_stale && !is_felt {
+            self.forget(state);
+        }
+    }
+
+    /// The copies stand still until a model comes.
+    fn forget(&self, state: &mut LocalState) {
+        state.is_known = false;
+        state.is_stale = true;
+        for (slot, pair) in state.slots.iter_mut().zip(&mut state.pairs) {
+            *slot = Slot::empty();
+            pair.is_open = false;
+        }
+        let images = &mut state.engine.meeting.images;
+        for image in images.iter_mut().take(self.params.bodies) {
+            image.stop();
+        }
+        put_fixed_world(&mut state.engine.meeting);
+    }
+
+    /// What is remembered of the tick, and given back to the host.
+    fn remember(&self, state: &mut LocalState) {
+        state.progress.tick += 1;
+        let meeting = &state.engine.meeting;
+        let progress = &mut state.progress;
+        if state.engine.fault.is_none() {
+            for (touch, pair) in meeting.touches.iter().zip(&state.pairs) {
+                if pair.toucher.tool().is_some()
+                    && let Some(work) = state.works.get_mut(pair.body)
+                {
+                    *work += touch.work - touch.work_on_avatar;
+                }
+            }
+        }
+        let tick = progress.tick;
+        for (body, image) in meeting.images.iter().take(self.params.bodies).enumerate() {
+            let before = &state.past.at(tick - 1, body).map(|then| then.impulse);
+            let before = before.unwrap_or_else(Vector6::zeros);
+            let impulse = if state.engine.fault.is_none() {
+                before + image.impulse
+            } else {
+                before
+            };
+            if let Some(then) = state.past.at(tick, body) {
+                *then = Then::of(image, impulse, state.works[body]);
+            }
+            progress.impulses[body] = BodyImpulse {
+                linear: linear(&impulse).into(),
+                angular: angular(&impulse).into(),
+            };
+            progress.copies[body] = image.position.into();
+        }
+        for (tool, part) in meeting.tools.iter().enumerate() {
+            progress.positions[tool] = part.rigid.position.into();
+            progress.velocities[tool] = part.rigid.velocity.into();
+        }
+        progress.model_tick = state.model_tick;
+        progress.is_stale = state.is_stale;
+        if state.came {
+            progress.refusal = state.refusal;
+        }
+    }
+}

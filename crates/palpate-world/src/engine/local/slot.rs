@@ -1,0 +1,245 @@
+//! A contact of the local model in the loop: how strong it is, and what of a change has not come in yet.
+
+use nalgebra::UnitQuaternion;
+
+use super::model::{LocalContact, Touching};
+use crate::engine::image::Image;
+use crate::engine::meeting::{Found, found, rate};
+use crate::engine::pairs::{Outline, Pair, Shift, Toucher};
+use crate::law::PointLaw;
+use crate::part::Part;
+use crate::rigid::{Rotation, Vector3};
+
+/// A contact of the model.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slot {
+    /// At full strength.
+    law: PointLaw,
+    /// What it was by the model before, and the share of that which is left.
+    law_before: PointLaw,
+    law_left: f64,
+    /// Share of the law that acts, 0 to 1.
+    pub strength: f64,
+    /// Whether the newest model has it.
+    is_wanted: bool,
+    /// What the contact was beyond its surface when the newest model came.
+    shift: Shift,
+    /// Share of the shift that is left.
+    left: f64,
+    /// Whether it fades where it was, because the newest model has it far away.
+    is_leaving: bool,
+    before: Option<Before>,
+}
+
+/// Where a contact was, just before a model came.
+#[derive(Clone, Copy, Debug)]
+struct Before {
+    found: Found,
+    rate: f64,
+}
+
+const NO_LAW: PointLaw = PointLaw {
+    stiffness: 0.0,
+    damping: 0.0,
+    friction: 0.0,
+    friction_stiffness: 0.0,
+};
+
+/// A pair that cannot touch.
+pub(super) fn closed(body: usize) -> Pair {
+    Pair {
+        toucher: Toucher::Tool(0),
+        is_open: false,
+        body,
+        radius: 0.0,
+        outline: Outline::Bent(0.0),
+        position: Vector3::zeros(),
+        orientation: Rotation::identity(),
+        law: NO_LAW,
+        shift: None,
+    }
+}
+
+impl Slot {
+    pub fn empty() -> Self {
+        let shift = Shift {
+            depth: 0.0,
+            normal: Vector3::zeros(),
+            rate: 0.0,
+        };
+        Self {
+            law: NO_LAW,
+            law_before: NO_LAW,
+            law_left: 0.0,
+            strength: 0.0,
+            is_wanted: false,
+            shift,
+            left: 0.0,
+            is_leaving: false,
+            before: None,
+        }
+    }
+
+    /// A model has come: remembers where the contact is by the last.
+    pub fn look_back(&mut self, pair: &Pair, tools: &[Part], images: &[Image]) {
+        let now = found(tools, images, pair).filter(|_| self.strength > 0.0);
+        self.before = now.map(|found| Before {
+            rate: rate(tools, images, pair, &found),
+            found,
+        });
+    }
+
+    /// Takes what the model says of it. `hosts` are the bodies as the host has them, with the fixed world last.
+    pub fn take(
+        &mut self,
+        pair: &mut Pair,
+        contact: Option<&LocalContact>,
+        hosts: &[Image],
+        radii: &[f64],
+    ) {
+        let is_felt = self
+            .before
+            .is_some_and(|before| before.found.penetration > 0.0)
+            && pair.toucher.tool().is_some();
+        let contact = contact.filter(|contact| {
+            // What a tool still feels fades before the slot is another's.
+            !is_felt
+                || contact.touching == Touching::Tool(pair.toucher.tool().unwrap_or(usize::MAX))
+        });
+        self.is_wanted = contact.is_some();
+        let Some(contact) = contact else {
+            if !is_felt {
+                self.strength = 0.0;
+                pair.is_open = false;
+            }
+            return;
+        };
+        let fixed = hosts.len() - 1;
+        pair.body = contact.on.unwrap_or(fixed);
+        pair.outline = Outline::Bent(contact.curvature);
+        let host = &hosts[pair.body];
+        let back = host.orientation.inverse();
+        pair.position = back * (Vector3::from(contact.place) - host.position);
+        let normal = back * Vector3::from(contact.normal);
+        pair.orientation = turned_to(&normal);
+        pair.is_open = true;
+        self.law_before = self.law_now();
+        self.law_left = 1.0;
+        self.law = PointLaw::share(&contact.law, 1.0);
+        match contact.touching {
+            Touching::Tool(tool) => {
+                if !pair.toucher.is_tool(tool) {
+                    self.before = None;
+                }
+                pair.toucher = Toucher::Tool(tool);
+                pair.radius = radii[tool];
+            }
+            Touching::Body {
+                body,
+                centre,
+                radius,
+            } => {
+                let host = &hosts[body];
+                let centre = host.orientation.inverse() * (Vector3::from(centre) - host.position);
+                pair.toucher = Toucher::Body { body, centre };
+                pair.radius = radius;
+            }
+        }
+    }
+
+    /// The copies have been moved: the contact stays where it was for now, or begins.
+    pub fn compare(&mut self, pair: &mut Pair, tools: &[Part], images: &[Image]) {
+        pair.shift = None;
+        self.left = 0.0;
+        self.is_leaving = false;
+        let before = self.before.take();
+        if pair.toucher.tool().is_none() {
+            self.law_left = 0.0;
+            self.strength = 1.0;
+            return;
+        }
+        let Some(now) = found(tools, images, pair) else {
+            return;
+        };
+        let (to, is_deep) = (now.penetration, now.penetration > 0.0);
+        let Some(before) = before else {
+            self.law_left = 0.0;
+            self.strength = if is_deep { 0.0 } else { 1.0 };
+            return;
+        };
+        let from = before.found.penetration;
+        if !is_deep && from <= 0.0 {
+            return;
+        }
+        // What comes out of nothing begins no farther away than it is to be deep: the force takes half of the time.
+        self.left = 1.0;
+        self.shift = Shift {
+            depth: if is_deep { from.max(-to) } else { from } - to,
+            normal: before.found.normal - now.normal,
+            rate: before.rate - rate(tools, images, pair, &now),
+        };
+        self.is_leaving = to < -from;
+    }
+
+    /// A tick is over: a share of what has not come in yet does. `settling` and `fading` are the shares.
+    pub fn go_over(&mut self, pair: &mut Pair, is_stale: bool, settling: f64, fading: f64) {
+        let is_of_tool = pair.toucher.tool().is_some();
+        if is_of_tool && pair.is_open {
+            self.strength = if is_stale {
+                (self.strength - fading).max(0.0)
+            } else if self.is_wanted && !self.is_leaving {
+                (self.strength + settling).min(1.0)
+            } else {
+                (self.strength - settling).max(0.0)
+            };
+            if !self.is_wanted && self.strength <= 0.0 {
+                pair.is_open = false;
+            }
+        }
+        self.law_left = (self.law_left - settling).max(0.0);
+        let law = self.law_now();
+        pair.law = PointLaw {
+            stiffness: law.stiffness * self.strength,
+            damping: law.damping * self.strength,
+            friction_stiffness: law.friction_stiffness * self.strength,
+            ..law
+        };
+        if self.is_leaving && self.strength > 0.0 {
+            pair.shift = Some(self.shift);
+            return;
+        }
+        // It is gone from where it was, and comes back where it is.
+        self.left = if self.is_leaving {
+            0.0
+        } else {
+            (self.left - settling).max(0.0)
+        };
+        self.is_leaving = false;
+        let left = self.left;
+        pair.shift = (left > 0.0).then(|| Shift {
+            depth: self.shift.depth * left,
+            normal: self.shift.normal * left,
+            rate: self.shift.rate * left,
+        });
+    }
+}
+
+impl Slot {
+    /// At full strength, with what is left of the one before.
+    fn law_now(&self) -> PointLaw {
+        let (now, before, left) = (&self.law, &self.law_before, self.law_left);
+        let of = |entry: fn(&PointLaw) -> f64| entry(now) + (entry(before) - entry(now)) * left;
+        PointLaw {
+            stiffness: of(|law| law.stiffness),
+            damping: of(|law| law.damping),
+            friction: of(|law| law.friction),
+            friction_stiffness: of(|law| law.friction_stiffness),
+        }
+    }
+}
+
+/// The rotation that brings the z axis to a unit vector.
+fn turned_to(normal: &Vector3) -> Rotation {
+    UnitQuaternion::rotation_between(&Vector3::z(), normal)
+        .unwrap_or_else(|| Rotation::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI))
+}
