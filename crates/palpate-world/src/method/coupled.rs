@@ -314,13 +314,11 @@ impl Coupled {
             };
             let book = &mut state.books.devices[tool];
             book.walked_back += start.weighted(|axis| external[axis] * back[axis]);
-            if is_free {
-                if let Some((turning, _)) = &mut device.turning {
-                    let kept = 1.0 - (elapsed / self.velocity_return).min(1.0);
-                    let torque = turning.now().external / turning.now().mobility;
-                    let back = turning.walk_back(self.turn_return * elapsed, kept);
-                    book.walked_back += torque.dot(&back);
-                }
+            if is_free && let Some((turning, _)) = &mut device.turning {
+                let kept = 1.0 - (elapsed / self.velocity_return).min(1.0);
+                let torque = turning.now().external / turning.now().mobility;
+                let back = turning.walk_back(self.turn_return * elapsed, kept);
+                book.walked_back += torque.dot(&back);
             }
             let norm = device.avatar.offset.norm();
             if norm > self.offset_limit {
