@@ -120,6 +120,37 @@ fn a_force_is_limited_and_comes_in_softly_without_being_asked() {
 }
 
 #[test]
+fn a_tool_that_begins_inside_a_mesh_is_said_to_have_no_force() {
+    let folder = folder();
+    folder.write(
+        "in_a_mesh.toml",
+        r#"
+format = 2
+[loop]
+period_s = 0.001
+[[device]]
+name = "tool"
+mass_kg = 0.2
+position_m = [0.0, 0.0, 0.0]
+tool = { sphere = { radius_m = 0.004 } }
+[[body]]
+name = "part"
+fixed = true
+shape = { mesh = { revolved = { profile_m = [[0.0, -0.02], [0.02, -0.02], [0.02, 0.02], [0.0, 0.02]], segments = 12 } } }
+[[contact]]
+between = "*"
+stiffness_n_per_m = 3000.0
+"#,
+    );
+    let answer = folder.palpate_reading("0,0,0\n0,0,0.001\n", "pipe in_a_mesh.toml");
+    assert_eq!(answer.code, 0, "{answer:?}");
+    assert_eq!(answer.stdout, "0,0,0\n0,0,0\n0,0,0\n");
+    let said =
+        "line 1: \"tool\" begins inside \"part\", and nothing pushes it until it has come out";
+    assert!(answer.stderr.contains(said), "{answer:?}");
+}
+
+#[test]
 fn a_line_that_cannot_be_read_takes_the_forces_off_and_the_next_one_is_answered() {
     let input = "0,0,0.069,1,0,0.08\nwhat\n0,0,0.069,1,0,0.08\nnan,0,0,0,0,0\n";
     let answer = folder().palpate_reading(input, "pipe ball.toml --soft-start 0");

@@ -28,6 +28,16 @@ pub enum Side {
     Body(usize),
 }
 
+impl Side {
+    /// That of a number among tools and bodies, tools first.
+    pub(crate) fn of(number: usize, tools: usize) -> Self {
+        match number.checked_sub(tools) {
+            None => Self::Tool(number),
+            Some(body) => Self::Body(body),
+        }
+    }
+}
+
 /// A point at which two tools or bodies can touch: a sphere of the first, or a corner as one of radius 0, and the
 /// nearest point of the second's solid.
 #[derive(Clone, Debug)]

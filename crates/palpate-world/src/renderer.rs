@@ -133,10 +133,7 @@ impl WorldRenderer {
             blocks: self.blocks.clone(),
             links: self.links.clone(),
         };
-        let side = |number: usize| match number.checked_sub(self.tools) {
-            None => Side::Tool(number),
-            Some(body) => Side::Body(body),
-        };
+        let side = |number: usize| Side::of(number, self.tools);
         let contacts = self.points.iter().map(|point| ContactState {
             between: [side(point.first), side(point.second)],
             mode: crate::Mode::Free,

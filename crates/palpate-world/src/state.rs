@@ -77,6 +77,17 @@ impl WorldState {
         &self.progress.contacts
     }
 
+    /// The spheres that are inside a mesh, as of the last sample, each with that mesh: nothing pushes such a sphere until it has
+    /// come out. It was there when it was first seen.
+    pub fn inside_meshes(&self) -> impl Iterator<Item = [Side; 2]> {
+        let Moving {
+            surfaces, tools, ..
+        } = &self.progress.now;
+        let side = |number: usize| Side::of(number, *tools);
+        let inside = surfaces.iter().filter(|surface| surface.is_inside());
+        inside.map(move |surface| surface.parts().map(side))
+    }
+
     /// The books of energy, as of the last sample.
     #[must_use]
     pub fn books(&self) -> &Books {

@@ -27,6 +27,13 @@ impl Names {
         }
     }
 
+    /// One that is inside the other, a mesh, in words.
+    #[must_use]
+    pub fn inside(&self, between: [Side; 2]) -> String {
+        let [one, mesh] = between.map(|side| self.side(side));
+        format!("\"{one}\" begins inside \"{mesh}\", and nothing pushes it until it has come out")
+    }
+
     /// Two that overlap, in words.
     #[must_use]
     pub fn overlap(&self, contact: &ContactState) -> String {

@@ -222,6 +222,11 @@ impl WorldStream {
         for overlap in inside {
             self.tell(format_args!("line {number}: {overlap} at the start"));
         }
+        let in_meshes = self.world.state().inside_meshes();
+        let in_meshes: Vec<String> = in_meshes.map(|pair| self.names.inside(pair)).collect();
+        for inside in in_meshes {
+            self.tell(format_args!("line {number}: {inside}"));
+        }
     }
 
     fn tell_refused(&mut self, number: u64, why: &str) {

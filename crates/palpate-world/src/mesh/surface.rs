@@ -434,6 +434,13 @@ impl Surface {
     }
 }
 
+impl Surface {
+    /// Whether the centre was inside when it was first seen, and the sphere has not come out since.
+    pub fn is_inside(&self) -> bool {
+        matches!(self.memory.standing, Standing::Inside { .. })
+    }
+}
+
 /// Where a centre is that nothing is known of, or that was inside.
 fn first_seen(mesh: &Mesh, centre: &Vector3, radius: f64, was_inside: bool) -> Standing {
     let Some((distance, triangle)) = nearest_of(mesh, centre) else {

@@ -173,6 +173,29 @@ fn left(kappa: f64, hand: (f64, f64), real: (f64, f64), told: Actuation<f64>) ->
     ((square / last.len() as f64).sqrt() / mean, mean)
 }
 
+/// The table of docs/coupled.md.
+#[test]
+fn how_stiff_a_wall_may_be_that_rests_with_half_a_period_of_delay() {
+    for (hand, rests) in [
+        ((0.0, 0.5), 1.0),
+        ((0.0, 2.0), 2.0),
+        ((60.0, 1.5), 2.0),
+        ((300.0, 3.0), 2.0),
+    ] {
+        for late in [(0.0, 0.0), (0.5, 0.0), (1.0, 0.0)] {
+            let swings = [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0].map(|kappa| {
+                let (swing, _) = left(kappa, hand, late, actuation(late));
+                assert!(
+                    kappa > rests || swing < 0.05,
+                    "{hand:?}, {late:?}: {swing} at {kappa}"
+                );
+                format!("{:.1}", 100.0 * swing)
+            });
+            println!("hand {hand:?}, late {late:?}: {} %", swings.join(" "));
+        }
+    }
+}
+
 #[test]
 fn a_wall_that_is_pressed_rests_with_a_delay_that_was_told() {
     for late in [(0.5, 0.0), (1.0, 0.0), LATE] {
