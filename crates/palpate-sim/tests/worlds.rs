@@ -63,6 +63,28 @@ fn with_the_masses_known_coupled_rendering_is_at_the_hold_floor_of_a_groove() {
     assert_eq!((coupled.refused, coupled.limited), (0, 0));
 }
 
+/// The tool overlaps both planes at the start: the energy of that is nobody's doing.
+#[test]
+fn what_overlaps_at_the_start_is_not_created_by_a_held_force() {
+    let source = GROOVE.replace("0.004, 0.0, 0.03", "0.0, 0.0, 0.0105");
+    let ([coupled, basic], _) = runs(&source, ["coupled", "basic"]);
+    let stored = 2.0 * 0.5 * 4000.0 * (0.01_f64 - 0.8 * 0.0105).powi(2);
+    for run in [coupled, basic] {
+        let found = run.found_at_start;
+        println!(
+            "{}: {found} J at the start, created {} J",
+            run.method,
+            run.created()
+        );
+        assert!((found / stored - 1.0).abs() < 1e-6, "{found} of {stored} J");
+        let books = run.books.created();
+        assert!((run.created() - (books - found)).abs() < 1e-15);
+        if run.method == "coupled" {
+            assert!(run.created().abs() < 0.02 * found, "{} J", run.created());
+        }
+    }
+}
+
 #[test]
 fn a_wrong_mass_costs_little_and_a_known_delay_too() {
     let told = GROOVE.replace(

@@ -60,6 +60,8 @@ pub struct WorldRun {
     pub judgement: WorldJudgement,
     /// The renderer's books of energy at the end.
     pub books: Books,
+    /// Energy that contacts have by their overlap at the first sample `[J]`: nobody created it.
+    pub found_at_start: f64,
     /// Samples that the renderer refused.
     pub refused: usize,
     /// Samples at which a limit changed a force.
@@ -87,6 +89,15 @@ pub enum WorldBenchError {
     /// The run and its ideal do not fit.
     #[error(transparent)]
     Judgement(#[from] JudgementError),
+}
+
+impl WorldRun {
+    /// Energy that held forces created `[J]`: what [`Books::created`] says, without the energy of contacts that overlap at the
+    /// first sample.
+    #[must_use]
+    pub fn created(&self) -> f64 {
+        self.books.created() - self.found_at_start
+    }
 }
 
 impl WorldBench {
@@ -211,6 +222,7 @@ impl WorldBench {
             refused: 0,
             limited: 0,
             guarded: 0,
+            found_at_start: 0.0,
             coarse: 0,
             crowded: 0,
         };
@@ -230,6 +242,7 @@ impl WorldBench {
             run.positions.push(positions);
             run.orientations.push(orientations);
             let sample = Sample::at(&measured).turned(&turned);
+            let is_first = run.positions.len() == 1;
             let output = renderer.step(&mut state, &sample);
             run.refused += usize::from(output.fault.is_some());
             run.limited += usize::from(output.limited.any());
@@ -239,6 +252,9 @@ impl WorldBench {
             run.commanded.push(output.forces.to_vec());
             run.commanded_torques.push(output.torques.to_vec());
             plant.hold_wrenches(output.forces, output.torques);
+            if is_first {
+                run.found_at_start = state.books().created();
+            }
         }
         let devices = 0..self.judged.devices.len();
         let within = |mut delivered: Vec<Vector>| {

@@ -196,7 +196,7 @@ fn of_run(run: &WorldRun, of_devices: &[(&str, f64)]) -> WorldMethodReport {
         devices: devices
             .map(|(judged, (name, ideal_peak))| of_device(judged, name, *ideal_peak))
             .collect(),
-        leak_j: run.books.created(),
+        leak_j: run.created(),
         dissipated_j: contacts.iter().map(|book| book.dissipated).sum(),
         refused_samples: run.refused,
         limited_samples: run.limited,

@@ -39,7 +39,7 @@ impl Tuned {
     }
 
     fn leak(&self) -> f64 {
-        self.run.books.created()
+        self.run.created()
     }
 
     fn to_make_small(&self, objective: Objective) -> f64 {
