@@ -320,6 +320,11 @@ impl Reading<'_> {
             self.fault((0..0, message.into()));
             return None;
         }
+        if WorldFile::lacks_its_format(self.source) {
+            let message = "a world with [[device]] and [[body]] begins with format = 2, and this file has no format";
+            self.fault((0..0, message.into()));
+            return None;
+        }
         let left = recover::read::<RawScene>(self.source);
         for fault in left.faults {
             self.fault(fault);

@@ -56,6 +56,13 @@ fn a_world_is_read_with_its_devices_bodies_and_contacts() {
             .to_string()
             .contains("the key format is of a world of several bodies")
     );
+    let without = BALL.replace("format = 2", "");
+    let said = palpate_scene::SceneFile::parse("ball.toml", &without).unwrap_err();
+    let said = said.to_string();
+    assert!(
+        said.contains("a world with [[device]] and [[body]] begins with format = 2"),
+        "{said}"
+    );
     let scene = WorldFile::parse("ball.toml", BALL).unwrap().scene;
     assert_eq!(scene.timing.period, 0.001);
     assert_eq!(scene.timing.actuator.delay, 0.0005);

@@ -139,6 +139,24 @@ impl WorldFile {
         })
     }
 
+    /// Whether the text of a file has bodies or several devices as a world has, and says no format.
+    pub(crate) fn lacks_its_format(source: &str) -> bool {
+        DeTable::parse(source).is_ok_and(|table| {
+            let is_list = |key: &str| {
+                let entry = table
+                    .get_ref()
+                    .iter()
+                    .find(|(name, _)| name.get_ref() == key);
+                entry.is_some_and(|(_, value)| value.get_ref().is_array())
+            };
+            let says = table.get_ref().keys().any(|name| {
+                let name: &str = name.get_ref();
+                name == "format" || name == "scene_format"
+            });
+            !says && (is_list("device") || is_list("body"))
+        })
+    }
+
     /// Reads a world from the text of a file called `name`. Files of meshes are looked for beside that file.
     ///
     /// # Errors

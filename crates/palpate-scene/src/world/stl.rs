@@ -19,12 +19,19 @@ pub(super) fn checked(bytes: &[u8]) -> Result<Cow<'_, [u8]>, String> {
         return Ok(Cow::Borrowed(bytes));
     }
     if is_text(bytes) {
-        // Only names can have other characters, and the reader takes ASCII only.
-        let ascii = |&byte: &u8| if byte.is_ascii() { byte } else { b'?' };
-        return Ok(if bytes.is_ascii() {
+        // Only names can have other characters, and the reader takes ASCII only, its words in small letters.
+        let plain = |&byte: &u8| {
+            if byte.is_ascii() {
+                byte.to_ascii_lowercase()
+            } else {
+                b'?'
+            }
+        };
+        let is_plain = bytes.iter().all(|byte| *byte == plain(byte));
+        return Ok(if is_plain {
             Cow::Borrowed(bytes)
         } else {
-            Cow::Owned(bytes.iter().map(ascii).collect())
+            Cow::Owned(bytes.iter().map(plain).collect())
         });
     }
     Err(match (says, whole) {
@@ -40,7 +47,8 @@ pub(super) fn checked(bytes: &[u8]) -> Result<Cow<'_, [u8]>, String> {
 
 /// Whether a file that is no whole binary one is text: binary files may begin with "solid" too, but zeros follow.
 fn is_text(bytes: &[u8]) -> bool {
-    bytes.trim_ascii_start().starts_with(b"solid") && !bytes.contains(&0)
+    let begins = bytes.trim_ascii_start().get(..b"solid".len());
+    begins.is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) && !bytes.contains(&0)
 }
 
 #[cfg(test)]
@@ -72,6 +80,11 @@ mod tests {
                       endloop\n endfacet\nendsolid Geh\xe4use\n";
         let read = mesh_loader::Loader::default()
             .load_stl_from_slice(&checked(latin).unwrap(), "part.stl")
+            .unwrap();
+        assert_eq!(read.meshes[0].faces.len(), 1);
+        let capitals = latin.to_ascii_uppercase();
+        let read = mesh_loader::Loader::default()
+            .load_stl_from_slice(&checked(&capitals).unwrap(), "part.stl")
             .unwrap();
         assert_eq!(read.meshes[0].faces.len(), 1);
         for short in [&b""[..], b"abc"] {
