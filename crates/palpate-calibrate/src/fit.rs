@@ -132,7 +132,7 @@ pub fn problem(
         (0.01_f64.ln(), 0.4_f64.ln()),
         (-4.0, 4.0),
         (
-            250.0_f64.ln(),
+            LEAST_ANTIRESONANCE.ln(),
             (0.4 * std::f64::consts::TAU / t).min(4000.0).ln(),
         ),
         (0.002, 0.5),
@@ -479,23 +479,46 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem {
     }
 }
 
-/// The fit with one mass, and the one with two where the data have room for a resonance.
-pub fn fits(mut problem: Problem, sensor: f64) -> Option<(Fit, Option<Fit>)> {
-    problem.first_signs(sensor);
-    let rigid = problem.fitted(ROUNDS)?;
-    let flexible = flexible(&rigid).and_then(Problem::finish);
-    Some((rigid.finish()?, flexible))
+/// Fits to the same samples.
+#[derive(Clone, Debug)]
+pub struct Fits {
+    /// With one mass.
+    pub rigid: Fit,
+    /// With two masses, where the data have room for a resonance.
+    pub flexible: Option<Fit>,
+    /// The same with a slow spring between them.
+    pub slow: Option<Fit>,
 }
 
-fn flexible(rigid: &Problem) -> Option<Problem> {
+/// The least frequency of the second mass alone on its spring `[rad/s]`, and that of a slow spring.
+const LEAST_ANTIRESONANCE: f64 = 250.0;
+const LEAST_SLOW_ANTIRESONANCE: f64 = 150.0;
+
+/// The fits with one mass and with two.
+pub fn fits(mut problem: Problem, sensor: f64) -> Option<Fits> {
+    problem.first_signs(sensor);
+    let rigid = problem.fitted(ROUNDS)?;
+    let starts = [70.0, 105.0, 160.0, 240.0, 360.0];
+    let fit = |starts: &[f64], least| flexible(&rigid, starts, least).and_then(Problem::finish);
+    Some(Fits {
+        flexible: fit(&starts, LEAST_ANTIRESONANCE),
+        slow: fit(&[37.0], LEAST_SLOW_ANTIRESONANCE),
+        rigid: rigid.finish()?,
+    })
+}
+
+/// With two masses, from the best of these frequencies `[Hz]` on; the second mass alone on its spring has at least the frequency `least`
+/// `[rad/s]`.
+fn flexible(rigid: &Problem, starts: &[f64], least: f64) -> Option<Problem> {
     let highest = 0.38 / rigid.period;
     let mut best: Option<Problem> = None;
-    for hertz in [70.0, 105.0, 160.0, 240.0, 360.0] {
+    for &hertz in starts {
         if hertz > highest {
             continue;
         }
         let mut problem = rigid.clone();
         problem.kind = Kind::Flexible;
+        problem.bounds[at::LN_ANTIRESONANCE].0 = least.ln();
         // What one mass had to take for noise is the resonance, if there is one.
         for level in at::LN_DISTURBANCE..=at::LN_TREMOR_DAMPING {
             problem.point[level] = problem.prior[level].0;

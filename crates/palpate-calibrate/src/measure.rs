@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::excitation::ExcitationParams;
 use crate::filter::Samples;
-use crate::fit::{self, Fit};
+use crate::fit::{self, Fit, Fits};
 use crate::model::{Kind, at};
 use crate::outcome::Fitted;
 use crate::quantum::quantum;
@@ -26,6 +26,9 @@ const MOST_DAMPING: f64 = 120.0;
 const LEAST_MOTION: f64 = 3.0;
 /// Logarithms of likelihood that a resonance has to win beside what three parameters cost.
 const RESONANCE_MARGIN: f64 = 25.0;
+/// The same of a resonance of a slow spring, below [`SLOW_RESONANCE`] `[Hz]`: there a hand looks like one.
+const SLOW_RESONANCE_MARGIN: f64 = 100.0;
+const SLOW_RESONANCE: f64 = 60.0;
 /// Highest resonance `[cycles per period]`: above, errors of friction look like one.
 const HIGHEST_RESONANCE: f64 = 0.33;
 /// Least part of the mass beyond a transmission: with less, errors of friction look like a resonance.
@@ -176,9 +179,8 @@ pub fn measure(
     let most_delay = (MOST_DELAY / period).max(MOST_DELAY_PERIODS);
     let begin = start(&samples, period, most_delay).ok_or(not_moved)?;
     let problem = fit::problem(samples, period, excited, begin, sensor, most_delay);
-    let (rigid, flexible) = fit::fits(problem, sensor).ok_or(Declined::NoFit)?;
-    let flexible = flexible.filter(|fit| fit.resonance() * period < HIGHEST_RESONANCE);
-    let fit = better(rigid, flexible);
+    let fits = fit::fits(problem, sensor).ok_or(Declined::NoFit)?;
+    let fit = best(fits, period);
     check(&fit, period, force)?;
     let foreseen = fit.foreseen.iter().map(|x| x + positions[0]).collect();
     Ok(Measured {
@@ -187,16 +189,25 @@ pub fn measure(
     })
 }
 
-/// The flexible fit where its likelihood is worth its parameters (Schwarz, 1978).
-fn better(rigid: Fit, flexible: Option<Fit>) -> Fit {
-    let price = 1.5 * (rigid.count as f64).ln() + RESONANCE_MARGIN;
-    match flexible {
-        Some(flexible)
-            if rigid.cost() - flexible.cost() > price && flexible.fraction() > LEAST_FRACTION =>
-        {
-            flexible
-        }
-        _ => rigid,
+/// A fit with a resonance where its likelihood is worth its parameters (Schwarz, 1978).
+fn best(fits: Fits, period: f64) -> Fit {
+    let Fits {
+        rigid,
+        flexible,
+        slow,
+    } = fits;
+    let price = 1.5 * (rigid.count as f64).ln();
+    let is_worth = |fit: &Fit, margin: f64| {
+        rigid.cost() - fit.cost() > price + margin && fit.fraction() > LEAST_FRACTION
+    };
+    let flexible = flexible.filter(|fit| fit.resonance() * period < HIGHEST_RESONANCE);
+    let flexible = flexible.filter(|fit| is_worth(fit, RESONANCE_MARGIN));
+    let slow = slow.filter(|fit| fit.resonance() < SLOW_RESONANCE);
+    let slow = slow.filter(|fit| is_worth(fit, SLOW_RESONANCE_MARGIN));
+    match (flexible, slow) {
+        (Some(one), Some(other)) if other.cost() < one.cost() => other,
+        (Some(fit), _) | (None, Some(fit)) => fit,
+        (None, None) => rigid,
     }
 }
 

@@ -91,6 +91,29 @@ fn a_resonance_is_found_where_there_is_one() {
 }
 
 #[test]
+fn a_resonance_down_to_35_hz_is_found_and_leaves_the_mass_right() {
+    for hertz in [35.0, 40.0, 50.0, 60.0] {
+        let plant = PlantParams {
+            second_mass: 0.1,
+            transmission_stiffness: (std::f64::consts::TAU * hertz).powi(2) / 20.0,
+            transmission_damping: 0.2,
+            hand_damping: 1.0,
+            hand_stiffness: 60.0,
+            ..PlantParams::bare(1e-3, 0.1)
+        };
+        let found = calibrated(&plant, 8.0).unwrap();
+        let mass = found.value(Quantity::DeviceMass).unwrap();
+        let resonance = found.value(Quantity::Resonance).expect("a resonance");
+        println!("{hertz} Hz: {mass:.4} kg of 0.2, resonance {resonance:.2} Hz");
+        assert!((mass / 0.2 - 1.0).abs() < 0.015, "{hertz} Hz: {mass} kg");
+        assert!(
+            (resonance / hertz - 1.0).abs() < 0.02,
+            "{hertz} Hz: {resonance} Hz"
+        );
+    }
+}
+
+#[test]
 fn cogging_is_found_and_makes_the_delay_better_known() {
     let plant = PlantParams {
         cogging: 0.1,
