@@ -91,6 +91,7 @@ fn a_resonance_is_found_where_there_is_one() {
 }
 
 #[test]
+#[allow(clippy::print_stdout)] // what was measured
 fn a_resonance_down_to_35_hz_is_found_and_leaves_the_mass_right() {
     for hertz in [35.0, 40.0, 50.0, 60.0] {
         let plant = PlantParams {
