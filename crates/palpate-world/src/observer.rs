@@ -204,8 +204,8 @@ impl Prior {
 /// The place of the velocity in the state.
 const VELOCITY: usize = 1;
 /// Innovations whose square is beyond this multiple of what is expected are no jerk, but a kick. With 25, as along an axis alone, first
-/// contacts of masses told wrong count as kicks at 10 ms.
-pub(crate) const SURPRISE: f64 = 100.0;
+/// contacts of masses told wrong count as kicks at 10 ms; with 100, a tool that goes over an edge may.
+pub(crate) const SURPRISE: f64 = 900.0;
 /// Square of the standard deviations that are left of a surprise when a kick has been reckoned with.
 pub(crate) const EXPLAINED: f64 = 4.0;
 /// Quantum of a sensor that is not known to have one `[m]`.
