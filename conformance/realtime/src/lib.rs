@@ -11,6 +11,7 @@
 //! for. What each of them cannot see stands in docs/realtime.md.
 
 mod hostile;
+mod in_worlds;
 pub mod misdeeds;
 #[cfg(feature = "rtsan")]
 pub mod rtsan;

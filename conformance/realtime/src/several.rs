@@ -12,7 +12,8 @@ use palpate_scene::world::WorldScene;
 use palpate_sim::device::SpatialDevice;
 
 use crate::hostile::Hostile;
-use crate::situations::{Watch, world_scene};
+use crate::in_worlds::world_scene;
+use crate::situations::Watch;
 
 type Two<D> = ControlLoop<D, SteppedClock, RenderedWorld>;
 

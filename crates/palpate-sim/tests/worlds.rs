@@ -77,8 +77,6 @@ fn what_overlaps_at_the_start_is_not_created_by_a_held_force() {
             run.created()
         );
         assert!((found / stored - 1.0).abs() < 1e-6, "{found} of {stored} J");
-        let books = run.books.created();
-        assert!((run.created() - (books - found)).abs() < 1e-15);
         if run.method == "coupled" {
             assert!(run.created().abs() < 0.02 * found, "{} J", run.created());
         }

@@ -2,7 +2,7 @@
 
 use crate::blocks::Blocks;
 use crate::moving::Moving;
-use crate::nearby::MOST_NEARBY;
+use crate::nearby::{MOST_NEARBY, approach};
 use crate::pairs::Point;
 use crate::part::Part;
 use crate::rigid::Vector3;
@@ -132,11 +132,8 @@ const DAMPING_PER_FREQUENCY: f64 = 2.0;
 
 /// How far two boxes may come nearer to each other within `h` `[s]`, and as much again `[m]`.
 fn reach_of_blocks(first: &Part, second: &Part, blocks: &Blocks, h: f64) -> f64 {
-    let relative = (first.rigid.velocity - second.rigid.velocity).norm();
-    let pushed = (first.drive.acceleration - second.drive.acceleration).norm();
     let [one, other] = blocks.reaches();
-    let turns = first.twist.turning.norm() * one + second.twist.turning.norm() * other;
-    (relative + turns + pushed * h) * 2.0 * h
+    approach(first, second, one, other, h)
 }
 
 /// A bound of the largest angular frequency among the contacts that touch, or may within `h` `[s]` `[rad/s]`: over a

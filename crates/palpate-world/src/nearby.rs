@@ -194,7 +194,7 @@ impl Nearby {
 
 /// How far two parts may come nearer to each other at these distances from their centres `[m]` within `h` `[s]`, and as much
 /// again `[m]`.
-fn approach(first: &Part, second: &Part, of_first: f64, of_second: f64, h: f64) -> f64 {
+pub(crate) fn approach(first: &Part, second: &Part, of_first: f64, of_second: f64, h: f64) -> f64 {
     let relative = (first.rigid.velocity - second.rigid.velocity).norm();
     let pushed = (first.drive.acceleration - second.drive.acceleration).norm();
     let turns = first.twist.turning.norm() * of_first + second.twist.turning.norm() * of_second;

@@ -15,7 +15,7 @@ mod several;
 pub mod two_diy;
 
 pub use arguments::{DeviceArguments, DeviceName};
-pub use several::{names, open_for_world};
+pub use several::{FLAGS_OF_A_DEVICE, names, open_for_world};
 
 use palpate::AlongAxis;
 use palpate_device::clock::Clock;

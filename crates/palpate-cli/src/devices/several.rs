@@ -10,7 +10,7 @@ use crate::arguments::Given;
 use crate::failure::Failure;
 
 /// Flags of one device, by the names of their fields: where several devices are named they stand behind the name of theirs.
-const FLAGS_OF_A_DEVICE: [&str; 13] = [
+pub const FLAGS_OF_A_DEVICE: [&str; 13] = [
     "port",
     "generation",
     "board",

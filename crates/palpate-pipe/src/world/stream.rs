@@ -139,7 +139,8 @@ impl WorldStream {
         if limited.offset && !self.memory.is_far {
             self.memory.is_far = true;
             self.tell(format_args!(
-                "line {number}: the contacts meet a tool as far from its device as they may, 10 mm or 0.3 rad; it comes back by itself"
+                "line {number}: a tool's avatar is as far from its device as it may be, 10 mm or 0.3 rad: what it touches seems to \
+                 stand elsewhere until the avatar has come back"
             ));
         }
         if fault.is_none() && !self.memory.is_begun {

@@ -13,7 +13,10 @@ use crate::observer::{AxisForce, AxisMotion};
 use crate::part::{Drive, Part};
 use crate::rigid::{Mobility, Rigid, Rotation, Vector3};
 use crate::tracking::Tracking;
-use crate::{ContactBook, Effort, Limited, Mode, Sample, ToolState, Vector, WorldLoop};
+use crate::{
+    ContactBook, CoupledParams, Effort, Limited, Mode, Place, Sample, Tool, ToolState, Vector,
+    WorldError, WorldGuard, WorldLoop,
+};
 
 /// Devices that are coupled to images of bodies, in one loop.
 #[derive(Clone, Debug)]
@@ -23,6 +26,30 @@ pub(super) struct Coupling {
 }
 
 impl Coupling {
+    /// Checks tools, loop and parameters. `faults` are those of the bodies; `bodies` says in a message whose they are.
+    pub fn checked(
+        tools: &[Tool],
+        in_loop: WorldLoop,
+        params: CoupledParams,
+        bodies: &str,
+        mut faults: Vec<WorldError>,
+    ) -> Result<Self, Vec<WorldError>> {
+        faults.extend(in_loop.faults(tools.len()));
+        if in_loop.guard != WorldGuard::Off {
+            let message = format!(
+                "guard is asked for, and {bodies} bodies have no books that it could reckon with"
+            );
+            faults.push(WorldError::new(Place::Loop, "guard", "the loop", message));
+        }
+        match params.check(tools) {
+            Ok(coupled) if faults.is_empty() => Ok(Self { in_loop, coupled }),
+            checked => {
+                faults.extend(checked.err().into_iter().flatten());
+                Err(faults)
+            }
+        }
+    }
+
     /// A new state: nothing sampled, nothing touched, the books empty.
     pub fn start(&self, pairs: &[Pair], bodies: usize) -> EngineState {
         let tools = self.coupled.priors.len();

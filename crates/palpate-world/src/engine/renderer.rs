@@ -7,7 +7,7 @@ use super::coupling::Coupling;
 use super::image::Image;
 use super::pairs::{Pair, pairs};
 use super::state::{EngineOutput, EngineState};
-use crate::{CoupledParams, Place, Sample, Tool, Vector, WorldError, WorldGuard, WorldLoop};
+use crate::{CoupledParams, Sample, Tool, Vector, WorldError, WorldLoop};
 
 /// Contacts of tools with the bodies of another engine, in one loop. Immutable: one renderer serves any number of
 /// [`EngineState`]s.
@@ -32,24 +32,13 @@ impl EngineRenderer {
         in_loop: WorldLoop,
         params: CoupledParams,
     ) -> Result<Self, Vec<WorldError>> {
-        let (pairs, mut faults) = pairs(tools, bodies);
-        faults.extend(in_loop.faults(tools.len()));
-        if in_loop.guard != WorldGuard::Off {
-            let message = "guard is asked for, and an engine's bodies have no books that it could reckon with";
-            faults.push(WorldError::new(Place::Loop, "guard", "the loop", message));
-        }
-        match params.check(tools) {
-            Ok(coupled) if faults.is_empty() => Ok(Self {
-                coupling: Coupling { in_loop, coupled },
-                bodies: bodies.len(),
-                pairs,
-                stepping,
-            }),
-            checked => {
-                faults.extend(checked.err().into_iter().flatten());
-                Err(faults)
-            }
-        }
+        let (pairs, faults) = pairs(tools, bodies);
+        Ok(Self {
+            coupling: Coupling::checked(tools, in_loop, params, "an engine's", faults)?,
+            bodies: bodies.len(),
+            pairs,
+            stepping,
+        })
     }
 
     /// The loop it is rendered in.

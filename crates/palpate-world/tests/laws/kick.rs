@@ -1,6 +1,8 @@
 //! What nobody reckons with: a device that stops within a sample, a sensor that jumps, samples that are missing.
 
-use palpate_world::{ContactLaw, CoupledParams, Sample, Vector, World, WorldLoop, WorldRenderer};
+use palpate_world::{
+    ContactLaw, CoupledParams, Sample, Shape, Tool, Vector, World, WorldLoop, WorldRenderer,
+};
 
 use crate::common::{plane, world};
 
@@ -118,4 +120,40 @@ fn a_floor_comes_back_to_its_place_after_missing_samples() {
         );
     }
     assert!(furthest > 1.2e-3, "{furthest} m");
+}
+
+/// A box of six axes lies on the floor under 4 N; its sensors are wrong once.
+#[test]
+fn a_pose_that_is_wrong_once_is_over_with_the_next_ones() {
+    let law = ContactLaw::spring(4000.0).with_damping(1.0);
+    let half_extents = [0.03, 0.02, 0.01];
+    let mut world = world(RADIUS, vec![plane("floor", [0.0, 0.0, 1.0])], law);
+    world.tools = vec![Tool::new("tool", Shape::Box { half_extents }).turning()];
+    let told = CoupledParams::new(vec![[0.2; 3]]).with_device_inertia(vec![[4e-5, 8e-5, 1e-4]]);
+    let renderer = WorldRenderer::new(&world, WorldLoop::new(PERIOD), told).unwrap();
+    for (jump, turn) in [(1e-4, 0.0), (0.0, 0.005), (0.0, 0.02), (-2e-4, -0.01)] {
+        let mut state = renderer.start();
+        let mut largest = [0.0_f64; 2];
+        for sample in 0..1200 {
+            let is_wrong = sample == 600;
+            let (jump, turn) = if is_wrong { (jump, turn) } else { (0.0, 0.0) };
+            let (sine, cosine) = (0.5_f64 * turn).sin_cos();
+            // Nobody moves it: it is held where it presses with 4 N, after a slow approach.
+            let depth = 1e-3 * (f64::from(sample) / 300.0).min(1.0);
+            let at = [[0.0, 0.0, 0.01 - depth + jump]];
+            let orientations = [[cosine, sine, 0.0, 0.0]];
+            let output = renderer.step(&mut state, &Sample::at(&at).turned(&orientations));
+            assert_eq!(output.fault, None);
+            if sample > 610 {
+                largest[0] = largest[0].max((output.forces[0][2] - 4.0).abs());
+                let torque = output.torques[0].iter().map(|x| x * x).sum::<f64>();
+                largest[1] = largest[1].max(torque.sqrt());
+            }
+        }
+        let [force, torque] = largest;
+        assert!(
+            force < 0.1 && torque < 2e-3,
+            "{jump} m, {turn} rad: {force} N, {torque} N m"
+        );
+    }
 }

@@ -8,7 +8,7 @@ use palpate_scope::{Home, MOST_LANES, Session, WorldLane, WorldLaneEnd, WorldSet
 use palpate_session::{Energies, GuardianReport, RunReport, Subject};
 use palpate_sim::device::SpatialHand;
 
-use super::super::run::world::{FLAGS, OnDevice, rendered};
+use super::super::run::world::{OnDevice, known_flags, rendered};
 use super::super::run::{Asked, guarding, limits, outcome, request};
 use super::serving::{listen, serve};
 use super::{LiveArguments, add};
@@ -20,10 +20,8 @@ use crate::worlds::{self, wrong_world};
 
 /// Runs one loop or two on the world of `file`, which is at `path`, and serves a page on them.
 pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(), Failure> {
-    let mut known: Vec<&str> = FLAGS
-        .into_iter()
-        .filter(|flag| !["record", "fast", "json"].contains(flag))
-        .collect();
+    let mut known = known_flags();
+    known.retain(|flag| !["record", "fast", "json"].contains(flag));
     known.extend(["stall_after", "listen", "allow_host"]);
     worlds::only(&arguments.given, &known, path)?;
     let file = &worlds::guarded(&arguments.flags, file);

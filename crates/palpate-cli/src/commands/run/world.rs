@@ -16,46 +16,39 @@ use palpate_study::recording::DEVICES;
 
 use super::driving::{Ran, drive, most_periods};
 use super::{Asked, SessionArguments, guarding, limits, outcome, request};
-use crate::devices::{names, open_for_world};
+use crate::devices::{FLAGS_OF_A_DEVICE, names, open_for_world};
 use crate::failure::Failure;
 use crate::results::print_report;
 use crate::values::duration;
 use crate::worlds::{self, wrong_world};
 
 /// What a loop of a world takes beside its file; everything else is said in the file.
-pub const FLAGS: [&str; 31] = [
-    "scene",
-    "record",
-    "duration",
-    "fast",
-    "json",
-    "method",
-    "guard",
-    "guard_speed",
-    "guard_allowance",
-    "device",
-    "port",
-    "generation",
-    "board",
-    "start_pose",
-    "reconnect",
-    "reconnect_in_start_pose",
-    "guardian",
-    "service",
-    "events",
-    "device_id",
-    "service_priority",
-    "origin",
-    "world_axes",
-    "priority",
-    "processor",
-    "spin",
-    "safe_force",
-    "safe_slew",
-    "safe_speed",
-    "soft_start",
-    "oscillation",
-];
+pub fn known_flags() -> Vec<&'static str> {
+    let of_loop = [
+        "scene",
+        "record",
+        "duration",
+        "fast",
+        "json",
+        "method",
+        "guard",
+        "guard_speed",
+        "guard_allowance",
+        "device",
+    ];
+    let of_thread_and_safety = [
+        "priority",
+        "processor",
+        "spin",
+        "safe_force",
+        "safe_slew",
+        "safe_speed",
+        "soft_start",
+        "oscillation",
+    ];
+    let flags = of_loop.iter().chain(&FLAGS_OF_A_DEVICE);
+    flags.chain(&of_thread_and_safety).copied().collect()
+}
 
 /// Runs a loop on the world of `file`, which is at `path`, and records it if it is to.
 pub fn run_session(
@@ -63,7 +56,7 @@ pub fn run_session(
     (path, record): (&Path, Option<&Path>),
     arguments: &SessionArguments,
 ) -> Result<(), Failure> {
-    let mut known = FLAGS.to_vec();
+    let mut known = known_flags();
     known.push("stall_after");
     worlds::only(&arguments.given, &known, path)?;
     let session = Session {

@@ -31,7 +31,7 @@ impl LocalState {
         let before = self.model_tick.unwrap_or(model.tick);
         let step = duration(model.tick.saturating_sub(before), period);
         self.book_slow_ports(model, step);
-        let is_expected = self.is_known && self.expect(model.tick, step, period);
+        let is_expected = self.is_known && self.foresee(model.tick, step, period);
         let share = (step / return_time).min(1.0);
         for (body, described) in model.bodies.iter().enumerate() {
             let host = Image::of(described, &ImageOffset::none());
@@ -83,7 +83,7 @@ impl LocalState {
 
     /// Computes where the host's step up to `tick`, which is `step` `[s]` long, should have brought its bodies under the mean
     /// wrenches of the tools. `false` where that is no number.
-    fn expect(&mut self, tick: u64, step: f64, period: f64) -> bool {
+    fn foresee(&mut self, tick: u64, step: f64, period: f64) -> bool {
         if step <= 0.0 {
             return true;
         }

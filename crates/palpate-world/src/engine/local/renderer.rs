@@ -15,7 +15,7 @@ use crate::engine::image::{angular, linear};
 use crate::engine::meeting::Meeting;
 use crate::engine::pairs::of_spheres;
 use crate::engine::touch::Touch;
-use crate::{CoupledParams, Place, Sample, Tool, Vector, WorldError, WorldGuard, WorldLoop};
+use crate::{CoupledParams, Sample, Tool, Vector, WorldError, WorldLoop};
 
 /// Contacts of tools by the local models of a slow host, in one fast loop. Immutable: one renderer serves any number of
 /// [`LocalState`]s.
@@ -68,24 +68,12 @@ impl LocalRenderer {
     ) -> Result<Self, Vec<WorldError>> {
         let (radii, mut faults) = of_spheres(tools);
         faults.extend(params.faults(in_loop.period));
-        faults.extend(in_loop.faults(tools.len()));
-        if in_loop.guard != WorldGuard::Off {
-            let message =
-                "guard is asked for, and a host's bodies have no books that it could reckon with";
-            faults.push(WorldError::new(Place::Loop, "guard", "the loop", message));
-        }
-        match coupled.check(tools) {
-            Ok(coupled) if faults.is_empty() => Ok(Self {
-                coupling: Coupling { in_loop, coupled },
-                tools: tools.to_vec(),
-                radii,
-                params,
-            }),
-            checked => {
-                faults.extend(checked.err().into_iter().flatten());
-                Err(faults)
-            }
-        }
+        Ok(Self {
+            coupling: Coupling::checked(tools, in_loop, coupled, "a host's", faults)?,
+            tools: tools.to_vec(),
+            radii,
+            params,
+        })
     }
 
     /// The loop it is rendered in.
