@@ -16,7 +16,7 @@ use common::running::{Running, program};
 use common::{Folder, experiment_text, number, parse};
 use palpate_haply::two_diy::{Board, Generation};
 use palpate_haply_emulator::two_diy::{Emulator, Fault, Hand, PortSettings, Settings};
-use palpate_record::recording::{Entry, Recording};
+use palpate_record::recording::{Entry, Flags, Recording, Row};
 
 fn folder() -> Folder {
     let folder = Folder::new();
@@ -264,6 +264,44 @@ fn a_cable_that_is_pulled_is_waited_for() {
         report["events"].to_string().contains("recovered"),
         "{report}"
     );
+}
+
+/// A board that is silent for less than half of a run, but at its end: a trip that passes by itself, and has not passed.
+#[test]
+fn a_run_that_ends_beside_a_silent_board_has_the_exit_code_of_motors_that_are_off() {
+    let folder = folder();
+    let emulator = emulator(&folder);
+    let run = format!("record wall.toml silent.mcap {DEVICE} {WALL} --json --duration inf");
+    let run = Told::start(&mut program(&folder, &run));
+    presses(&emulator);
+    // The times of the ticks up to now and of those at which the motors were off.
+    let times = || {
+        let recording = Recording::open(&folder.path("silent.mcap.part")).ok()?;
+        let rows: Vec<_> = recording.rows().unwrap().map_while(Result::ok).collect();
+        let time_of = |row: &Row| row.tick.time;
+        let is_off = |row: &&Row| row.tick.flags.has(Flags::SAFETY_TRIPPED);
+        let off: Vec<f64> = rows.iter().filter(is_off).map(time_of).collect();
+        Some((time_of(rows.last()?), off))
+    };
+    wait_for("it does not run", || {
+        times().is_some_and(|(now, off)| now > 1.0 && (off.len() as f64) < 100.0 * now)
+    });
+    emulator.suffer(Fault::Stall(Duration::from_secs(60)));
+    wait_for("the motors stay on", || {
+        times().is_some_and(|(now, off)| {
+            off.first()
+                .is_some_and(|_| off.iter().any(|from| *from < now - 0.15))
+                && off.last() == Some(&now)
+        })
+    });
+    run.child.signal("TERM");
+    let (code, output, said) = run.end();
+    let report = parse(&output);
+    assert_eq!(report["trip"], "stale-sample", "{said}");
+    assert_eq!(code, Some(5), "{said}");
+    assert!(said.contains("when it ended: "), "{said}");
+    let [off, all] = ["motors_off_s", "lasted_s"].map(|key| number(&report, key));
+    assert!(off > 0.1 && off < 0.5 * all, "{off} of {all} s");
 }
 
 /// Whether the recording `back.mcap` that is being made has the event.

@@ -411,6 +411,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         self.statistics.missed_deadlines += missed;
         self.statistics.motors_off += u64::from(self.is_off);
         self.statistics.time = self.motors_off.time();
+        self.statistics.off_at_end = self.motors_off.unbroken();
         self.statistics.lateness.add(woke - deadline.min(woke));
         self.statistics.tick.add(ended - answered);
         self.statistics.round_trip.add(answered - woke);

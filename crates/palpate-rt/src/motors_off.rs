@@ -17,6 +17,8 @@ pub(crate) struct MotorsOff {
     cut: Option<Duration>,
     /// From when to when a force was taken for delivered in the last tick, if that tick has commanded none.
     last_on: Option<(Duration, Duration)>,
+    /// For how long they have been off without a break.
+    unbroken: Duration,
 }
 
 impl MotorsOff {
@@ -26,7 +28,9 @@ impl MotorsOff {
         self.cut = Some(self.cut.map_or(at, |before| before.min(at)));
         if let Some((from, to)) = self.last_on {
             let since = at.max(from);
-            self.time.motors_off += to.saturating_sub(since);
+            let more = to.saturating_sub(since);
+            self.time.motors_off += more;
+            self.unbroken += more;
             self.last_on = Some((from, since.min(to)));
         }
     }
@@ -41,9 +45,13 @@ impl MotorsOff {
         };
         self.time.lasted += ended.saturating_sub(from);
         // Mostly nothing.
-        if off_from < ended {
-            self.time.motors_off += ended - off_from;
-        }
+        let off_for = ended.saturating_sub(off_from);
+        self.time.motors_off += off_for;
+        self.unbroken = match (self.is_off, is_off) {
+            (true, true) => self.unbroken + off_for,
+            (false, true) => off_for,
+            (_, false) => Duration::ZERO,
+        };
         self.last_on = is_off.then_some((from, off_from.min(ended)));
         self.until = Some(ended);
         self.is_off = is_off;
@@ -63,6 +71,11 @@ impl MotorsOff {
     pub fn time(&self) -> LoopTime {
         self.time
     }
+
+    /// For how long no force has been delivered up to the end of the last tick, without a break.
+    pub fn unbroken(&self) -> Duration {
+        self.unbroken
+    }
 }
 
 #[cfg(test)]
@@ -71,6 +84,26 @@ mod tests {
 
     const fn ms(count: u64) -> Duration {
         Duration::from_millis(count)
+    }
+
+    #[test]
+    fn what_is_unbroken_ends_with_the_next_force_and_begins_with_a_cut() {
+        let mut off = MotorsOff::default();
+        let mut unbroken = |began, ended, is_off| {
+            off.tick(ms(began), ms(ended), is_off);
+            off.unbroken().as_millis()
+        };
+        assert_eq!(unbroken(10, 11, true), 0);
+        assert_eq!(unbroken(20, 21, true), 10);
+        assert_eq!(unbroken(30, 31, false), 0);
+        assert_eq!(unbroken(40, 41, true), 0);
+        off.cut(ms(35));
+        assert_eq!(off.unbroken(), ms(6));
+        off.tick(ms(50), ms(51), true);
+        assert_eq!(off.unbroken(), ms(16));
+        off.cut(ms(60));
+        off.tick(ms(3000), ms(3000), false);
+        assert_eq!(off.unbroken(), ms(0));
     }
 
     fn after(ticks: impl FnOnce(&mut MotorsOff)) -> (u128, u128) {

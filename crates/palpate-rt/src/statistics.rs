@@ -66,6 +66,8 @@ pub struct LoopStatistics {
     /// How long it ran, and for how much of that no force was delivered: a stall, in which there are no
     /// ticks, counts too.
     pub time: LoopTime,
+    /// For how long no force had been delivered when the last tick ended, without a break.
+    pub off_at_end: Duration,
     /// How long after its deadline a tick began.
     pub lateness: Durations,
     /// How long a tick took, from the sample's arrival to the force's.
@@ -82,6 +84,7 @@ impl LoopStatistics {
             without_sample: 0,
             motors_off: 0,
             time: LoopTime::default(),
+            off_at_end: Duration::ZERO,
             lateness: Durations::new(),
             tick: Durations::new(),
             round_trip: Durations::new(),

@@ -104,6 +104,17 @@ impl<'t> Item<'t> {
         }
     }
 
+    /// Reads what has named parts: serde would take a list of them as well.
+    fn only_a_table<V: Visitor<'t>>(self, visitor: V) -> Result<V::Value, ReadError> {
+        match self.what {
+            What::Value(DeValue::Array(_)) => {
+                let error: ReadError = de::Error::invalid_type(Unexpected::Seq, &"a table");
+                Err(error.at(&self.span))
+            }
+            _ => self.deserialize_any(visitor),
+        }
+    }
+
     fn table(&self) -> Option<&'t DeTable<'t>> {
         match self.what {
             What::Table(table) | What::Value(DeValue::Table(table)) => Some(table),
@@ -152,7 +163,19 @@ impl<'t> Deserializer<'t> for Item<'t> {
             visitor.visit_map(Entries::of(table))
         } else {
             match self.what {
-                What::Value(DeValue::Array(items)) => visitor.visit_seq(Items(items.iter())),
+                What::Value(DeValue::Array(values)) => {
+                    let mut items = Items(values.iter());
+                    let read = visitor.visit_seq(&mut items);
+                    // What a list has more than is read of it would be lost without a word.
+                    match (read, items.0.len()) {
+                        (Ok(_), left @ 1..) => {
+                            let (all, read) = (values.len(), values.len() - left);
+                            let expected = format!("an array of length {read}");
+                            Err(de::Error::invalid_length(all, &expected.as_str()))
+                        }
+                        (read, _) => read,
+                    }
+                }
                 What::Value(DeValue::String(text)) => visitor.visit_borrowed_str(text),
                 What::Value(DeValue::Boolean(value)) => visitor.visit_bool(*value),
                 What::Value(value) => match number(value) {
@@ -204,7 +227,7 @@ impl<'t> Deserializer<'t> for Item<'t> {
                     next: None,
                 })
             }
-            _ => self.deserialize_any(visitor),
+            _ => self.only_a_table(visitor),
         }
     }
 
@@ -319,7 +342,7 @@ impl<'t> MapAccess<'t> for Entries<'t> {
 
 struct Items<'t>(std::slice::Iter<'t, Spanned<DeValue<'t>>>);
 
-impl<'t> SeqAccess<'t> for Items<'t> {
+impl<'t> SeqAccess<'t> for &mut Items<'t> {
     type Error = ReadError;
 
     fn next_element_seed<T: DeserializeSeed<'t>>(
@@ -388,7 +411,7 @@ impl<'t> VariantAccess<'t> for Variant<'t> {
         _: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, ReadError> {
-        self.content("struct variant")?.deserialize_any(visitor)
+        self.content("struct variant")?.only_a_table(visitor)
     }
 }
 
@@ -487,6 +510,14 @@ mod tests {
             (
                 "number = 1\npair = [1]",
                 "[1]: invalid length 1, expected an array of length 2",
+            ),
+            (
+                "number = 1\npair = [1, 2, 3]",
+                "[1, 2, 3]: invalid length 3, expected an array of length 2",
+            ),
+            (
+                "number = 1\nshapes = [{ ball = [1] }]",
+                "[1]: invalid type: sequence, expected a table",
             ),
         ] {
             assert_eq!(read(source).unwrap_err(), said, "{source}");

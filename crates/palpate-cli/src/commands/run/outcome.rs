@@ -1,5 +1,7 @@
 //! What became of a loop, as an exit code.
 
+use std::time::Duration;
+
 use palpate_device::Device;
 use palpate_device::clock::Clock;
 use palpate_record::recording::Recording;
@@ -20,6 +22,10 @@ pub struct Asked {
     /// What to say of a device that was lost.
     pub lost: &'static str,
 }
+
+/// A trip that passes by itself counts at the end of a run when the motors have been off for as long: a shorter one is a hiccup of
+/// the machine, which the end of the run has met by chance.
+const NO_MOMENT: Duration = Duration::from_millis(100);
 
 /// Whether the loop did what it was asked to: `Err` is the gravest thing that went wrong, in the order
 /// of a panic, a recording that could not be written, a lost device, a recording that is not whole, an
@@ -65,11 +71,11 @@ fn motors<D: Device, C: Clock, R: Renders>(
     end: &LoopEnd<D, C, R>,
     asked: &Asked,
 ) -> Result<(), Failure> {
+    let statistics = &end.statistics;
     let stays = |trip: &Trip| match trip {
         Trip::DeviceLost => !asked.device_may_end,
-        other => !other.is_passing(),
+        other => !other.is_passing() || statistics.off_at_end >= NO_MOMENT,
     };
-    let statistics = &end.statistics;
     let time = statistics.time;
     let words = || motors_off(Some(time), statistics.motors_off, statistics.ticks);
     if let Some(trip) = end.trip.filter(stays) {
