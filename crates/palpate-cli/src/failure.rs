@@ -57,9 +57,9 @@ impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
         match error {
             OutputError::Write(error) => error.into(),
-            OutputError::IsInput { .. } | OutputError::Twice { .. } => {
-                Self::Arguments(error.to_string())
-            }
+            OutputError::IsInput { .. }
+            | OutputError::IsKept { .. }
+            | OutputError::Twice { .. } => Self::Arguments(error.to_string()),
         }
     }
 }

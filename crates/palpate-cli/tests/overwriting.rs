@@ -260,3 +260,100 @@ fn a_demonstration_replaces_what_it_has_made_and_nothing_else() {
     assert_eq!(folder.read("palpate-demo/notes.txt"), "mine");
     folder.succeed("demo");
 }
+
+/// A block of 12 triangles [mm], pushed by a tool.
+const BLOCK: &str = r#"
+format = 2
+[loop]
+period_s = 0.001
+[[device]]
+name = "tool"
+mass_kg = 0.2
+position_m = [0.0, 0.0, 0.0159]
+tool = { sphere = { radius_m = 0.005 } }
+[[body]]
+name = "block"
+fixed = true
+shape = { mesh = { file = "block.obj", unit = "mm" } }
+[[contact]]
+between = ["tool", "block"]
+stiffness_n_per_m = 2000.0
+[measure]
+duration_s = 0.1
+"#;
+
+/// Files that are read by a name that stands in another file or in a flag, and recordings, which may be read or not.
+#[test]
+fn what_a_scene_or_a_flag_names_and_every_recording_is_kept() {
+    let folder = with_inputs();
+    let corners = (0..8).map(|corner| {
+        let place = [1, 2, 4].map(|bit| if corner & bit == 0 { "-11" } else { "11" });
+        format!("v {}\n", place.join(" "))
+    });
+    let faces = "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    folder.write("block.obj", corners.collect::<String>() + faces);
+    folder.write("block.toml", BLOCK);
+    folder.write("motion.csv", "t,x,y,z\n0,0,0,0.017\n0.01,0,0,0.0159\n");
+    folder.write(
+        "device.toml",
+        "calibration_format = 1\ndevice_mass_kg = 0.25\ndelay_s = 0.001\nlag_s = 0.0\n",
+    );
+    folder.write("fig2.toml", common::experiment_text("fig2"));
+    folder.write("cube.toml", common::experiment_text("users/s02-light-cube"));
+    let intention = experiment("users/hand_intention").with_extension("csv");
+    std::fs::copy(intention, folder.path("hand_intention.csv")).unwrap();
+    std::fs::copy(folder.path("tap.mcap"), folder.path("other.mcap")).unwrap();
+    for (command, kept) in [
+        (
+            "render block.toml --input motion.csv --out motion.csv",
+            "motion.csv",
+        ),
+        (
+            "render block.toml --input motion.csv --out block.obj",
+            "block.obj",
+        ),
+        ("compare block.toml --out block.obj", "block.obj"),
+        (
+            "simulate fig2.toml --device-file device.toml --out device.toml",
+            "device.toml",
+        ),
+        (
+            "replay tap.mcap --device-file device.toml --out device.toml",
+            "device.toml",
+        ),
+        (
+            "simulate cube.toml --out hand_intention.csv",
+            "hand_intention.csv",
+        ),
+        ("convert tap.mcap --out other.mcap", "other.mcap"),
+        ("replay tap.mcap --out other.mcap", "other.mcap"),
+        ("simulate fig2.toml --out other.mcap", "other.mcap"),
+        ("compare fig2.toml --out other.mcap", "other.mcap"),
+        ("report tap.mcap --out other.mcap", "other.mcap"),
+    ] {
+        let before = std::fs::read(folder.path(kept)).unwrap();
+        let words = if kept.ends_with(".mcap") {
+            "other.mcap is a recording, which is never replaced".to_owned()
+        } else {
+            format!("--out would overwrite the input {kept}")
+        };
+        // What a mesh is like is said before it.
+        let answer = folder.palpate(&format!("{command} --overwrite"));
+        assert_eq!(answer.code, 2, "{command}: {answer:?}");
+        assert!(answer.stderr.contains(&words), "{command}: {answer:?}");
+        assert_eq!(
+            std::fs::read(folder.path(kept)).unwrap(),
+            before,
+            "{command}"
+        );
+    }
+    // Each works with a name of its own.
+    for command in [
+        "compare block.toml --out table.csv",
+        "render block.toml --input motion.csv --out forces.csv",
+        "simulate cube.toml --out cube.csv",
+    ] {
+        let answer = folder.palpate(command);
+        assert_eq!(answer.code, 0, "{command}: {answer:?}");
+    }
+}

@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
+use crate::inputs;
+
 /// A kind of file, and the most that is read of one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limit {
@@ -42,6 +44,7 @@ impl Limit {
     pub fn bytes(self, path: &Path) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
         self.reader(File::open(path)?).read_to_end(&mut bytes)?;
+        inputs::note(path);
         Ok(bytes)
     }
 
@@ -52,6 +55,7 @@ impl Limit {
     pub fn text(self, path: &Path) -> io::Result<String> {
         let mut text = String::new();
         self.reader(File::open(path)?).read_to_string(&mut text)?;
+        inputs::note(path);
         Ok(text)
     }
 

@@ -19,17 +19,19 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
 use crate::atomic::{self, Existing, WriteError, directory_of, follow_links, is_stream};
+use crate::inputs;
 
 /// The files that a command is going to write.
 #[derive(Debug)]
 pub struct Outputs {
     existing: Existing,
+    kept: Option<Kept>,
     inputs: BTreeMap<PathBuf, PathBuf>,
     /// What names a file, by the place where it really is.
     named: BTreeMap<PathBuf, String>,
@@ -52,6 +54,16 @@ pub enum OutputError {
         /// The input.
         input: PathBuf,
     },
+    /// The file is there, and is of a kind that is never replaced.
+    #[error("{name}: {} is {kind}, which is never replaced; name another file, or remove it first", path.display())]
+    IsKept {
+        /// What names the file.
+        name: String,
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        kind: &'static str,
+    },
     /// Two outputs are one file.
     #[error("{first} and {second} name the same file; each needs a file of its own")]
     Twice {
@@ -62,16 +74,44 @@ pub enum OutputError {
     },
 }
 
+/// A kind of file that no output replaces, told by how it begins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Kept {
+    /// What a file of this kind is, with an article.
+    pub kind: &'static str,
+    /// The bytes with which every file of this kind begins.
+    pub begins: &'static [u8],
+}
+
+impl Kept {
+    fn is(self, path: &Path) -> bool {
+        let mut begins = Vec::new();
+        let source = fs::File::open(path).map(|file| file.take(self.begins.len() as u64));
+        source.is_ok_and(|mut source| source.read_to_end(&mut begins).is_ok())
+            && begins == self.begins
+    }
+}
+
 impl Outputs {
     /// No file yet; `existing` says what becomes of files that are there already.
     #[must_use]
     pub fn new(existing: Existing) -> Self {
         Self {
             existing,
+            kept: None,
             inputs: BTreeMap::new(),
             named: BTreeMap::new(),
             planned: BTreeMap::new(),
             usable: BTreeSet::new(),
+        }
+    }
+
+    /// The same, which keeps files of a kind whatever becomes of others.
+    #[must_use]
+    pub fn keeping(self, kept: Kept) -> Self {
+        Self {
+            kept: Some(kept),
+            ..self
         }
     }
 
@@ -112,10 +152,12 @@ impl Outputs {
         if !is_stream(path)
             && let Some(place) = place_of(path)
         {
-            if let Some(input) = self.inputs.get(&place) {
-                return Err(OutputError::IsInput {
+            self.refuse_input(&place, name)?;
+            if let Some(Kept { kind, .. }) = self.kept.filter(|kept| kept.is(&place)) {
+                return Err(OutputError::IsKept {
                     name: name.to_owned(),
-                    input: input.clone(),
+                    path: path.to_owned(),
+                    kind,
                 });
             }
             if let Some(first) = self.named.get(&place) {
@@ -139,6 +181,26 @@ impl Outputs {
         Ok(())
     }
 
+    fn refuse_input(&self, place: &Path, name: &str) -> Result<(), OutputError> {
+        let read = || inputs::name_of(place);
+        match self.inputs.get(place).cloned().or_else(read) {
+            Some(input) => Err(OutputError::IsInput {
+                name: name.to_owned(),
+                input,
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// Checks the planned files against all files that were read since.
+    ///
+    /// # Errors
+    /// One of them was read.
+    pub fn spare_inputs(&self) -> Result<(), OutputError> {
+        let mut named = self.named.iter();
+        named.try_for_each(|(place, name)| self.refuse_input(place, name))
+    }
+
     /// Writes the file at `path` through `write`, whole or not at all.
     ///
     /// # Errors
@@ -153,6 +215,13 @@ impl Outputs {
             let unplanned = io::Error::other("it was not checked before the work");
             return Err(WriteError::new(path, unplanned));
         };
+        let named = || place_of(path).and_then(|place| self.named.get_key_value(&place));
+        if !is_stream(path)
+            && let Some((place, name)) = named()
+            && let Err(error) = self.refuse_input(place, name)
+        {
+            return Err(WriteError::new(path, io::Error::other(error)));
+        }
         atomic::write_over(path, *existing, write)
     }
 }
@@ -192,6 +261,43 @@ mod tests {
         let error = outputs.plan("--out", &folder.path().join("./tap.csv"));
         let words = format!("--out would overwrite the input {}", input.display());
         assert_eq!(error.unwrap_err().to_string(), words);
+    }
+
+    #[test]
+    fn what_is_read_is_never_an_output_whenever_it_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let input = folder.path().join("mesh.stl");
+        fs::write(&input, "solid").unwrap();
+        let mut outputs = Outputs::new(Existing::Replace);
+        outputs.plan("--out", &input).unwrap();
+        outputs.spare_inputs().unwrap();
+        crate::bounded::MESH.bytes(&input).unwrap();
+        let words = format!("--out would overwrite the input {}", input.display());
+        assert_eq!(outputs.spare_inputs().unwrap_err().to_string(), words);
+        let refused = outputs.write(&input, |out| out.write_all(b"t_s"));
+        assert!(refused.unwrap_err().to_string().contains(&words));
+        assert_eq!(fs::read(&input).unwrap(), b"solid");
+        let error = Outputs::new(Existing::Replace).plan("--out", &input);
+        assert_eq!(error.unwrap_err().to_string(), words);
+    }
+
+    #[test]
+    fn a_kind_of_file_is_kept_whatever_becomes_of_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let [kept, other] = ["kept.bin", "other.bin"].map(|name| folder.path().join(name));
+        fs::write(&kept, "MAGIC and more").unwrap();
+        fs::write(&other, "MAGI").unwrap();
+        let kind = Kept {
+            kind: "a treasure",
+            begins: b"MAGIC",
+        };
+        let mut outputs = Outputs::new(Existing::Replace).keeping(kind);
+        outputs.plan("--out", &other).unwrap();
+        let error = outputs.plan("--plot", &kept).unwrap_err().to_string();
+        assert!(
+            error.contains("is a treasure, which is never replaced"),
+            "{error}"
+        );
     }
 
     #[test]

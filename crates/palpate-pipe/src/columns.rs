@@ -1,9 +1,9 @@
 //! What a line of the output says, and what its columns are called.
 
-use std::fmt::Write;
-
 use palpate_record::recording::{self, Flags, Value};
 use palpate_scene::method::nearest;
+
+use crate::number;
 
 /// A quantity that a line can say.
 #[derive(Clone, Copy, Debug)]
@@ -157,8 +157,7 @@ impl Columns {
             match column {
                 AnswerColumn::OfRow(column) => match column.value(&row.values) {
                     Value::Number(number) if number.is_nan() => line.push_str("nan"),
-                    // Adding 0 turns -0 into 0. A string takes whatever is written into it.
-                    Value::Number(number) => drop(write!(line, "{}", number + 0.0)),
+                    Value::Number(number) => number::push(line, number),
                     Value::Phase(_) if row.ended => line.push_str("ended"),
                     other => line.push_str(&other.text()),
                 },

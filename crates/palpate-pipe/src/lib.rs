@@ -16,6 +16,7 @@ mod last_line;
 mod line;
 mod messages;
 mod mistake;
+mod number;
 mod serving;
 mod stream;
 mod summary;

@@ -19,6 +19,8 @@ pub(crate) struct Tracking {
     seen: Vec<Vector>,
     pub seen_turn: Vec<Rotation>,
     is_seen: bool,
+    /// Angular velocities from the sample before that one to it `[rad/s]`, if both were finite.
+    spin: Vec<Vector3>,
     turns: Vec<bool>,
     /// Time since the last sample that was used `[s]`.
     since: f64,
@@ -41,6 +43,7 @@ impl Tracking {
             seen: vec![[0.0; 3]; tools],
             seen_turn: not_turned,
             is_seen: false,
+            spin: vec![Vector3::zeros(); tools],
             turns: turns.to_vec(),
             since: 0.0,
         }
@@ -97,7 +100,24 @@ impl Tracking {
         } else {
             None
         };
-        let confirmed = was_seen && fast(&self.seen, &self.seen_turn, duration).is_none();
+        // Who turns faster than the limit, but as fast as before, really does.
+        let mut spins_on = |tool: usize, limit: f64| {
+            let turned = turn_of(tool) * self.seen_turn[tool].inverse();
+            let spin = turned.scaled_axis() / duration;
+            let before = std::mem::replace(&mut self.spin[tool], spin);
+            was_seen && (spin - before).norm() <= SPIN_KEPT_WITHIN * limit
+        };
+        let spin_limit = in_loop.turning_limit.unwrap_or(f64::INFINITY);
+        let spin_on =
+            (0..self.seen_turn.len()).fold(true, |all, tool| spins_on(tool, spin_limit) && all);
+        let moves = |tool: usize| {
+            let limit = in_loop.speed_limit.unwrap_or(f64::INFINITY);
+            let way = Vector3::from(sample.positions[tool]) - Vector3::from(self.seen[tool]);
+            way.norm() <= limit * duration
+        };
+        let goes_on = spin_on && (0..self.seen.len()).all(moves);
+        let confirmed =
+            was_seen && (goes_on || fast(&self.seen, &self.seen_turn, duration).is_none());
         let turns = &self.turns;
         for (tool, seen) in self.seen_turn.iter_mut().enumerate() {
             let turned = unit(sample.orientations.get(tool)).filter(|_| turns[tool]);
@@ -126,6 +146,7 @@ impl Tracking {
         self.seen.copy_from_slice(&other.seen);
         self.seen_turn.copy_from_slice(&other.seen_turn);
         self.is_seen = other.is_seen;
+        self.spin.copy_from_slice(&other.spin);
         self.since = other.since;
     }
 
@@ -173,6 +194,9 @@ impl Tracking {
         }
     }
 }
+
+/// By how much an angular velocity changes from sample to sample at most, as a part of the limit, where it is kept.
+const SPIN_KEPT_WITHIN: f64 = 0.5;
 
 /// How far the length of an orientation may be from 1.
 const LENGTH_TOLERANCE: f64 = 1e-3;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{ArgAction, Args, ValueHint};
 use palpate_figure::Size;
 use palpate_files::atomic::Existing;
-use palpate_files::outputs::Outputs;
+use palpate_files::outputs::{Kept, Outputs};
 use palpate_record::trace::Part;
 
 use crate::failure::Failure;
@@ -23,10 +23,14 @@ pub struct Overwriting {
 impl Overwriting {
     /// The files of a command, none yet.
     pub fn outputs(self) -> Outputs {
-        Outputs::new(if self.overwrite {
+        let existing = if self.overwrite {
             Existing::Replace
         } else {
             Existing::Keep
+        };
+        Outputs::new(existing).keeping(Kept {
+            kind: "a recording",
+            begins: palpate_record::recording::BEGINS,
         })
     }
 }

@@ -45,6 +45,7 @@ pub fn read_trace(
         trace::read_part(io::stdin().lock(), name, part, unit)
     } else {
         let file = File::open(path).map_err(|error| Failure::System(format!("{name}: {error}")))?;
+        palpate_files::inputs::note(path);
         trace::read_part(file, name, part, unit)
     };
     let held = read.map_err(|error| match &error {

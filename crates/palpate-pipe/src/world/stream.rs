@@ -1,6 +1,5 @@
 //! From a line to its answer in a world: renderer, limits and messages, in the order of the lines.
 
-use std::fmt::Write as _;
 use std::io::{self, Write};
 
 use palpate::Fault;
@@ -15,6 +14,7 @@ use super::summary::WorldSummary;
 use crate::line::Refusal;
 use crate::messages::Messages;
 use crate::mistake::Mistakes;
+use crate::number;
 use crate::serving::{Answering, Stopped};
 
 /// Refused lines that are told one by one; of more, each doubling is.
@@ -259,9 +259,10 @@ fn answer(text: &mut String, wrenches: &[Wrench], format: &WorldFormat) {
         wrench.force.into_iter().chain(torque)
     });
     for (place, force) in numbers.enumerate() {
-        let separator = if place > 0 { "," } else { "" };
-        // A string takes every character.
-        let _ = write!(text, "{separator}{force}");
+        if place > 0 {
+            text.push(',');
+        }
+        number::push(text, force);
     }
     text.push('\n');
 }

@@ -60,6 +60,9 @@ mod unpack;
 mod walk;
 mod write;
 
+/// The bytes with which every recording begins, finished or not.
+pub const BEGINS: &[u8] = mcap::MAGIC;
+
 /// How damage begins that is of the file as a whole: nothing is left out for it.
 pub const WHOLE: &str = "the file as a whole";
 

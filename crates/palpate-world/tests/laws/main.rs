@@ -24,6 +24,7 @@ mod ideal;
 mod joints;
 mod kick;
 mod local;
+mod orientations;
 mod resting;
 mod six_axes;
 mod tumbling;

@@ -37,6 +37,8 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
             AnyScene::World(file) => worlds.push((path, file)),
         }
     }
+    // The files that the scenes name, too.
+    outputs.spare_inputs()?;
     if let (Some((path, _)), Some((contact, _))) = (worlds.first(), files.first()) {
         return Err(Failure::Arguments(format!(
             "{} is a world and {} is one contact: they have other methods, so compare them in two tables",

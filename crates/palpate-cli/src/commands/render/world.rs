@@ -33,8 +33,8 @@ pub fn run(arguments: &RenderArguments, input: &Path) -> Result<(), Failure> {
         }
     };
     worlds::only(&arguments.given, &FLAGS, path)?;
-    let mut outputs = arguments.results.check(path)?;
-    outputs.protect(input);
+    palpate_files::inputs::note(input);
+    let outputs = arguments.results.check(path)?;
     let name = input.display().to_string();
     let opened =
         std::fs::File::open(input).map_err(|error| Failure::System(format!("{name}: {error}")))?;

@@ -65,6 +65,8 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     flags.check_settings(&methods)?;
     let mut scene = file.scene.clone();
     flags.change(&mut scene, &methods)?;
+    // A device file that a flag names, too.
+    outputs.spare_inputs()?;
     let progress = Progress::new(methods.len());
     progress.begin(&format!("reading {name}"));
     let failure = |method, error: ReplayError| match error {

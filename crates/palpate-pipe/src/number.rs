@@ -1,0 +1,55 @@
+//! Numbers of an answer.
+
+use std::fmt::Write;
+
+/// Below it a number has an exponent: its decimals would be hundreds of zeros.
+const LEAST_DECIMAL: f64 = 1e-5;
+/// From it on a number has an exponent.
+const LEAST_POWER: f64 = 1e16;
+
+/// Appends a finite `number` to a line, so that it reads back as the same one: as a decimal, or with an exponent where it is very
+/// small or very large. It takes at most 24 characters, and 0 has no sign.
+pub(crate) fn push(line: &mut String, number: f64) {
+    let size = number.abs();
+    // A string takes whatever is written into it. Adding 0 turns -0 into 0.
+    let _ = if size == 0.0 || (LEAST_DECIMAL..LEAST_POWER).contains(&size) {
+        write!(line, "{}", number + 0.0)
+    } else {
+        write!(line, "{number:e}")
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_reads_back_and_is_short() {
+        let of = |number| {
+            let mut line = String::new();
+            push(&mut line, number);
+            line
+        };
+        assert_eq!(of(-0.0), "0");
+        assert_eq!(of(0.25), "0.25");
+        assert_eq!(of(1e-5), "0.00001");
+        assert_eq!(of(-1.5e-7), "-1.5e-7");
+        let mut size = 5e-324;
+        while f64::is_finite(size) {
+            for number in [
+                size,
+                -size * (1.0 + f64::EPSILON),
+                size * std::f64::consts::FRAC_1_PI,
+            ] {
+                let text = of(number);
+                assert!(text.len() <= 24, "{text}");
+                assert_eq!(text.parse::<f64>().unwrap(), number);
+            }
+            size *= 3.7;
+            if size == 1.5e-323 {
+                size = 1e-320;
+            }
+        }
+        assert!(of(f64::MAX).len() <= 24);
+    }
+}

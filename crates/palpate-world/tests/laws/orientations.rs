@@ -1,0 +1,90 @@
+//! Which measured orientations are believed.
+
+use palpate_world::{CoupledParams, Sample, WorldLoop, WorldRenderer};
+
+use crate::six_axes::on_a_ball;
+
+#[test]
+fn an_orientation_that_is_none_gives_no_wrench_and_a_fault() {
+    let (world, device) = on_a_ball();
+    let params = CoupledParams::new(vec![[0.15; 3]]).with_device_inertia(vec![[1e-4; 3]]);
+    let renderer = WorldRenderer::new(&world, WorldLoop::new(0.001), params).unwrap();
+    let (_, turned) = device.pose();
+    let pressed = [[0.002, 0.0, 0.015]];
+    let bad = [
+        [0.0; 4],
+        [f64::NAN, 0.0, 0.0, 0.0],
+        [2.0, 0.0, 0.0, 0.0],
+        [1e300, 1e300, 0.0, 0.0],
+        [f64::INFINITY, 0.0, 0.0, 0.0],
+    ];
+    for orientation in bad.map(Some).into_iter().chain([None]) {
+        let mut state = renderer.start();
+        for _ in 0..4 {
+            let output = renderer.step(&mut state, &Sample::at(&pressed).turned(&[turned]));
+            assert_eq!(output.fault, None);
+        }
+        let output = renderer.step(&mut state, &Sample::at(&pressed).turned(&[turned]));
+        assert!(output.torques[0] != [0.0; 3] && output.forces[0] != [0.0; 3]);
+        let given: Vec<_> = orientation.into_iter().collect();
+        let output = renderer.step(&mut state, &Sample::at(&pressed).turned(&given));
+        let fault = output.fault.unwrap();
+        assert_eq!(
+            fault.fault,
+            palpate::Fault::OrientationNotUnit,
+            "{orientation:?}"
+        );
+        assert_eq!(fault.tool, Some(0));
+        assert_eq!((output.forces[0], output.torques[0]), ([0.0; 3], [0.0; 3]));
+        // Of nearly length 1 it is brought to that, and its negative is the same.
+        let near = turned.map(|part| -1.0005 * part);
+        let output = renderer.step(&mut state, &Sample::at(&pressed).turned(&[near]));
+        assert_eq!(output.fault, None);
+    }
+    // A turn by a radian within a sample is not believed until the next confirms it.
+    let mut state = renderer.start();
+    for _ in 0..2 {
+        let _ = renderer.step(&mut state, &Sample::at(&pressed).turned(&[turned]));
+    }
+    let half = 0.5_f64;
+    let leapt = [[half.cos(), 0.0, 0.0, half.sin()]];
+    let output = renderer.step(&mut state, &Sample::at(&pressed).turned(&leapt));
+    assert_eq!(output.fault.unwrap().fault, palpate::Fault::JumpTooFast);
+    let output = renderer.step(&mut state, &Sample::at(&pressed).turned(&leapt));
+    assert_eq!(output.fault, None);
+}
+
+/// A tool that turns by 0.15 rad from sample to sample, which is more than is believed of a jump.
+#[test]
+fn a_tool_that_spins_is_pushed() {
+    let (world, device) = on_a_ball();
+    let params = CoupledParams::new(vec![[0.15; 3]]).with_device_inertia(vec![[1e-4; 3]]);
+    let renderer = WorldRenderer::new(&world, WorldLoop::new(0.001), params).unwrap();
+    let (_, turned) = device.pose();
+    let pressed = [[0.002, 0.0, 0.015]];
+    let mut state = renderer.start();
+    let mut refused = 0;
+    for sample in 0..100_u32 {
+        // About the vertical axis, from 0 on.
+        let half = 0.5 * 0.15 * f64::from(sample);
+        let [w, x, y, z] = turned;
+        let (s, c) = half.sin_cos();
+        let spun = [[c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w]];
+        let output = renderer.step(&mut state, &Sample::at(&pressed).turned(&spun));
+        refused += u32::from(output.fault.is_some());
+        assert!(
+            sample < 10 || output.forces[0][2] > 0.0,
+            "{sample}: {output:?}"
+        );
+    }
+    // The first turn is not believed, and the second has turned on by as much.
+    assert_eq!(refused, 1);
+    // One that shakes as fast does not turn on.
+    for sample in 0..8_u32 {
+        let half = if sample % 2 == 0 { 0.5 } else { -0.5_f64 };
+        let shaken = [[half.cos(), 0.0, 0.0, half.sin()]];
+        let output = renderer.step(&mut state, &Sample::at(&pressed).turned(&shaken));
+        let fault = output.fault.map(|fault| fault.fault);
+        assert_eq!(fault, Some(palpate::Fault::JumpTooFast), "{sample}");
+    }
+}
