@@ -15,7 +15,7 @@ mod several;
 pub mod two_diy;
 
 pub use arguments::{DeviceArguments, DeviceName};
-pub use several::{FLAGS_OF_A_DEVICE, names, open_for_world};
+pub use several::{FLAGS_OF_A_DEVICE, kinds, names, open_for_world};
 
 use palpate::AlongAxis;
 use palpate_device::clock::Clock;
@@ -103,26 +103,8 @@ pub struct OpenedInWorld {
     identity: Option<String>,
 }
 
-/// Opens the only device of a world, as [`open`] does for one contact, with the hand that leads the device `pointer`; without
-/// one that device stays where it begins.
-pub fn open_in_world_with<C: Clock>(
-    arguments: &DeviceArguments,
-    scene: &WorldScene,
-    clock: &C,
-    guarding: &Guarding,
-    hand: Option<&SpatialHand>,
-) -> Result<OpenedInWorld, Failure> {
-    let [own] = &scene.devices[..] else {
-        return Err(Failure::input(format_args!(
-            "the world has {} devices; here a world of one device is rendered, `palpate run` and `palpate record` \
-             render one of several",
-            scene.devices.len()
-        )));
-    };
-    open_as(own, arguments, scene, clock, guarding, hand)
-}
-
-/// Opens the device that `arguments` name as the device `own` of a world.
+/// Opens the device that `arguments` name as the device `own` of a world, as [`open`] does for one contact, with the hand that
+/// leads the device `pointer`; without one that device stays where it begins.
 fn open_as<C: Clock>(
     own: &WorldDevice,
     arguments: &DeviceArguments,
