@@ -128,36 +128,41 @@ test("two fingers hold the cube, one mouse after the other, and both forces are 
       await open.pass(0.05);
     }
   };
-  // Each into the cube by 6 mm less the gap of 0.2 mm; one hand holds while the other is led.
-  await press("ArrowRight", 6);
-  await press("2", 1);
-  await press("ArrowLeft", 6);
-  const felt = () => [0, 1].map((lane) => palpate.model.newest(0, ["force_on_device_n", "force_on_device_n right"][lane]));
-  await open.until("both are pushed back", () => {
-    const [left, right] = ["force_on_device_n", "force_on_device_n right"].map((name) => palpate.model.newest(0, name));
-    return left > 0.5 && right > 0.5 && palpate.space.lanes[0].felt.shown === 2;
-  });
+  // Each into the cube by 6 mm less the gap of 0.2 mm, one hand holding while the other is led; then both up.
+  const pinch = async () => {
+    await press("1", 1);
+    await press("ArrowRight", 6);
+    await press("2", 1);
+    await press("ArrowLeft", 6);
+    const felt = await open.get(() => ({
+      left: palpate.model.newest(0, "force_on_device_n"),
+      right: palpate.model.newest(0, "force_on_device_n right"),
+      arrows: palpate.space.lanes[0].felt.shown,
+    }));
+    await press("0", 1);
+    await press("PageUp", 6);
+    const isLifted = await open.get(() => palpate.space.lanes[0].bodies[0].position.z > 0.015 + 0.003);
+    const areAlike = felt.left > 0.5 && felt.right > 0.5 && Math.abs(felt.left - felt.right) < 0.3 * (felt.left + felt.right);
+    return isLifted && areAlike && felt.arrows === 2;
+  };
+  // A busy machine stops the loop now and then: the fingers have no force then, go deep into the cube, and kick it away.
+  let isHeld = await pinch();
+  for (let attempt = 1; attempt < 10 && !isHeld; attempt += 1) {
+    const run = await open.get(() => palpate.model.run);
+    await open.page.click("#restart");
+    await open.until("another run", (before) => palpate.model.run !== before && palpate.model.newestS > 0.1, run);
+    await open.page.focus("#space");
+    isHeld = await pinch();
+  }
+  assert.ok(isHeld, "two like forces with an arrow each, and the cube is lifted");
   // They stand beside the cube; none is behind it.
   const aside = await open.get(() => [0, 1].map((tool) => palpate.space.toolOnCanvas(0, tool)[0] / palpate.space.canvas.clientWidth));
   assert.ok(aside[0] < 0.4 && aside[1] > 0.6, `${aside}`);
-  const [left, right] = await open.get(felt);
-  assert.ok(Math.abs(left - right) < 0.3 * (left + right), `${left} N and ${right} N`);
   const legend = await open.get(() => [...document.querySelectorAll("#chart-force .legend tr")].map((row) => row.firstChild.textContent));
   assert.deepEqual(legend.slice(1), ["left", "right"]);
   await open.until("the sentence says both", () =>
     /Force on each device now: left\s[0-9.]+\sN, right\s[0-9.]+\sN\./.test(document.querySelector("#seen").textContent),
   );
-  // Both up: the cube goes with them. A busy machine stops the loop now and then, and the fingers, which have no force then,
-  // let the cube fall: they go down for it again.
-  await press("0", 1);
-  let isLifted = false;
-  for (let attempt = 0; attempt < 8 && !isLifted; attempt += 1) {
-    await press("PageUp", 6);
-    await open.pass(0.3);
-    isLifted = await open.get(() => palpate.space.lanes[0].bodies[0].position.z > 0.015 + 0.003);
-    await press("PageDown", isLifted ? 0 : 6);
-  }
-  assert.ok(isLifted, "the cube is lifted");
   await open.page.click("#pause");
   assert.equal(await open.get(() => palpate.view.paused), true);
   await picture(open, "pinch");

@@ -33,7 +33,7 @@ use crate::failure::{Failure, tell};
 #[cfg(unix)]
 use crate::values::duration;
 #[cfg(unix)]
-use palpate_devices::two_diy::usual_axis;
+use palpate_devices::two_diy::{identity, usual_axis};
 use palpate_session::Guarding;
 
 /// A device that is ready, and where the contact's axis lies in it.
@@ -183,9 +183,7 @@ fn open_two_diy<C: Clock>(
     let axis = usual_axis(setup.generation);
     // Only this one is gone on with.
     let port = setup.port().map_err(two_diy::no_port)?;
-    // One port by two names is one.
-    let identity = port.canonicalize().unwrap_or_else(|_| port.clone());
-    let identity = identity.display().to_string();
+    let identity = identity(&port);
     setup.port = Some(port);
     let guarding = arguments.is_guarded().then_some(guarding);
     let device = two_diy::open(&setup, period, clock, guarding)?;

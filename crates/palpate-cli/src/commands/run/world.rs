@@ -8,11 +8,12 @@ use palpate_files::bounded::SCENE;
 use palpate_record::recording::Receipt;
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{ControlLoop, RenderedWorld, SetupError, WorldFrame, receipt};
+use palpate_rt::{
+    ControlLoop, ReceiptOf, RenderedWorld, SetupError, WorldFrame, receipt_of_devices,
+};
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_session::{Energies, RunReport, Subject};
 use palpate_sim::device::{Told, told_of_devices};
-use palpate_study::recording::DEVICES;
 
 use super::driving::{Ran, drive, most_periods};
 use super::{Asked, SafetyArguments, SessionArguments, guarding, limits, outcome, request};
@@ -103,7 +104,14 @@ impl Session<'_> {
         let most = most_periods(arguments.duration, control.period())?;
         let record = match self.record {
             Some(out) => {
-                let receipt = receipts(&on, &names(scene), &request);
+                let each = on.iter().zip(names(scene)).map(|(on, name)| ReceiptOf {
+                    name,
+                    capabilities: &on.capabilities,
+                    limits: &on.limits,
+                    frame: &on.frame,
+                });
+                let each: Vec<_> = each.collect();
+                let receipt = receipt_of_devices(env!("CARGO_PKG_VERSION"), &each, &request);
                 Some((out, put(receipt, self.path, method)?))
             }
             None => None,
@@ -197,33 +205,6 @@ pub fn rendered(
         method,
         frames,
     ))
-}
-
-/// The receipt of a loop on these devices, but for its world: what is said of several stands under their names.
-pub fn receipts(on: &[OnDevice], names: &[&str], request: &Request) -> Receipt {
-    let of_one = |on: &OnDevice| {
-        let version = env!("CARGO_PKG_VERSION");
-        let receipt = receipt(version, &on.capabilities, &on.limits, request);
-        receipt.with("frame", &on.frame.to_string())
-    };
-    if let [on] = on {
-        return of_one(on);
-    }
-    let mut all = Receipt::new(env!("CARGO_PKG_VERSION"));
-    // In the order of their numbers.
-    all = all.with(DEVICES, &(names.join("\n") + "\n"));
-    for (on, name) in on.iter().zip(names) {
-        for (text, said) in of_one(on).texts {
-            let is_of_the_loop = text == "real time";
-            let text = if is_of_the_loop {
-                text
-            } else {
-                format!("{text} {name}")
-            };
-            all = all.with(&text, &said);
-        }
-    }
-    all
 }
 
 /// The receipt with the world as its file has it, and by which method it is rendered.
