@@ -185,3 +185,22 @@ test("a finger chooses on a narrow screen, and two methods each have both tools"
   assert.equal(await live.end(), 0);
   live.forget();
 });
+
+test("beside a device that is not led from the page, the other one is", async () => {
+  const devices = ["--device", "left=simulated", "--device", "right=pointer"];
+  const live = await startLive(...ARGUMENTS, ...devices);
+  const open = await visit(live.url);
+  await open.until("both tools have come", () => palpate.space.lanes[0]?.tools.length === 2 && palpate.model.newestS > 0.1);
+  const buttons = await open.get(() => [...document.querySelectorAll("#devices input")].map(({ disabled, checked }) => [disabled, checked]));
+  assert.deepEqual(buttons, [[true, false], [false, true]]);
+  await open.page.focus("#space");
+  for (const key of ["1", "0", "ArrowRight", "ArrowRight", "ArrowRight"]) {
+    await open.page.keyboard.press(key);
+  }
+  assert.equal(await open.get(chosen), "right");
+  await open.until("the hand was led", () => palpate.model.state.further_hands[0].hand_m[0] > 0.0202 + 2.5e-3);
+  assert.equal(await open.get(handAt, 0), null);
+  await open.leave();
+  assert.equal(await live.end(), 0);
+  live.forget();
+});

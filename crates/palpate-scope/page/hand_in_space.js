@@ -58,7 +58,8 @@ export class HandInSpace extends EventTarget {
     if (!chosen[0].isLeadable && this.isLeadable) {
       return;
     }
-    this.choice = choice;
+    // All of one are that one.
+    this.choice = chosen.length === 1 ? chosen[0].number : choice;
     [this.first] = chosen;
     this.dispatchEvent(new Event("chosen"));
   }

@@ -94,7 +94,8 @@ function tellKeys() {
   const turning = hand.turns ? " With ctrl, or by X, Y and Z (with shift back), it turns." : "";
   const last = devices.length;
   const choices = last > 2 ? `1 to ${last} or 0 (all)` : "1, 2 or 0 (both)";
-  const choosing = last > 1 ? ` Take hold of a tool to choose it, or press ${choices}.` : "";
+  const areChosen = devices.filter(({ pointer }) => pointer).length > 1;
+  const choosing = areChosen ? ` Take hold of a tool to choose it, or press ${choices}.` : "";
   place("keys").textContent = hand.isLeadable
     ? `Drag to move the hand in the plane of the screen; with shift, or by the wheel, to and from you.${choosing}${turning} Right button: turn the view. Arrows and page keys move by 1 mm; Escape lets go.`
     : `${kinds}: ${last > 1 ? "these devices are" : "this device is"} not led from here. Right button: turn the view.`;
