@@ -15,6 +15,7 @@ await import("./live/exports.mjs");
 await import("./live/connection.mjs");
 await import("./live/looks.mjs");
 await import("./live/worlds.mjs");
+await import("./live/several.mjs");
 
 // As a test, not as something after all tests: that would wait for the browser to end.
 test("the browser ends", closeBrowser);

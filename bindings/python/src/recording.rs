@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use numpy::PyArray1;
 use palpate_record::recording::{
-    BodyTick, Entry, Event, Flags, Kind, Phase, Recording, Row, Value, columns,
+    BodyTick, DeviceTick, Entry, Event, Flags, Kind, Phase, Recording, Row, Value, columns,
 };
 use palpate_study::recording::report::RecordingReport;
 use pyo3::prelude::*;
@@ -32,21 +32,23 @@ type InPython<'py> = (
     Vec<(u64, f64, String, String)>,
     Vec<(String, String)>,
     Bound<'py, PyArray1<u64>>,
+    Bound<'py, PyArray1<u64>>,
 );
 
 /// Reads a recording: the report on it as JSON and as text, its rows, one for each contact of a tick, its events, the texts of its
-/// receipt, and the bodies of a world.
+/// receipt, the bodies of a world, and the devices of a loop that has several.
 #[pyfunction]
 pub fn read_recording(py: Python<'_>, path: PathBuf) -> PyResult<InPython<'_>> {
     let read = interruptible(py, move |stop| {
         let recording = Recording::open(&path)?;
         let report = RecordingReport::new(&recording)?;
-        let (mut words, mut of_bodies) = (Words::new(), Words::new());
+        let (mut words, mut of_bodies, mut of_devices) = (Words::new(), Words::new(), Words::new());
         let mut events = Vec::new();
         for entry in recording.entries()? {
             match entry? {
-                Entry::Tick(tick, contacts, bodies, _) => {
+                Entry::Tick(tick, contacts, bodies, devices) => {
                     of_bodies.extend(bodies.iter().flat_map(body));
+                    of_devices.extend(devices.iter().flat_map(device));
                     for row in Row::of(tick, &contacts) {
                         words.extend(columns().iter().map(|column| word(column.value(&row))));
                     }
@@ -56,9 +58,10 @@ pub fn read_recording(py: Python<'_>, path: PathBuf) -> PyResult<InPython<'_>> {
             stop.leave_if_raised();
         }
         let said = (palpate_study::json(&report), report.to_string());
-        Ok((said, words, events, recording.receipt.texts, of_bodies))
+        let texts = recording.receipt.texts;
+        Ok((said, words, events, texts, of_bodies, of_devices))
     })?;
-    let (said, words, events, texts, of_bodies) = read.map_err(unread)?;
+    let (said, words, events, texts, of_bodies, of_devices) = read.map_err(unread)?;
     let events = events.into_iter();
     let events = events.map(
         |Event {
@@ -74,6 +77,7 @@ pub fn read_recording(py: Python<'_>, path: PathBuf) -> PyResult<InPython<'_>> {
         events.collect(),
         texts.into_iter().collect(),
         array(py, of_bodies),
+        array(py, of_devices),
     ))
 }
 
@@ -88,6 +92,29 @@ pub fn body(body: &BodyTick) -> [u64; BODY] {
     let numbers = body.position.iter().chain(&body.orientation);
     let numbers = numbers.chain(&body.velocity).chain(&body.angular_velocity);
     for (word, number) in words[2..].iter_mut().zip(numbers) {
+        *word = number.to_bits();
+    }
+    words
+}
+
+/// Words of one of several devices at a tick: number of the tick, number of the device, flags, when it was sampled, how long it
+/// took to answer, its place and how it is turned, and what was commanded and held.
+const DEVICE: usize = 24;
+
+/// One of several devices at a tick, in words.
+pub fn device(device: &DeviceTick) -> [u64; DEVICE] {
+    let mut words = [0; DEVICE];
+    words[0] = device.sequence;
+    words[1] = device.device.into();
+    words[2] = device.flags.0.into();
+    let times = [device.time, device.round_trip];
+    let numbers = times.iter().chain(&device.axes).chain(&device.orientation);
+    let numbers = numbers
+        .chain(&device.commanded_force)
+        .chain(&device.commanded_torque)
+        .chain(&device.delivered_force)
+        .chain(&device.delivered_torque);
+    for (word, number) in words[3..].iter_mut().zip(numbers) {
         *word = number.to_bits();
     }
     words

@@ -279,7 +279,7 @@ def test_wrong_devices_and_worlds_are_said() -> None:
         (palpate.devices.Pointer(), model, "a world runs on palpate.devices.PointerInWorld"),
         (pointer, contact, "device is of a World"),
         (palpate.devices.Simulated(model), contact, "device is of a World"),
-        (palpate.devices.Simulated(two), two, "the world has 2 devices"),
+        (palpate.devices.Simulated(two), two, "the world has the devices one and other; a Loop of it takes one for each"),
         (palpate.devices.TwoDiy("/nowhere", normal=(0, 1)), model, "normal is for a Renderer"),
         (palpate.devices.Inverse3("ws://127.0.0.1:1", normal=(0, 1, 0)), model, "normal is for a Renderer"),
     ]:

@@ -220,11 +220,11 @@ impl Playground {
                 about: "record",
                 why: "the playground records nothing; palpate live does".into(),
             }),
-            ClientMessage::Request(ClientRequest::Tool(_)) => Err(Refused {
+            ClientMessage::Request(ClientRequest::Tool { .. }) => Err(Refused {
                 about: "tool",
                 why: "one contact has a hand along one axis".into(),
             }),
-            ClientMessage::Request(ClientRequest::Turn(_)) => Err(Refused {
+            ClientMessage::Request(ClientRequest::Turn { .. }) => Err(Refused {
                 about: "turn",
                 why: "one contact turns nothing".into(),
             }),

@@ -176,17 +176,41 @@ fn a_device_that_is_not_named_as_it_must_be_is_refused() {
         told.contains("on the devices `left: simulated, right: simulated`"),
         "{told}"
     );
-    // One loop of one contact, one of a world with one device, and a page do not take several.
+    // One contact does not take several.
     folder.write("wall.toml", experiment_text("wall"));
     let (code, _, said) = answer(program(&folder, "run wall.toml --fast", &devices));
     assert!(code == 2 && said.contains("--device: one device"), "{said}");
-    let answer = folder.palpate("live pinch.toml --listen 127.0.0.1:0 --duration 0.1");
-    assert_eq!(answer.code, 3, "{answer:?}");
-    assert!(
-        answer
-            .stderr
-            .contains("here a world of one device is rendered"),
-        "{answer:?}"
+}
+
+#[test]
+fn a_page_has_several_devices_each_by_its_name() {
+    let folder = folder();
+    let live =
+        "live pinch.toml --listen 127.0.0.1:0 --duration 0.2 --stall-after 1000 --priority 0";
+    // 5 where a busy machine kept the motors off for most of the time.
+    for (devices, device) in [
+        (&[][..], "`left: pointer, right: pointer`"),
+        (
+            &["left=pointer", "right=simulated"],
+            "`left: pointer, right: simulated`",
+        ),
+    ] {
+        let devices: Vec<String> = devices.iter().map(|device| (*device).to_owned()).collect();
+        let (code, told, said) = answer(program(&folder, live, &devices));
+        assert!(matches!(code, 0 | 5), "{code}: {said}");
+        assert!(told.contains(device), "{told}");
+    }
+    let refused = |devices: &[&str], flags: &str, words: &str| {
+        let devices: Vec<String> = devices.iter().map(|device| (*device).to_owned()).collect();
+        let command = program(&folder, &format!("{live} {flags}"), &devices);
+        let (code, _, said) = answer(command);
+        assert!(code == 2 && said.contains(words), "{code}: {said}");
+    };
+    refused(&["left=pointer"], "", "right is not named");
+    refused(
+        &["left=pointer", "right=inverse3"],
+        "--method basic,coupled",
+        "can be in one loop only",
     );
 }
 
@@ -280,14 +304,27 @@ fn two_inverse3_pinch_a_cube() {
 #[test]
 fn what_ends_a_loop_takes_the_force_off_both() {
     let folder = folder();
-    for (ends, code, words) in [
-        ("right", 1, "device right: the device was lost"),
-        ("left", 1, "device left: the device was lost"),
-        ("TERM", 130, "stopped before its"),
+    for (of, ends, code, words) in [
+        ("run", "right", 1, "device right: the device was lost"),
+        ("run", "left", 1, "device left: the device was lost"),
+        ("run", "TERM", 130, "stopped before its"),
+        // With a page on it.
+        (
+            "live --listen 127.0.0.1:0",
+            "right",
+            1,
+            "device right: the device was lost",
+        ),
+        (
+            "live --listen 127.0.0.1:0",
+            "TERM",
+            130,
+            "stopped before its",
+        ),
     ] {
         let emulators = two_fingers();
-        let run = "run pinch.toml --priority 0 --stall-after 50 --duration 100";
-        let mut command = program(&folder, run, &on(&emulators));
+        let run = format!("{of} pinch.toml --priority 0 --stall-after 50 --duration 100");
+        let mut command = program(&folder, &run, &on(&emulators));
         let running = Running::start(&mut command);
         let force = |emulator: &Emulator| emulator.force(ID).unwrap_or_default()[0];
         wait_for("two forces", || {

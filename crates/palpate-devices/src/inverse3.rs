@@ -4,6 +4,13 @@ use palpate_device::clock::Clock;
 use palpate_device::{Capabilities, Device, DeviceError, Pose, Wrench, ZeroWriter};
 use palpate_haply::inverse3::{Inspector, Inverse3};
 
+/// Which Inverse3 it is: one service by two names is one.
+#[must_use]
+pub fn identity(service: &str, device_id: &str) -> String {
+    let service = service.replace("//localhost", "//127.0.0.1");
+    format!("Inverse3 {device_id} of {}", service.trim_end_matches('/'))
+}
+
 /// Tells in the end what did not go over the connection as it should.
 pub struct Overheard<C> {
     device: Inverse3<C>,

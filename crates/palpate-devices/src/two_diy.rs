@@ -1,6 +1,6 @@
 //! The Haply 2DIY on a serial port: found, opened with its guardian, and let go of in the end.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 use std::time::Duration;
@@ -19,6 +19,13 @@ use crate::Axis;
 pub fn usual_axis(generation: Generation) -> Axis {
     let [x, y] = generation.usual_origin();
     ([x, y, 0.0], [0.0, 1.0, 0.0])
+}
+
+/// Which 2DIY it is: one port by two names is one.
+#[must_use]
+pub fn identity(port: &Path) -> String {
+    let own = port.canonicalize();
+    own.as_deref().unwrap_or(port).display().to_string()
 }
 
 /// Which 2DIY, and how its arm stands while it is opened.

@@ -90,7 +90,7 @@ mod wire;
 pub use bounded_world::{Answered, BoundedWorld, Held, WorldSafety};
 pub use control_loop::ControlLoop;
 pub use note::{Ending, Note, Noted};
-pub use receipt::receipt;
+pub use receipt::{ReceiptOf, receipt, receipt_of_devices};
 pub use recorder::{Account, Recorder};
 pub use rendering::{
     Answer, CHANGE_DURATION, ChangeError, ChangingWorld, FrameError, Fresh, FreshDevice,

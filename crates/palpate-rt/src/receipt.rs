@@ -3,10 +3,14 @@
 use std::fmt::Write as _;
 
 use palpate_device::{Capabilities, Vector};
-use palpate_record::recording::Receipt;
+use palpate_record::recording::{DEVICES, Receipt};
 
 use crate::realtime::Request;
+use crate::rendering::WorldFrame;
 use crate::safety::SafetyParams;
+
+/// Text of the receipt that says what the machine was asked for.
+const REAL_TIME: &str = "real time";
 
 /// The receipt of a recording by version `version` of a program, but for its scene.
 #[must_use]
@@ -19,7 +23,47 @@ pub fn receipt(
     Receipt::new(version)
         .with("device", &of_device(device))
         .with("safety", &of_safety(limits))
-        .with("real time", &of_request(request))
+        .with(REAL_TIME, &of_request(request))
+}
+
+/// A device of a world, for the receipt of its loop.
+#[derive(Clone, Copy, Debug)]
+pub struct ReceiptOf<'a> {
+    /// What it is called in the world.
+    pub name: &'a str,
+    /// What it can do.
+    pub capabilities: &'a Capabilities,
+    /// What may reach it.
+    pub limits: &'a SafetyParams,
+    /// Where it stands in the world.
+    pub frame: &'a WorldFrame,
+}
+
+/// The receipt of a loop of a world on these devices, but for its world: what is said of each of several stands under its name.
+#[must_use]
+pub fn receipt_of_devices(version: &str, devices: &[ReceiptOf<'_>], request: &Request) -> Receipt {
+    let of_one = |of: &ReceiptOf<'_>| {
+        let receipt = receipt(version, of.capabilities, of.limits, request);
+        receipt.with("frame", &of.frame.to_string())
+    };
+    if let [of] = devices {
+        return of_one(of);
+    }
+    // In the order of their numbers.
+    let names = devices.iter().map(|of| format!("{}\n", of.name));
+    let mut all = Receipt::new(version).with(DEVICES, &names.collect::<String>());
+    for of in devices {
+        for (text, said) in of_one(of).texts {
+            let is_of_the_loop = text == REAL_TIME;
+            let text = if is_of_the_loop {
+                text
+            } else {
+                format!("{text} {}", of.name)
+            };
+            all = all.with(&text, &said);
+        }
+    }
+    all
 }
 
 /// Lines of `key = value`, as TOML has them.

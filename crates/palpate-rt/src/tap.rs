@@ -145,8 +145,9 @@ impl Tap {
         self.push(count, devices.chain(of_tick));
     }
 
-    /// Tells the names of the devices of a loop that has several, in their order; for before its first tick, and once.
-    pub(crate) fn name_devices(&self, names: Vec<String>) {
+    /// Tells the names of the devices of a loop that has several, in their order; for before its first tick, and once. A loop
+    /// does it by itself; whoever passes on what a loop has told does it with [`Listener::device_names`].
+    pub fn name_devices(&self, names: Vec<String>) {
         // The first ones stay.
         let _ = self.names.set(names);
     }

@@ -5,6 +5,9 @@ const DASHED = [6, 4];
 const DOTTED = [1.5, 3];
 const BOTH = [7, 3, 1.5, 3];
 
+/** What tells the curves of one chart from each other. */
+export const DASHES = [SOLID, DASHED, DOTTED, BOTH];
+
 /** `least`: the smallest range of the axis, so that rounding errors do not look like something. */
 export const CHARTS = [
   {

@@ -1,8 +1,7 @@
-// Leading the hand of a world, and turning it: by dragging in the scene, by the wheel, or by keys.
+// Leading the hands of a world, and turning them: by dragging in the scene, by the wheel, or by keys.
 
-import { SAY_S } from "./pace.js";
-import { say } from "./protocol.js";
-import { Wish } from "./wish.js";
+import { devicesOf } from "./devices.js";
+import { Led } from "./led.js";
 
 /** How far a key moves the hand [m], and a notch of the wheel. */
 const KEY_M = 1e-3;
@@ -11,8 +10,12 @@ const FINE = 0.1;
 /** How far a key turns the hand [rad], and a way on the screen [rad/px]. */
 const KEY_RAD = Math.PI / 180;
 const PIXEL_RAD = 0.008;
+/** How far beside a tool a mouse and a finger take hold of it [px]. */
+const BESIDE_PX = { mouse: 12, touch: 28 };
+/** The choice of all devices. */
+export const ALL = "all";
 
-export class HandInSpace {
+export class HandInSpace extends EventTarget {
   /**
    * @param {HTMLCanvasElement} canvas it is dragged, and has the focus for keys
    * @param {import("./space.js").Space | null} space null where the browser draws nothing in three dimensions
@@ -20,11 +23,14 @@ export class HandInSpace {
    * @param {(message: object) => boolean} send
    */
   constructor(canvas, space, model, send) {
+    super();
     Object.assign(this, { canvas, space, model, send });
-    /** Where it is to be [m]. */
-    this.led = new Wish(SAY_S);
-    /** How it is to be turned, w, x, y, z. */
-    this.turned = new Wish(SAY_S);
+    /** The hand of each device; none before hello. */
+    this.hands = [];
+    /** Number of the device that is led, or `ALL`. */
+    this.choice = 0;
+    /** The hand that follows the pointer itself; others that are led go the same way. */
+    this.first = null;
     /** What a pointer that is down does: `grip` is what the hand is away from where the pointer is. */
     this.downs = new Map();
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
@@ -37,68 +43,73 @@ export class HandInSpace {
     canvas.addEventListener("keydown", (event) => this.key(event));
   }
 
-  get isLeadable() {
-    return this.model.hello?.device.pointer === true;
+  /** Makes the hands: another world has come. */
+  begin() {
+    this.hands = devicesOf(this.model.hello).map((_, number) => new Led(number, this.model, this.space, this.send));
+    this.choose(Math.max(0, this.hands.findIndex(({ isLeadable }) => isLeadable)));
   }
 
-  /** Whether it turns its tool. */
-  get turns() {
-    return this.isLeadable && this.model.hello.world.tools[0]?.turns === true;
-  }
-
-  /** The tool that nobody holds: as it is seen, or else as it began. */
-  get tool() {
-    const began = this.model.hello?.world.tools[0];
-    const { position = began?.position_m ?? [0, 0, 0], orientation = began?.orientation ?? [1, 0, 0, 0] } = this.space?.tool() ?? {};
-    return { position, orientation };
-  }
-
-  /** Where it is led from: what was asked for last, what the server says, or where the tool is. */
-  get fromM() {
-    return this.led.value ?? this.model.state?.hand_m ?? this.tool.position;
-  }
-
-  /** What it is turned from. */
-  get turnedFrom() {
-    const { hello, state } = this.model;
-    const told = state?.hand_m ? (state.hand_orientation ?? hello.world.tools[0].orientation) : null;
-    return this.turned.value ?? told ?? this.tool.orientation;
-  }
-
-  lead(toM) {
-    if (this.isLeadable) {
-      this.led.ask(toM);
-    }
-  }
-
-  /** Turns the hand, which takes hold of its tool if it had let go. */
-  turnTo(orientation) {
-    if (!this.turns) {
+  /** Leads this device from now on, or all of them; a device that is not led from here changes nothing. */
+  choose(choice) {
+    const chosen = choice === ALL ? this.hands.filter(({ isLeadable }) => isLeadable) : [this.hands[choice]];
+    if (chosen.length === 0 || !chosen[0]) {
       return;
     }
-    if (!this.model.state?.hand_m) {
-      this.lead(this.fromM);
+    if (!chosen[0].isLeadable && this.isLeadable) {
+      return;
     }
-    const length = Math.hypot(...orientation);
-    this.turned.ask(orientation.map((part) => part / length));
+    // All of one are that one.
+    this.choice = chosen.length === 1 ? chosen[0].number : choice;
+    [this.first] = chosen;
+    this.dispatchEvent(new Event("chosen"));
+  }
+
+  /** The hands that are led. */
+  get chosen() {
+    return this.choice === ALL ? this.hands.filter(({ isLeadable }) => isLeadable) : this.hands.filter(({ number }) => number === this.choice);
+  }
+
+  get isLeadable() {
+    return this.hands.some(({ isLeadable }) => isLeadable);
+  }
+
+  /** Whether a hand that is led turns its tool. */
+  get turns() {
+    return this.chosen.some(({ turns }) => turns);
+  }
+
+  /** Where the hand that follows the pointer is led from [m]. */
+  get fromM() {
+    return this.first.fromM;
+  }
+
+  /** Leads the hand that follows the pointer to a place, and the others that are chosen by as much. */
+  lead(toM) {
+    const from = this.fromM;
+    for (const hand of this.chosen) {
+      hand.lead(hand === this.first ? toM : hand.fromM.map((x, axis) => x + toM[axis] - from[axis]));
+    }
+  }
+
+  /** Turns each tool that is chosen from how it is. */
+  turnEach(turned) {
+    for (const hand of this.chosen) {
+      hand.turnTo(turned(hand.turnedFrom));
+    }
   }
 
   /** Nothing that was asked for counts any more. */
   drop() {
-    this.led.drop();
-    this.turned.drop();
+    this.hands.forEach((hand) => hand.drop());
   }
 
   letGo() {
-    this.drop();
-    this.send(say.tool(null));
+    this.chosen.forEach((hand) => hand.letGo());
   }
 
   /** With each frame of the screen, at this time [s]. */
   frame(nowS) {
-    const { state } = this.model;
-    this.led.frame(nowS, state?.hand_m, (to) => this.send(say.tool(to)));
-    this.turned.frame(nowS, state?.hand_orientation, (to) => this.send(say.turn(to)));
+    this.hands.forEach((hand) => hand.frame(nowS));
   }
 
   /** What the hand is away from a place on the canvas, in the plane of the screen [m]. */
@@ -107,14 +118,30 @@ export class HandInSpace {
     return this.space.meet(x, y, from)?.map((met, axis) => from[axis] - met);
   }
 
+  /** The tool at the pointer is the one that is led, or that follows the pointer where all are. */
+  takeHold(x, y, pointerType) {
+    const at = this.hands.length > 1 ? this.space.toolAt(x, y, BESIDE_PX[pointerType] ?? BESIDE_PX.mouse) : null;
+    if (at === null || !this.hands[at].isLeadable) {
+      return;
+    }
+    if (this.choice === ALL) {
+      this.first = this.hands[at];
+    } else {
+      this.choose(at);
+    }
+  }
+
   down(event) {
-    if (!this.space || !this.model.hello) {
+    if (!this.space || !this.first) {
       return;
     }
     this.canvas.setPointerCapture(event.pointerId);
     const [x, y] = [event.offsetX, event.offsetY];
     // Two fingers, or another button, turn the view.
     const turnsView = event.button !== 0 || event.altKey || this.downs.size > 0;
+    if (!turnsView) {
+      this.takeHold(x, y, event.pointerType);
+    }
     this.downs.set(event.pointerId, { x, y, turnsView, grip: this.gripAt(x, y) });
     if (!turnsView) {
       this.canvas.classList.add("leading");
@@ -133,7 +160,7 @@ export class HandInSpace {
     if (down.turnsView || this.downs.size > 1) {
       this.space.turn(-PIXEL_RAD * dx, PIXEL_RAD * dy);
     } else if (event.ctrlKey && this.turns) {
-      this.turnTo(this.space.rolled(this.turnedFrom, PIXEL_RAD * dx, PIXEL_RAD * dy));
+      this.turnEach((from) => this.space.rolled(from, PIXEL_RAD * dx, PIXEL_RAD * dy));
       down.grip = this.gripAt(x, y);
     } else if (event.shiftKey) {
       this.lead(this.space.deeper(this.fromM, (-dy * this.space.distance) / this.canvas.clientHeight));
@@ -153,7 +180,7 @@ export class HandInSpace {
 
   wheel(event) {
     event.preventDefault();
-    if (!this.space) {
+    if (!this.space || !this.first) {
       return;
     }
     const notches = -event.deltaY / 100;
@@ -166,7 +193,7 @@ export class HandInSpace {
 
   key(event) {
     // With these a key is the browser's.
-    if (event.ctrlKey || event.metaKey || event.altKey) {
+    if (event.ctrlKey || event.metaKey || event.altKey || !this.first) {
       return;
     }
     const step = KEY_M * (event.shiftKey ? FINE : 1);
@@ -187,7 +214,9 @@ export class HandInSpace {
       const half = (event.shiftKey ? -0.5 : 0.5) * KEY_RAD;
       const turn = [Math.cos(half), 0, 0, 0];
       turn[1 + about] = Math.sin(half);
-      this.turnTo(product(turn, this.turnedFrom));
+      this.turnEach((from) => product(turn, from));
+    } else if (this.hands.length > 1 && /^[0-9]$/.test(event.key)) {
+      this.choose(event.key === "0" ? ALL : Number(event.key) - 1);
     } else if (by) {
       event.preventDefault();
       this.lead(this.fromM.map((x, axis) => x + by[axis]));

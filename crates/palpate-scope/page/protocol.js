@@ -12,6 +12,7 @@ const WORLD = 2;
 const WORLD_HEADER_BYTES = 40;
 const BODY_FLOATS = 8;
 const CONTACT_FLOATS = 6;
+const FORCE_FLOATS = 3;
 
 /** What a binary frame holds: "samples", "world", or undefined where it is not known. */
 export function kindOf(bytes) {
@@ -19,10 +20,10 @@ export function kindOf(bytes) {
 }
 
 /**
- * Reads a frame of a world: where its bodies are, and the forces of its contacts.
+ * Reads a frame of a world: where its bodies are, and the forces on its devices and of its contacts.
  *
  * @param {ArrayBuffer} bytes
- * @returns {{lane: number, number: number, run: number, timeS: number, force: number[],
+ * @returns {{lane: number, number: number, run: number, timeS: number, forces: number[][],
  *     bodies: {body: number, position: number[], orientation: number[]}[],
  *     contacts: {point: number[], force: number[]}[]}} in metres, newtons and quaternions w, x, y, z
  */
@@ -33,9 +34,12 @@ export function readWorld(bytes) {
   const head = new DataView(bytes);
   const bodies = head.getUint32(4, true);
   const contacts = head.getUint32(24, true);
-  const wanted = WORLD_HEADER_BYTES + 4 * (BODY_FLOATS * bodies + CONTACT_FLOATS * contacts);
+  const further = head.getUint16(2, true);
+  const behind = BODY_FLOATS * bodies + CONTACT_FLOATS * contacts;
+  const wanted = WORLD_HEADER_BYTES + 4 * (behind + FORCE_FLOATS * further);
   if (bytes.byteLength !== wanted) {
-    throw new RangeError(`a world of ${bodies} bodies and ${contacts} contacts has ${bytes.byteLength} bytes instead of ${wanted}`);
+    const parts = `${bodies} bodies, ${contacts} contacts and ${1 + further} devices`;
+    throw new RangeError(`a world of ${parts} has ${bytes.byteLength} bytes instead of ${wanted}`);
   }
   const floats = new Float32Array(bytes, WORLD_HEADER_BYTES);
   const part = (from, length) => Array.from(floats.subarray(from, from + length));
@@ -44,7 +48,10 @@ export function readWorld(bytes) {
     number: head.getUint32(8, true),
     run: head.getUint32(12, true),
     timeS: head.getFloat64(16, true),
-    force: [28, 32, 36].map((at) => head.getFloat32(at, true)),
+    forces: [
+      [28, 32, 36].map((at) => head.getFloat32(at, true)),
+      ...Array.from({ length: further }, (_, n) => part(behind + FORCE_FLOATS * n, FORCE_FLOATS)),
+    ],
     bodies: Array.from({ length: bodies }, (_, n) => ({
       body: floats[BODY_FLOATS * n],
       position: part(BODY_FLOATS * n + 1, 3),
@@ -100,11 +107,14 @@ export function isGrouped(periodS) {
   return periodS < 0.001 * (1 - 1e-9);
 }
 
+/** A device is named where it is not the first. */
+const of = (device) => (device === 0 ? {} : { device });
+
 /** The messages to the server. */
 export const say = {
   hand: (positionM) => ({ type: "hand", position_m: positionM }),
-  tool: (positionM) => ({ type: "tool", position_m: positionM }),
-  turn: (orientation) => ({ type: "turn", orientation }),
+  tool: (positionM, device = 0) => ({ type: "tool", ...of(device), position_m: positionM }),
+  turn: (orientation, device = 0) => ({ type: "turn", ...of(device), orientation }),
   set: (changes) => ({ type: "set", ...changes }),
   restart: () => ({ type: "restart" }),
   rearm: (lane) => ({ type: "rearm", lane }),

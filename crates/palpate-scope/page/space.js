@@ -34,6 +34,10 @@ const ARROW_M_PER_N = 0.02;
 const MOST_ARROWS = 65;
 const UP = new Vector3(0, 0, 1);
 const SEGMENTS = 32;
+/** Where the camera stands about the z axis at first [rad]. */
+const AZIMUTH = -2.1;
+/** Width over height of a view below which the camera goes further away, so that nothing is cut off at its sides. */
+const NARROW = 0.65;
 const BODY = "#c58b3b";
 
 export class Space {
@@ -47,15 +51,17 @@ export class Space {
     this.lanes = [];
     this.centre = new Vector3();
     this.reach = 0.1;
-    this.azimuth = -2.1;
+    this.azimuth = AZIMUTH;
     this.elevation = 0.45;
     this.distance = 0.4;
-    this.hand = null;
+    /** Where each hand wants to be [m]; null where it lets go. */
+    this.hands = [];
     new ResizeObserver(() => this.layOut()).observe(canvas.parentElement);
   }
 
   /** Makes the shapes anew: `world` as hello tells it. */
   begin(world, lanes) {
+    const isNew = this.world !== world;
     this.world = world;
     this.lanes = Array.from({ length: lanes }, (_, lane) => new LaneScene(world, lane));
     const places = [...world.tools, ...world.bodies.filter(({ shape }) => !("half_space" in shape))];
@@ -73,6 +79,9 @@ export class Space {
     this.reach = Math.max(0.02, ...reaches);
     // With room to move about.
     this.distance = 5 * this.reach;
+    if (isNew) {
+      this.azimuth = across(world.tools);
+    }
     for (const lane of this.lanes) {
       lane.fit(this.centre, this.reach);
     }
@@ -92,10 +101,16 @@ export class Space {
     }
   }
 
+  /** How far from the world's middle the camera is [m]. */
+  get awayM() {
+    return this.distance * Math.max(1, NARROW / this.camera.aspect);
+  }
+
   place() {
-    const flat = Math.cos(this.elevation) * this.distance;
+    const { awayM } = this;
+    const flat = Math.cos(this.elevation) * awayM;
     this.camera.position
-      .set(flat * Math.cos(this.azimuth), flat * Math.sin(this.azimuth), Math.sin(this.elevation) * this.distance)
+      .set(flat * Math.cos(this.azimuth), flat * Math.sin(this.azimuth), Math.sin(this.elevation) * awayM)
       .add(this.centre);
     this.camera.lookAt(this.centre);
     this.camera.updateMatrixWorld();
@@ -113,7 +128,7 @@ export class Space {
     const width = clientWidth / Math.max(1, this.lanes.length);
     renderer.setScissorTest(true);
     this.lanes.forEach((lane, number) => {
-      lane.showHand(this.hand);
+      lane.showHands(this.hands);
       renderer.setViewport(number * width, 0, width, clientHeight);
       renderer.setScissor(number * width, 0, width, clientHeight);
       renderer.setClearColor(new Color(theme.panel));
@@ -169,16 +184,16 @@ export class Space {
     this.distance = Math.max(1.2 * this.reach, Math.min(40 * this.reach, this.distance * factor));
   }
 
-  /** Where the tool of the first lane is [m] and how it is turned, w, x, y, z; both undefined until that is known. */
-  tool() {
-    const tool = this.lanes[0]?.tools[0];
+  /** Where a tool of the first lane is [m] and how it is turned, w, x, y, z; both undefined until that is known. */
+  tool(number = 0) {
+    const tool = this.lanes[0]?.tools[number];
     const [x, y, z, w] = tool?.quaternion.toArray() ?? [];
     return tool ? { position: tool.position.toArray(), orientation: [w, x, y, z] } : {};
   }
 
-  /** Where the newest picture shows a tool, on the canvas in pixels; for tests, and for a finger that aims at it. */
-  toolOnCanvas(lane = 0) {
-    const tool = this.lanes[lane]?.tools[0]?.position;
+  /** Where the newest picture shows a tool, on the canvas in pixels. */
+  toolOnCanvas(lane = 0, number = 0) {
+    const tool = this.lanes[lane]?.tools[number]?.position;
     if (!tool) {
       return null;
     }
@@ -186,6 +201,27 @@ export class Space {
     const width = this.canvas.clientWidth / this.lanes.length;
     const at = tool.clone().project(this.camera);
     return [((at.x + 1) / 2 + lane) * width, ((1 - at.y) / 2) * this.canvas.clientHeight];
+  }
+
+  /** How large a tool looks: from its middle to its rim in pixels. */
+  toolPixels(number) {
+    const metres = extent(this.world.tools[number].shape);
+    const height = 2 * this.awayM * Math.tan((this.camera.fov * Math.PI) / 360);
+    return (metres / height) * this.canvas.clientHeight;
+  }
+
+  /** The tool that is seen at a place on the canvas, or no more than so many pixels beside it; null if none is. */
+  toolAt(x, y, slackPx) {
+    const lane = Math.floor((x / this.canvas.clientWidth) * this.lanes.length);
+    let nearest = null;
+    this.world.tools.forEach((_, number) => {
+      const at = this.toolOnCanvas(lane, number);
+      const beside = at ? Math.hypot(at[0] - x, at[1] - y) - this.toolPixels(number) : Infinity;
+      if (beside <= (nearest?.beside ?? slackPx)) {
+        nearest = { number, beside };
+      }
+    });
+    return nearest?.number ?? null;
   }
 }
 
@@ -214,10 +250,13 @@ class LaneScene {
       this.scene.add(mesh);
       return mesh;
     });
-    const wish = new SphereGeometry(1, 12, 8);
-    this.wish = new LineSegments(new EdgesGeometry(wish, 1), new LineBasicMaterial({ color: theme.quiet }));
-    this.wish.visible = false;
-    this.scene.add(this.wish);
+    const wish = new EdgesGeometry(new SphereGeometry(1, 12, 8), 1);
+    this.wishes = world.tools.map(() => {
+      const ball = new LineSegments(wish, new LineBasicMaterial({ color: theme.quiet }));
+      ball.visible = false;
+      this.scene.add(ball);
+      return ball;
+    });
     this.arrows = new Arrows(theme.alarm);
     this.felt = new Arrows(theme.lanes[lane]);
     this.scene.add(this.arrows.group, this.felt.group);
@@ -227,21 +266,24 @@ class LaneScene {
     for (const mesh of this.bodies) {
       mesh.userData.fit?.(centre, reach);
     }
-    this.wish.scale.setScalar(0.05 * reach);
+    this.wishes.forEach((wish) => wish.scale.setScalar(0.05 * reach));
     this.arrows.metresPerNewton = (ARROW_M_PER_N * reach) / 0.05;
     this.felt.metresPerNewton = this.arrows.metresPerNewton;
     this.arrows.thickness = 0.012 * reach;
     this.felt.thickness = 0.02 * reach;
   }
 
-  showHand(hand) {
-    this.wish.visible = hand !== null;
-    if (hand) {
-      this.wish.position.set(...hand);
-    }
+  showHands(hands) {
+    this.wishes.forEach((wish, number) => {
+      const hand = hands[number] ?? null;
+      wish.visible = hand !== null;
+      if (hand) {
+        wish.position.set(...hand);
+      }
+    });
   }
 
-  take({ bodies, contacts, force }) {
+  take({ bodies, contacts, forces }) {
     for (const { body, position, orientation } of bodies) {
       const mesh = body < this.bodies.length ? this.bodies[body] : this.tools[body - this.bodies.length];
       if (mesh) {
@@ -251,8 +293,7 @@ class LaneScene {
       }
     }
     this.arrows.show(contacts);
-    const [tool] = this.tools;
-    this.felt.show(tool ? [{ point: tool.position.toArray(), force }] : []);
+    this.felt.show(this.tools.map(({ position }, number) => ({ point: position.toArray(), force: forces[number] })));
   }
 }
 
@@ -299,6 +340,21 @@ class Arrows {
       }
     });
   }
+}
+
+/**
+ * From where one looks at tools at first, an angle about z [rad]: several stand beside each other, so that the body between two
+ * of them hides none.
+ */
+export function across(tools) {
+  const [first, last] = [tools[0], tools.at(-1)].map((tool) => tool?.position_m ?? [0, 0, 0]);
+  const [x, y, z] = [0, 1, 2].map((axis) => last[axis] - first[axis]);
+  if (Math.hypot(x, y) <= 0.5 * Math.abs(z) || Math.hypot(x, y) === 0) {
+    return AZIMUTH;
+  }
+  const sides = [-Math.PI / 2, Math.PI / 2].map((quarter) => Math.atan2(y, x) + quarter);
+  const nearness = (angle) => Math.cos(angle - AZIMUTH);
+  return nearness(sides[0]) >= nearness(sides[1]) ? sides[0] : sides[1];
 }
 
 /** How far a shape reaches from its middle [m]. */

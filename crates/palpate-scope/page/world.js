@@ -2,6 +2,9 @@
 
 import { Banners } from "./banners.js";
 import { Charts } from "./charts.js";
+import { Chooser } from "./chooser.js";
+import { CHARTS } from "./curves.js";
+import { chartsOf, devicesOf, forcesInWords, handsOf } from "./devices.js";
 import { HandInSpace } from "./hand_in_space.js";
 import { Link } from "./link.js";
 import { Model } from "./model.js";
@@ -13,6 +16,7 @@ import { digits } from "./si.js";
 import { Space } from "./space.js";
 import { Status } from "./status.js";
 import { onThemeChange, readTheme } from "./theme.js";
+import { ToolNames } from "./tool_names.js";
 import { tripInWords } from "./trips.js";
 import { SPANS_S, View } from "./view.js";
 
@@ -38,6 +42,10 @@ try {
 }
 let fit = false;
 const hand = new HandInSpace(canvas, space, model, (message) => link.say(message));
+
+const chooser = new Chooser(place("choose"), place("devices"), hand);
+const toolNames = new ToolNames(place("tools"), space, hand);
+let devices = [];
 
 const link = new Link(location.search, {
   open: () => news.found(),
@@ -67,16 +75,33 @@ model.addEventListener("hello", ({ detail: { isNew } }) => {
   status.anew();
   if (isNew) {
     const { title, device, world } = model.hello;
+    devices = devicesOf(model.hello);
     news.begin(title);
+    charts.what = chartsOf(CHARTS, devices);
     charts.build();
     space?.begin(world, device.lanes);
-    place("let-go").hidden = !device.pointer;
-    const turning = hand.turns ? " With ctrl, or by X, Y and Z (with shift back), it turns." : "";
-    place("keys").textContent = device.pointer
-      ? `Drag to move the hand in the plane of the screen; with shift, or by the wheel, to and from you.${turning} Right button: turn the view. Arrows and page keys move by 1 mm; Escape lets go.`
-      : `${device.name}: this device is not led from here. Right button: turn the view.`;
+    hand.begin();
+    chooser.build();
+    toolNames.begin(device.lanes);
+    place("let-go").hidden = !hand.isLeadable;
+    tellKeys();
   }
 });
+
+/** Says what mouse and keys do to the devices that are chosen. */
+function tellKeys() {
+  const kinds = [...new Set(devices.map(({ kind }) => kind))].join(", ");
+  const turning = hand.turns ? " With ctrl, or by X, Y and Z (with shift back), it turns." : "";
+  const last = devices.length;
+  const choices = last > 2 ? `1 to ${last} or 0 (all)` : "1, 2 or 0 (both)";
+  const areChosen = devices.filter(({ pointer }) => pointer).length > 1;
+  const choosing = areChosen ? ` Take hold of a tool to choose it, or press ${choices}.` : "";
+  place("keys").textContent = hand.isLeadable
+    ? `Drag to move the hand in the plane of the screen; with shift, or by the wheel, to and from you.${choosing}${turning} Right button: turn the view. Arrows and page keys move by 1 mm; Escape lets go.`
+    : `${kinds}: ${last > 1 ? "these devices are" : "this device is"} not led from here. Right button: turn the view.`;
+}
+
+hand.addEventListener("chosen", tellKeys);
 
 model.addEventListener("state", () => {
   const { state } = model;
@@ -95,7 +120,7 @@ model.addEventListener("state", () => {
     banners.show(`trip-${lane + 1}`, tripInWords(state.lanes[lane], lane + 1), rearm);
   });
   if (space) {
-    space.hand = state.hand_m;
+    space.hands = handsOf(state).map(({ hand_m: at }) => at);
   }
 });
 
@@ -163,6 +188,7 @@ function frame(nowMs) {
   lastMs = nowMs;
   hand.frame(nowS);
   space?.draw();
+  toolNames.draw();
   if (model.hello && (fit || isTurn)) {
     charts.draw(nowS, fit);
     fit = false;
@@ -174,9 +200,13 @@ function frame(nowMs) {
   if (model.hello && model.state && nowS - seenS >= SENTENCE_S) {
     seenS = nowS;
     const lanes = model.state.lanes.map(({ method }, lane) => ({ method, ...createdWithin(model, lane, view.spanS) }));
-    const forces = model.state.lanes.map((_, lane) => model.newest(lane, "force_on_device_n"));
-    const felt = forces.map((force) => (Number.isNaN(force) ? "–" : `${digits(force, 2)} N`)).join(", ");
-    place("seen").textContent = `${seenInWords(lanes)} Force on the device now: ${felt}.`.trim();
+    const inWords = (force) => (Number.isNaN(force) ? "–" : `${digits(force, 2)} N`);
+    const felt = model.state.lanes.map(({ method }, lane) => ({
+      method,
+      forces: devices.map(({ force }) => inWords(model.newest(lane, force))),
+    }));
+    const names = devices.map(({ name }) => name);
+    place("seen").textContent = `${seenInWords(lanes)} ${forcesInWords(names, felt)}`.trim();
   }
   counted.frames += 1;
   counted.allFrames += 1;

@@ -12,10 +12,20 @@ use crate::rows::columns;
 pub enum ClientRequest {
     /// Where the pointer's hand wants to be `[m]`; none lets go.
     Hand(Option<f64>),
-    /// Where the pointer's hand wants to be in a world `[m]`; none lets go.
-    Tool(Option<[f64; 3]>),
-    /// How the pointer's hand wants to be turned in a world, a unit quaternion `[w, x, y, z]`; none is as it began.
-    Turn(Option<[f64; 4]>),
+    /// Where the hand of a device wants to be in a world.
+    Tool {
+        /// Number of the device, in the order of the world's tools; 0 if it is not given.
+        device: usize,
+        /// The place `[m]`; none lets go.
+        position: Option<[f64; 3]>,
+    },
+    /// How the hand of a device wants to be turned in a world.
+    Turn {
+        /// Number of the device, in the order of the world's tools; 0 if it is not given.
+        device: usize,
+        /// A unit quaternion `[w, x, y, z]`; none is as it began.
+        orientation: Option<[f64; 4]>,
+    },
     /// What is to be rendered.
     Set(Set),
     /// Loops, devices and objects begin again.
@@ -117,12 +127,16 @@ fn request(kind: &str, fields: Map<String, Value>) -> Result<ClientRequest, Stri
     #[derive(Deserialize)]
     #[serde(deny_unknown_fields)]
     struct Tool {
+        #[serde(default)]
+        device: usize,
         #[serde(deserialize_with = "Option::deserialize")]
         position_m: Option<[f64; 3]>,
     }
     #[derive(Deserialize)]
     #[serde(deny_unknown_fields)]
     struct Turn {
+        #[serde(default)]
+        device: usize,
         #[serde(deserialize_with = "Option::deserialize")]
         orientation: Option<[f64; 4]>,
     }
@@ -144,8 +158,21 @@ fn request(kind: &str, fields: Map<String, Value>) -> Result<ClientRequest, Stri
     }
     Ok(match kind {
         "hand" => ClientRequest::Hand(read::<Hand>(fields)?.position_m),
-        "tool" => ClientRequest::Tool(read::<Tool>(fields)?.position_m),
-        "turn" => ClientRequest::Turn(read::<Turn>(fields)?.orientation),
+        "tool" => {
+            let Tool { device, position_m } = read(fields)?;
+            let position = position_m;
+            ClientRequest::Tool { device, position }
+        }
+        "turn" => {
+            let Turn {
+                device,
+                orientation,
+            } = read(fields)?;
+            ClientRequest::Turn {
+                device,
+                orientation,
+            }
+        }
         "set" => ClientRequest::Set(read(fields)?),
         "rearm" => ClientRequest::Rearm(read::<Rearm>(fields)?.lane),
         "record" => ClientRequest::Record(read::<Record>(fields)?.on),
@@ -424,19 +451,31 @@ mod tests {
         );
         assert_eq!(
             request(r#"{"type":"tool","position_m":[0.5,0,-1e-3]}"#),
-            ClientRequest::Tool(Some([0.5, 0.0, -1e-3]))
+            ClientRequest::Tool {
+                device: 0,
+                position: Some([0.5, 0.0, -1e-3])
+            }
         );
         assert_eq!(
-            request(r#"{"type":"tool","position_m":null}"#),
-            ClientRequest::Tool(None)
+            request(r#"{"type":"tool","device":1,"position_m":null}"#),
+            ClientRequest::Tool {
+                device: 1,
+                position: None
+            }
         );
         assert_eq!(
             request(r#"{"type":"turn","orientation":[0.6,0,0.8,0]}"#),
-            ClientRequest::Turn(Some([0.6, 0.0, 0.8, 0.0]))
+            ClientRequest::Turn {
+                device: 0,
+                orientation: Some([0.6, 0.0, 0.8, 0.0])
+            }
         );
         assert_eq!(
-            request(r#"{"type":"turn","orientation":null}"#),
-            ClientRequest::Turn(None)
+            request(r#"{"type":"turn","orientation":null,"device":2}"#),
+            ClientRequest::Turn {
+                device: 2,
+                orientation: None
+            }
         );
         assert_eq!(request(r#"{"type":"restart"}"#), ClientRequest::Restart);
         assert_eq!(
@@ -472,6 +511,11 @@ mod tests {
             (r#"{"type":"hand"}"#, "hand", "position_m"),
             (r#"{"type":"hand","position_m":"left"}"#, "hand", "f64"),
             (r#"{"type":"tool","position_m":[0,1]}"#, "tool", "length"),
+            (
+                r#"{"type":"tool","position_m":null,"device":-1}"#,
+                "tool",
+                "usize",
+            ),
             (r#"{"type":"set","mass":1}"#, "set", "unknown field `mass`"),
             (
                 r#"{"type":"set","lanes":[{"method":"hfc"}]}"#,

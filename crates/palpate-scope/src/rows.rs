@@ -2,10 +2,11 @@
 
 use palpate_record::recording::{self, Column, ContactTick, Flags, Kind, Row, Tick};
 
-/// How many columns a frame has.
+/// How many columns a frame has at least.
 const WIDTH: usize = live(Tick::COLUMNS) + live(ContactTick::COLUMNS);
 
-/// The columns of a frame, in their order: those of a row that the live page is sent.
+/// The columns of a frame, in their order: those of a row that the live page is sent. Further ones of [`Rows::with_further`]
+/// come behind them.
 pub fn columns() -> impl Iterator<Item = &'static Column> {
     let all = recording::columns().iter().copied();
     all.filter(|column| column.is_live())
@@ -34,8 +35,11 @@ const ROUNDING: f64 = 1e-9;
 #[derive(Clone, Debug)]
 pub struct Rows {
     period: f64,
+    /// Columns of a row.
+    width: usize,
     times: Vec<f64>,
-    rows: Vec<[f32; WIDTH]>,
+    /// The rows, one behind the other.
+    values: Vec<f32>,
     group: Option<Group>,
 }
 
@@ -44,7 +48,7 @@ pub struct Rows {
 struct Group {
     first: f64,
     last: f64,
-    extremes: [Extremes; WIDTH],
+    extremes: Vec<Extremes>,
     flags: Flags,
 }
 
@@ -91,27 +95,43 @@ impl Rows {
     /// No rows yet, of a loop with this period `[s]`.
     #[must_use]
     pub fn new(period: f64) -> Self {
+        Self::with_further(period, 0)
+    }
+
+    /// The same, with so many columns behind those of [`columns`].
+    #[must_use]
+    pub fn with_further(period: f64, further: usize) -> Self {
         Self {
             period,
+            width: WIDTH + further,
             times: Vec::new(),
-            rows: Vec::new(),
+            values: Vec::new(),
             group: None,
         }
     }
 
     /// Adds a tick with one of its contacts.
     pub fn add(&mut self, row: &Row) {
-        let values = values(row);
+        self.add_with(row, &[]);
+    }
+
+    /// The same, with the values of the further columns; NaN where one is not given.
+    pub fn add_with(&mut self, row: &Row, further: &[f64]) {
+        let own = columns().map(|column| column.value(row).number());
+        let all = own.chain(further.iter().copied());
+        let all = all.chain(std::iter::repeat(f64::NAN)).take(self.width);
+        let values = all.map(single);
         let tick = &row.tick;
         if self.period >= SHORTEST * (1.0 - ROUNDING) {
             self.times.push(tick.time);
-            self.rows.push(values);
+            self.values.extend(values);
             return;
         }
         let group = self.group.get_or_insert_with(|| Group {
             first: tick.time,
             last: tick.time,
-            extremes: values.map(Extremes::at),
+            // No value is an extreme of none.
+            extremes: vec![Extremes::at(f32::NAN); self.width],
             flags: Flags::default(),
         });
         group.last = tick.time;
@@ -129,26 +149,27 @@ impl Rows {
             return;
         };
         let flags = number(group.flags);
-        let mut earlier = group.extremes.map(|extremes| extremes.earlier);
-        let mut later = group.extremes.map(|extremes| extremes.later);
-        let both = earlier.iter_mut().zip(&mut later);
-        for ((earlier, later), column) in both.zip(columns()) {
+        let mut extremes = group.extremes;
+        for (extremes, column) in extremes.iter_mut().zip(columns()) {
             if column.kind == Kind::Flags {
-                (*earlier, *later) = (flags, flags);
+                *extremes = Extremes::at(flags);
             }
         }
         self.times.extend([group.first, group.last]);
-        self.rows.extend([earlier, later]);
+        self.values
+            .extend(extremes.iter().map(|extremes| extremes.earlier));
+        self.values
+            .extend(extremes.iter().map(|extremes| extremes.later));
     }
 
     /// A frame of the rows there are, with number 0; none if there are none.
     #[must_use]
     pub fn take_frame(&mut self, lane: u8, run: u32) -> Option<Frame> {
         let first = *self.times.first()?;
-        let rows = self.rows.len();
-        let mut bytes = Vec::with_capacity(HEADER + 4 * rows * (1 + WIDTH));
+        let rows = self.times.len();
+        let mut bytes = Vec::with_capacity(HEADER + 4 * rows * (1 + self.width));
         bytes.extend([1, lane]);
-        bytes.extend(u16::try_from(WIDTH).unwrap_or(u16::MAX).to_le_bytes());
+        bytes.extend(u16::try_from(self.width).unwrap_or(u16::MAX).to_le_bytes());
         bytes.extend(u32::try_from(rows).unwrap_or(u32::MAX).to_le_bytes());
         bytes.extend(0_u32.to_le_bytes());
         bytes.extend(run.to_le_bytes());
@@ -156,13 +177,13 @@ impl Rows {
         for time in &self.times {
             bytes.extend(single(time - first).to_le_bytes());
         }
-        for column in 0..WIDTH {
-            for row in &self.rows {
+        for column in 0..self.width {
+            for row in self.values.chunks_exact(self.width) {
                 bytes.extend(row[column].to_le_bytes());
             }
         }
         self.times.clear();
-        self.rows.clear();
+        self.values.clear();
         Some(Frame { lane, bytes })
     }
 }
@@ -194,14 +215,6 @@ impl Frame {
         bytes[NUMBER].copy_from_slice(&number.to_le_bytes());
         bytes
     }
-}
-
-fn values(row: &Row) -> [f32; WIDTH] {
-    let mut values = [0.0; WIDTH];
-    for (value, column) in values.iter_mut().zip(columns()) {
-        *value = single(column.value(row).number());
-    }
-    values
 }
 
 /// Enough for a screen.
@@ -308,6 +321,39 @@ mod tests {
                 let flags = read(&frame, "flags");
                 assert!(flags.iter().any(|(_, flags)| *flags == 32.0), "{peak}");
             }
+        }
+    }
+
+    /// Further columns stand behind the others, ticks and groups of them alike.
+    #[test]
+    fn further_columns_stand_behind_the_others() {
+        for (period, ticks) in [(0.001, 4), (0.00025, 16)] {
+            let mut rows = Rows::with_further(period, 2);
+            for number in 0..ticks {
+                let row = Row {
+                    tick: tick(number, period),
+                    ..Row::default()
+                };
+                rows.add_with(&row, &[number as f64]);
+            }
+            let bytes = rows.take_frame(0, 0).unwrap().numbered(0);
+            assert_eq!(usize::from(bytes[2]), WIDTH + 2);
+            // Each tick a row, or two groups of eight with two rows each.
+            let count = 4;
+            assert_eq!(bytes.len(), HEADER + 4 * count * (1 + WIDTH + 2));
+            let column = |column: usize| -> Vec<f32> {
+                let at = HEADER + 4 * count * (1 + column);
+                let singles = bytes[at..at + 4 * count].chunks(4);
+                singles
+                    .map(|single| f32::from_le_bytes(single.try_into().unwrap()))
+                    .collect()
+            };
+            let expected = match ticks {
+                4 => [0.0, 1.0, 2.0, 3.0],
+                _ => [0.0, 7.0, 8.0, 15.0],
+            };
+            assert_eq!(column(WIDTH), expected);
+            assert!(column(WIDTH + 1).iter().all(|value| value.is_nan()));
         }
     }
 

@@ -22,7 +22,7 @@ from ._device_file import Calibration, DeviceReport, Excitation, calibrate, repo
 from ._loop import Granted, Loop, LoopError, LoopReport, LoopStatus, Spread
 from ._methods import METHODS, Method, Setting
 from ._palpate import __version__
-from ._recording import BODIES, FLAGS, RECORDED, Event, Recording, read_recording
+from ._recording import BODIES, DEVICES, FLAGS, RECORDED, Event, Recording, read_recording
 from ._render import render
 from ._renderer import Renderer
 from ._replay import replay
@@ -47,6 +47,7 @@ from ._world_values import (
 
 __all__ = [
     "BODIES",
+    "DEVICES",
     "FAULTS",
     "FLAGS",
     "IDEAL",

@@ -6,6 +6,7 @@ import atexit
 import os
 import sys
 import weakref
+from collections.abc import Mapping
 from types import TracebackType
 from typing import Any, NamedTuple, NoReturn
 
@@ -15,10 +16,10 @@ from numpy.typing import NDArray
 from . import _palpate
 from ._arrays import row
 from ._methods import METHODS
-from ._recording import BODIES, RECORDED, Event
+from ._recording import BODIES, DEVICES, RECORDED, Event
 from ._renderer import Renderer
 from ._world import World
-from .devices import Device
+from .devices import Device, PointerInWorld
 
 
 class LoopError(RuntimeError):
@@ -63,7 +64,9 @@ class LoopStatus(NamedTuple):
     motors_off: bool
     """Whether a trip of the safety kept the motors off at the end of the last tick."""
     force: tuple[float, float, float]
-    """Force that the device says it holds, along its axes [N]; NaN where it did not say."""
+    """Force that the device says it holds, along its axes [N]; NaN where it did not say. Of several devices, of the first."""
+    forces: tuple[tuple[float, float, float], ...] = ()
+    """The same of each device, in the order of the world."""
 
 
 class LoopReport(NamedTuple):
@@ -93,6 +96,8 @@ class LoopReport(NamedTuple):
     """Ticks in the recording; `None` where there is none."""
     unrecorded: int | None
     """Ticks that the recording lacks; `None` where there is none."""
+    device: str | None = None
+    """Of several devices the one that the trip is of, by its name in the world; `None` of one device, and without a trip."""
 
 
 class Loop(_palpate.Loop):
@@ -111,13 +116,22 @@ class Loop(_palpate.Loop):
             device.move_to([0.0, 0.0, 0.01])
             ticks, bodies = loop.read(wait=1.0), loop.bodies
 
+    A world of several devices runs on one for each, by the names that they have there:
+
+        world = palpate.World("experiments/worlds/pinch.toml")
+        fingers = {name: palpate.devices.PointerInWorld(world, name) for name in ("left", "right")}
+        with palpate.Loop(fingers, world) as loop:
+            ticks, devices = loop.read(wait=1.0), loop.devices
+
+    Where one device has no good sample, trips, is cut or does not take its force, no device has a force.
+
     The loop ends, and the device is commanded no force, when the `with` block is left by its end, by an exception or by
     Ctrl-C; by `stop`; when the interpreter exits; when nobody refers to the loop any more. A signal that ends Python at once,
     such as SIGTERM without a handler, is not among these: then a guardian takes the force off a device that holds it.
 
     Args:
-        device: One of `palpate.devices`.
-        renderer: What is rendered: a `Renderer`, or a `World` with one device of three axes.
+        device: One of `palpate.devices`; of a world with several devices one for each, by its name in the world.
+        renderer: What is rendered: a `Renderer`, or a `World` with devices of three or six axes.
         record: A recording (MCAP) to write; a file that is there is not overwritten.
         ring: Ticks that wait for `read`; of more, the oldest make room and are counted.
         largest_speed: Speed of the device above which the motors are off [m/s].
@@ -141,15 +155,20 @@ class Loop(_palpate.Loop):
     """What the loop has left behind; `None` before its end."""
     bodies: NDArray[np.void]
     """The bodies of a world at the ticks that the last `read` gave: an array with the fields of `palpate.BODIES`. Those that
-    move, and the avatar of the device."""
+    move, and the avatars of the devices."""
+    devices: NDArray[np.void]
+    """The devices of a world with several at the ticks that the last `read` gave: an array with the fields of `palpate.DEVICES`. Of
+    a loop with one device it is empty: the ticks have all of it."""
+    device_names: tuple[str, ...]
+    """The names that the devices have in the world, by the field `device`. Of a renderer none."""
     body_names: tuple[str, ...]
-    """The names of a world's bodies by the field `body`; the last is the device, whose avatar it is. Of a renderer none."""
+    """The names of a world's bodies by the field `body`; the last are the devices, whose avatars they are. Of a renderer none."""
     contact_names: tuple[tuple[str, str], ...]
     """Between which two each contact of a world is, by the field `pair` of its row. Of a renderer none."""
 
     def __new__(
         cls,
-        device: Device,
+        device: Device | Mapping[str, Device],
         renderer: Renderer | World,
         *,
         record: str | os.PathLike[str] | None = None,
@@ -182,16 +201,19 @@ class Loop(_palpate.Loop):
             if range is not None:
                 raise ValueError("range is along the axis of a Renderer's contact, which a World has not")
         else:
+            if isinstance(device, Mapping):
+                raise ValueError("devices by their names are of a World; a Renderer runs on one device")
             if record is not None:
                 options["scene"] = _scene(device, renderer)
             parameters = dict(renderer.parameters)
             method, given, soft_start, settings = _split(parameters)
             rendered = (method, given, soft_start, settings)
-        made = super().__new__(cls, device._given(), rendered, options)
+        made = super().__new__(cls, _in_order(device, renderer), rendered, options)
         made.granted = []
         made.report = None
         made.bodies = np.empty(0, BODIES)
-        made.body_names, made.contact_names = _names(renderer)
+        made.devices = np.empty(0, DEVICES)
+        made.device_names, made.body_names, made.contact_names = _names(renderer)
         made._parameters = parameters
         made._world = renderer if isinstance(renderer, World) else None
         made._started = made._said = False
@@ -225,9 +247,9 @@ class Loop(_palpate.Loop):
             LoopError: Something went wrong, once; `report` has it all.
         """
         _RUNNING.discard(self)
-        (ending, failure, trip), counts, (lateness, duration), recorded = super().stop()
-        kept: tuple[int, int] | tuple[None, None] = (None, None) if recorded is None else recorded
-        report = LoopReport(ending, failure, trip, *counts, Spread(*lateness), Spread(*duration), *kept)
+        (ending, failure, trip, device), counts, (lateness, duration), recorded = super().stop()
+        made, lost = (None, None) if recorded is None else recorded
+        report = LoopReport(ending, failure, trip, *counts, Spread(*lateness), Spread(*duration), made, lost, device)
         self.report = report
         if failure is not None and not self._said:
             self._said = True
@@ -238,7 +260,7 @@ class Loop(_palpate.Loop):
         """The ticks since the last `read`, oldest first: an array with the fields of `palpate.RECORDED`.
 
         Of a world, a tick has an element for each of its contacts, and one without a value of a contact where nothing
-        touches; `contact_names` has the names, and `bodies` the bodies at these ticks.
+        touches; `contact_names` has the names, `bodies` the bodies at these ticks, and `devices` each of several devices.
 
         Args:
             wait: How long to wait for the first of them [s]; 0: not at all.
@@ -246,9 +268,10 @@ class Loop(_palpate.Loop):
         Raises:
             LoopError: The loop has ended by itself and all its ticks were read; or no tick came within `wait`.
         """
-        words, bodies = self.take(wait)
+        words, bodies, devices = self.take(wait)
         ticks = words.view(RECORDED)
         self.bodies = bodies.view(BODIES)
+        self.devices = devices.view(DEVICES)
         if len(ticks) == 0:
             self._say_why(wait)
         return ticks
@@ -350,8 +373,9 @@ class Loop(_palpate.Loop):
     @property
     def status(self) -> LoopStatus:
         """How the loop stands."""
-        running, ticks, lost, silent, cuts, motors_off, (x, y, z) = self.now()
-        return LoopStatus(running, ticks, lost, silent, cuts, motors_off, (x, y, z))
+        running, ticks, lost, silent, cuts, motors_off, held = self.now()
+        forces = tuple((x, y, z) for x, y, z in held)
+        return LoopStatus(running, ticks, lost, silent, cuts, motors_off, forces[0], forces)
 
     def __enter__(self) -> Loop:
         self.start()
@@ -392,12 +416,32 @@ def _stop_all() -> None:
 atexit.register(_stop_all)
 
 
-def _names(renderer: Renderer | World) -> tuple[tuple[str, ...], tuple[tuple[str, str], ...]]:
-    """The names of bodies and of contacts, by their numbers in rows."""
+def _in_order(device: Device | Mapping[str, Device], renderer: Renderer | World) -> list[dict[str, Any]]:
+    """What is said of each device, in the order of the world's."""
+    names = renderer.names()[0] if isinstance(renderer, World) else []
+    listed = " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))
+    if not isinstance(device, Mapping):
+        if len(names) > 1:
+            raise ValueError(f"the world has the devices {listed}; a Loop of it takes one for each, as {{name: device}}")
+        return [device._given()]
+    for name in device:
+        if name not in names:
+            raise ValueError(f"no device of the world is called {name!r}; it has {listed}")
+    for name in names:
+        if name not in device:
+            raise ValueError(f"there is no device for {name!r}; the world has {listed}")
+        own = device[name]
+        if isinstance(own, PointerInWorld) and own.device != name and len(names) > 1:
+            raise ValueError(f"the device for {name!r} is a PointerInWorld of {own.device!r}")
+    return [device[name]._given() for name in names]
+
+
+def _names(renderer: Renderer | World) -> tuple[tuple[str, ...], tuple[str, ...], tuple[tuple[str, str], ...]]:
+    """The names of devices, of bodies and of contacts, by their numbers in rows."""
     if not isinstance(renderer, World):
-        return (), ()
+        return (), (), ()
     devices, bodies = renderer.names()
-    return (*bodies, *devices), tuple(contact.between for contact in renderer.contacts)
+    return tuple(devices), (*bodies, *devices), tuple(contact.between for contact in renderer.contacts)
 
 
 def _split(parameters: dict[str, Any]) -> tuple[Any, dict[str, Any], float, dict[str, Any]]:

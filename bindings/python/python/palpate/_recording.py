@@ -29,6 +29,24 @@ BODIES: np.dtype[np.void] = np.dtype(
 )
 """The fields of a body of a world at a tick: number of the tick, number of the body, position of the centre of mass, unit
 quaternion w, x, y, z, and velocities, along the axes of the world."""
+DEVICES: np.dtype[np.void] = np.dtype(
+    [
+        ("sequence", "u8"),
+        ("device", "u8"),
+        ("flags", "u8"),
+        ("t_s", "f8"),
+        ("device_round_trip_s", "f8"),
+        ("device_axes_m", "f8", (3,)),
+        ("device_orientation", "f8", (4,)),
+        ("commanded_force_n", "f8", (3,)),
+        ("commanded_torque_n_m", "f8", (3,)),
+        ("delivered_force_n", "f8", (3,)),
+        ("delivered_torque_n_m", "f8", (3,)),
+    ]
+)
+"""The fields of one of several devices at a tick: number of the tick, number of the device, its flags (`FLAGS`), when it was sampled,
+how long it took to answer, its place and its unit quaternion w, x, y, z, what it was commanded, and what it held by its own account;
+in the frame of the device, NaN where there is no value."""
 FLAGS: tuple[str, ...] = tuple(_FLAGS)
 """What the field `flags` of a tick of a recording means: `FLAGS[bit]` holds where the bit is set."""
 
@@ -49,7 +67,7 @@ class Event(NamedTuple):
 class Recording(Table, Report):
     """What a loop with a device did: the report of `palpate info --json`, and every tick."""
 
-    __slots__ = ("bodies", "events", "texts", "ticks")
+    __slots__ = ("bodies", "devices", "events", "texts", "ticks")
 
     ticks: NDArray[np.void]
     """The ticks that are there, in their order: an array with the fields of `palpate.RECORDED`.
@@ -61,6 +79,9 @@ class Recording(Table, Report):
     bodies: NDArray[np.void]
     """The bodies of a world at these ticks: an array with the fields of `palpate.BODIES`, those that move and then the avatars
     of the devices. Of a recording of one contact it is empty."""
+    devices: NDArray[np.void]
+    """The devices of a loop that has several at these ticks: an array with the fields of `palpate.DEVICES`. Of a loop with one
+    device it is empty: `ticks` have all of it."""
     texts: dict[str, str]
     """The texts of the receipt, such as `scene`: what made the recording."""
 
@@ -72,18 +93,20 @@ class Recording(Table, Report):
         events: Sequence[Event] = (),
         texts: Mapping[str, str] = {},
         bodies: NDArray[np.void] | None = None,
+        devices: NDArray[np.void] | None = None,
     ) -> None:
         super().__init__(fields, text)
         self.ticks = np.empty(0, RECORDED) if ticks is None else ticks
         self.events = list(events)
         self.texts = dict(texts)
         self.bodies = np.empty(0, BODIES) if bodies is None else bodies
+        self.devices = np.empty(0, DEVICES) if devices is None else devices
 
     def _columns(self) -> dict[str, NDArray[Any]]:
         return of_records(self.ticks)
 
     def __reduce__(self) -> Any:
-        return (type(self), (dict(self), str(self), self.ticks, self.events, self.texts, self.bodies))
+        return (type(self), (dict(self), str(self), self.ticks, self.events, self.texts, self.bodies, self.devices))
 
 
 def read_recording(path: str | os.PathLike[str]) -> Recording:
@@ -95,7 +118,7 @@ def read_recording(path: str | os.PathLike[str]) -> Recording:
         ValueError: A file that is no recording.
         OSError: A file that cannot be read.
     """
-    (fields, text), words, events, texts, bodies = _palpate.read_recording(path)
+    (fields, text), words, events, texts, bodies, devices = _palpate.read_recording(path)
     return Recording(
         json.loads(fields, object_hook=Fields),
         text,
@@ -103,4 +126,5 @@ def read_recording(path: str | os.PathLike[str]) -> Recording:
         [Event(*event) for event in events],
         dict(texts),
         bodies.view(BODIES),
+        devices.view(DEVICES),
     )

@@ -7,7 +7,7 @@
     device = palpate.devices.TwoDiy("/dev/ttyACM0")
     device = palpate.devices.Inverse3()
 
-A world of one device runs on these:
+A world runs on these, one for each of its devices:
 
     device = palpate.devices.PointerInWorld(world)  # the world's device in a hand that this program leads
     device = palpate.devices.Simulated(world)  # device and hand of the world
@@ -120,13 +120,28 @@ class PointerInWorld(Device):
     stiffness and damping of the world's hand, or 0.3 N m/rad.
 
     Args:
-        world: A world with one device of three or six axes.
+        world: A world with devices of three or six axes.
+        device: Name of the device in the world; `None`: the only one.
+
+    Raises:
+        ValueError: A name that the world has not, or none where it has several devices.
     """
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: World, device: str | None = None) -> None:
         self._world = world
-        devices = world.to_dict()["device"]
-        self._hand = _palpate.HandInWorld(devices[0].get("position_m", [0.0, 0.0, 0.0]))
+        devices = dict(zip(world.names()[0], world.to_dict()["device"]))
+        if device is None and len(devices) == 1:
+            [device] = devices
+        if device not in devices:
+            given = "device is not given" if device is None else f"device is {device!r}"
+            raise ValueError(f"{given}, but must be one of the world's: {', '.join(devices)}")
+        self._device: str = device
+        self._hand = _palpate.HandInWorld(devices[device].get("position_m", [0.0, 0.0, 0.0]))
+
+    @property
+    def device(self) -> str:
+        """Name of the device in the world."""
+        return self._device
 
     def move_to(self, target: ArrayLike) -> None:
         """Leads the hand to `target`, three coordinates in the world [m]; a hand that has let go takes hold again.
@@ -172,14 +187,15 @@ class PointerInWorld(Device):
         return None if turned is None else (turned[0], turned[1], turned[2], turned[3])
 
     def _given(self) -> dict[str, Any]:
-        return {"kind": "pointer-in-world", "world": self._world, "hand": self._hand}
+        return {"kind": "pointer-in-world", "world": self._world, "hand": self._hand, "device": self._device}
 
 
 class Simulated(Device):
     """The device and the hand of a scene or of a world, in real time. Contacts and loop of it are not used.
 
     Args:
-        scene: A `palpate.Scene`, the path of a scene file, or a `palpate.World` with one device.
+        scene: A `palpate.Scene`, the path of a scene file, or a `palpate.World`; of a world with several devices, it is the one
+            that has the name for which the loop takes it.
     """
 
     def __init__(self, scene: Scene | World | str | os.PathLike[str]) -> None:

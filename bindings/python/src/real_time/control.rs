@@ -78,16 +78,17 @@ impl Running {
     }
 
     /// Ends the loop, waits for its end and closes the device.
-    pub fn end(self) -> Ended {
+    /// `names` are those of several devices.
+    pub fn end(self, names: &[String]) -> Ended {
         match self {
             Self::Contact(thread) => {
                 thread.stop();
                 // What it gives back holds the device, which closes as it goes.
-                Ended::of(&thread.join())
+                Ended::of(&thread.join(), names)
             }
             Self::World(thread) => {
                 thread.stop();
-                Ended::of(&thread.join())
+                Ended::of(&thread.join(), names)
             }
         }
     }

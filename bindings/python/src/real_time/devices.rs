@@ -147,7 +147,7 @@ pub fn open(
         "haply-2diy" => {
             let (own, placed): (TwoDiyGiven, Placed) = (given.extract()?, given.extract()?);
             let opening = || two_diy(&own, clock, period, silence, &closed);
-            let (device, usual) = py.detach(opening)?;
+            let (device, usual, _) = py.detach(opening)?;
             let axis = placed.axis(device.capabilities(), usual)?;
             (device, axis)
         }
@@ -246,6 +246,6 @@ pub fn two_diy(
     _: Duration,
     _: Duration,
     _: &Arc<OnceLock<String>>,
-) -> PyResult<(Box<dyn Device>, Axis)> {
+) -> PyResult<(Box<dyn Device>, Axis, Option<String>)> {
     Err(refused("the driver of the 2DIY needs Linux or macOS"))
 }

@@ -21,6 +21,8 @@ pub struct Ended {
     motors_off: u64,
     pub cuts: u64,
     trip: Option<String>,
+    /// Name of the device of several that the trip is of.
+    device: Option<String>,
     /// Median, 99 % and longest lateness of a tick `[s]`.
     lateness: [f64; 3],
     /// Median, 99 % and longest duration of a tick `[s]`.
@@ -28,10 +30,15 @@ pub struct Ended {
     recorded: Option<(u64, u64)>,
 }
 
-/// Ending, failure, ticks, missed deadlines, ticks without a sample, ticks with the motors off, cuts, trip,
-/// lateness, duration, and ticks in the recording with those that it lacks.
+/// Ending, failure, trip and the device of several that it is of, ticks, missed deadlines, ticks without a sample, ticks with
+/// the motors off, cuts, lateness, duration, and ticks in the recording with those that it lacks.
 pub type ToldEnd = (
-    (Option<&'static str>, Option<String>, Option<String>),
+    (
+        Option<&'static str>,
+        Option<String>,
+        Option<String>,
+        Option<String>,
+    ),
     (u64, u64, u64, u64, u64),
     ([f64; 3], [f64; 3]),
     Option<(u64, u64)>,
@@ -49,14 +56,20 @@ impl Ended {
             motors_off: 0,
             cuts: 0,
             trip: None,
+            device: None,
             lateness: [0.0; 3],
             duration: [0.0; 3],
             recorded: None,
         }
     }
 
-    /// Of a loop whose thread has ended.
-    pub fn of<R: Renders>(end: &LoopEnd<Box<dyn Device>, MonotonicClock, R>) -> Self {
+    /// Of a loop whose thread has ended, on devices with these names; with none where it had one device.
+    pub fn of<R: Renders>(
+        end: &LoopEnd<Box<dyn Device>, MonotonicClock, R>,
+        names: &[String],
+    ) -> Self {
+        let tripped = end.control.tripped_device();
+        let device = tripped.and_then(|(device, _)| names.get(device));
         let statistics = &end.statistics;
         let spread = |durations: &Durations| {
             [
@@ -70,7 +83,10 @@ impl Ended {
             (_, Some(words)) => Some(format!(
                 "the loop panicked, and no force was commanded: {words}"
             )),
-            (Ending::DeviceLost, None) => Some(Ending::DeviceLost.text().to_owned()),
+            (Ending::DeviceLost, None) => Some(match device {
+                Some(name) => format!("the device {name} is gone"),
+                None => Ending::DeviceLost.text().to_owned(),
+            }),
             _ => None,
         };
         Self {
@@ -82,6 +98,7 @@ impl Ended {
             motors_off: statistics.motors_off,
             cuts: end.cuts,
             trip: end.trip.map(|trip| trip.to_string()),
+            device: device.cloned(),
             lateness: spread(&statistics.lateness),
             duration: spread(&statistics.tick),
             recorded: None,
@@ -96,12 +113,18 @@ impl Ended {
         });
     }
 
-    /// Takes down what became of the device and of the recording.
-    pub fn closes(&mut self, recorder: Option<Recorder>, closed: &Closed) {
-        if let Some(why) = closed.get() {
-            self.fails(format!(
-                "the device could not be let go of as it should: {why}; switch its motors off"
-            ));
+    /// Takes down what became of the devices and of the recording.
+    pub fn closes(&mut self, recorder: Option<Recorder>, closed: &[Closed], names: &[String]) {
+        for (number, closed) in closed.iter().enumerate() {
+            if let Some(why) = closed.get() {
+                let which = match names.get(number) {
+                    Some(name) => format!("the device {name}"),
+                    None => "the device".to_owned(),
+                };
+                self.fails(format!(
+                    "{which} could not be let go of as it should: {why}; switch its motors off"
+                ));
+            }
         }
         if let Some(recorder) = recorder {
             let (account, unwritten) = recorder.finish();
@@ -117,7 +140,12 @@ impl Ended {
     /// As Python takes it.
     pub fn told(self) -> ToldEnd {
         (
-            (self.ending.map(Ending::text), self.failure, self.trip),
+            (
+                self.ending.map(Ending::text),
+                self.failure,
+                self.trip,
+                self.device,
+            ),
             (
                 self.ticks,
                 self.missed_deadlines,

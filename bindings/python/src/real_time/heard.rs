@@ -5,11 +5,11 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use palpate_record::recording::{Event, Flags, Row, Tick, columns};
+use palpate_record::recording::{ContactTick, Event, Flags, Row, Tick, columns};
 use palpate_rt::{Listener, Tap, Told};
 
 use crate::columns::Words;
-use crate::recording::{body, word};
+use crate::recording::{body, device, word};
 
 /// Most ticks that a ring holds: 4 minutes at 4 kHz, some 500 MB.
 pub const LARGEST: usize = 1_000_000;
@@ -20,13 +20,15 @@ const REST: Duration = Duration::from_millis(1);
 /// Ticks that are taken before others may look.
 const AT_ONCE: usize = 4096;
 
-/// A tick as Python takes it: a row for each contact, and one for each body of a world.
+/// A tick as Python takes it: a row for each contact, one for each body of a world, and one for each of several devices.
 #[derive(Debug, Default)]
 pub struct Rows {
     /// Of contacts, or of the tick alone where there is none.
     pub contacts: Words,
     /// Of bodies.
     pub bodies: Words,
+    /// Of the devices of a loop that has several.
+    pub devices: Words,
 }
 
 /// Events, each with the number of its tick, its time `[s]`, its kind and its text; and how many are gone.
@@ -94,6 +96,7 @@ impl Heard {
         for row in rows {
             taken.contacts.extend(row.contacts);
             taken.bodies.extend(row.bodies);
+            taken.devices.extend(row.devices);
         }
         taken
     }
@@ -172,20 +175,33 @@ struct News {
 pub fn listen(mut listener: Listener, mut recording: Option<Tap>, heard: &Heard) {
     let mut news = News::default();
     let mut came = 0;
+    let mut are_named = false;
     loop {
         // Asked first: what was told before the loop went is then still to come.
         let is_last = listener.is_closed();
         let mut rested = true;
-        for told in listener.by_ref().take(AT_ONCE) {
+        for _ in 0..AT_ONCE {
+            let Some(told) = listener.next() else {
+                break;
+            };
             rested = false;
+            // They are told before the first tick.
+            if let Some(recording) = recording.as_ref().filter(|_| !are_named) {
+                recording.name_devices(listener.device_names().to_vec());
+                are_named = true;
+            }
             match told {
-                Told::Tick(tick, contacts, bodies, _) => {
+                Told::Tick(tick, contacts, bodies, devices) => {
                     came += 1;
                     news.lost = tick.sequence + 1 - came;
                     news.last = Some(tick);
                     if let Some(recording) = &mut recording {
-                        recording.tick_with_bodies(&tick, &contacts, &bodies);
+                        recording.tick_with_devices(&tick, &contacts, &bodies, &devices);
                     }
+                    // As a recording numbers them.
+                    let numbered = (0..).zip(contacts);
+                    let contacts = numbered.map(|(contact, own)| ContactTick { contact, ..own });
+                    let contacts: Vec<_> = contacts.collect();
                     let rows = Row::of(tick, &contacts);
                     let words = rows.flat_map(|row| {
                         let values = columns().iter();
@@ -194,13 +210,15 @@ pub fn listen(mut listener: Listener, mut recording: Option<Tap>, heard: &Heard)
                     news.rows.push(Rows {
                         contacts: words.collect(),
                         bodies: bodies.iter().flat_map(body).collect(),
+                        devices: devices.iter().flat_map(device).collect(),
                     });
                 }
                 Told::Note(noted) => {
                     if let Some(recording) = &mut recording {
                         recording.note(&noted);
                     }
-                    news.events.push(noted.event());
+                    let event = noted.event_of(listener.device_names());
+                    news.events.push(event);
                 }
             }
         }

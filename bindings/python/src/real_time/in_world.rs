@@ -1,4 +1,4 @@
-//! A world on a device: which device, where it stands in the world, and what is rendered on it.
+//! A world on its devices: which devices, where they stand in the world, and what is rendered on them.
 
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use palpate_haply::inverse3::Inverse3;
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{RenderedWorld, WorldAxis, WorldFrame};
 use palpate_scene::world::{WorldActuator, WorldDevice, WorldScene};
-use palpate_sim::device::{SpatialDevice, SpatialHand, SpatialPointer, told_of};
+use palpate_sim::device::{SpatialDevice, SpatialHand, SpatialPointer, Told, told_of_devices};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -30,6 +30,8 @@ pub struct OpenedInWorld {
     pub held: Held,
     /// Why it could not be let go of in the end, if it could not.
     pub closed: Closed,
+    /// What tells this device from all others of this machine, if it is a real one.
+    pub identity: Option<String>,
 }
 
 /// Where a hand wants to have its device in a world, set by Python at any time.
@@ -104,20 +106,21 @@ struct Standing {
     world_axes: Option<Vec<String>>,
 }
 
-/// Opens the device that `given` describes, for a loop of `period` that renders `scene` and may be silent for `silence`.
+/// Opens the device that `given` describes as the device `own` of a world, which has that name there, for a loop of `period`
+/// that may be silent for `silence`.
 pub fn open(
     py: Python<'_>,
     given: &Bound<'_, PyDict>,
-    scene: &WorldScene,
+    (name, own): (&str, &WorldDevice),
     clock: MonotonicClock,
     (period, silence): (Duration, Duration),
 ) -> PyResult<OpenedInWorld> {
-    let own = only_device(scene)?;
     let kind: String = given.as_any().get_item("kind")?.extract()?;
     let closed = Closed::default();
+    let mut identity = None;
     let (device, frame): (Box<dyn Device>, _) = match kind.as_str() {
         "simulated-in-world" => {
-            let (own, actuator) = own_device(given)?;
+            let (own, actuator) = own_device(given, name)?;
             let device = SpatialDevice::new(&own, &actuator, clock);
             let device = device.map_err(|error| wrong_on_bench(&error))?;
             let frame = Standing::nowhere().frame(device.capabilities(), None, own.position)?;
@@ -125,7 +128,7 @@ pub fn open(
         }
         "pointer-in-world" => {
             let hand: Py<HandInWorld> = given.as_any().get_item("hand")?.extract()?;
-            let (own, actuator) = own_device(given)?;
+            let (own, actuator) = own_device(given, name)?;
             let device = SpatialPointer::new(&own, &actuator, &hand.get().0, clock);
             let device = device.map_err(|error| wrong_on_bench(&error))?;
             let frame = Standing::nowhere().frame(device.capabilities(), None, own.position)?;
@@ -136,7 +139,8 @@ pub fn open(
                 (given.extract()?, given.extract()?);
             standing.check()?;
             let opening = || two_diy(&device_given, clock, period, silence, &closed);
-            let (device, (usual, _)) = py.detach(opening)?;
+            let (device, (usual, _), which) = py.detach(opening)?;
+            identity = which;
             let frame = standing.frame(device.capabilities(), Some(usual), own.position)?;
             (device, frame)
         }
@@ -147,6 +151,8 @@ pub fn open(
             let options = device_given.options(period);
             let device = py.detach(|| Inverse3::open(&options, clock));
             let device = device.map_err(|error| PyOSError::new_err(error.to_string()))?;
+            let which = palpate_devices::inverse3::identity(&options.service, device.device_id());
+            identity = Some(which);
             let usual = device.opened_at();
             let frame = standing.frame(device.capabilities(), Some(usual), own.position)?;
             (Box::new(device), frame)
@@ -164,50 +170,65 @@ pub fn open(
         frame,
         held,
         closed,
+        identity,
     })
 }
 
-/// Refuses a world of several devices.
-pub fn check_devices(scene: &WorldScene) -> PyResult<()> {
-    only_device(scene).map(|_| ())
-}
-
-/// The one device of a world.
-fn only_device(scene: &WorldScene) -> PyResult<&WorldDevice> {
-    match &scene.devices[..] {
-        [own] => Ok(own),
-        several => Err(refused(format!(
-            "the world has {} devices; palpate.Loop has one so far: World.step takes several, and so does `palpate run`",
-            several.len()
-        ))),
-    }
-}
-
-/// Device and motors of the world that a simulated device is of.
-fn own_device(given: &Bound<'_, PyDict>) -> PyResult<(WorldDevice, WorldActuator)> {
+/// Device and motors of the world that a simulated device is of: its only one, or the one that is called as `given` says, or
+/// else as the loop's world calls it.
+fn own_device(given: &Bound<'_, PyDict>, name: &str) -> PyResult<(WorldDevice, WorldActuator)> {
     let world = given.as_any().get_item("world")?;
     let world = world.cast::<PyWorld>()?.borrow();
     let scene = world.scene();
-    Ok((*only_device(scene)?, scene.timing.actuator))
+    let actuator = scene.timing.actuator;
+    if let [own] = scene.devices[..] {
+        return Ok((own, actuator));
+    }
+    let said: Option<String> = given
+        .get_item("device")?
+        .map(|said| said.extract())
+        .transpose()?
+        .flatten();
+    let name = said.as_deref().unwrap_or(name);
+    let mut tools = scene.world.tools.iter().zip(&scene.devices);
+    let found = tools.find(|(tool, _)| tool.name == name);
+    let (_, own) = found.ok_or_else(|| {
+        refused(format!(
+            "the world of the simulated device has no device called \"{name}\""
+        ))
+    })?;
+    Ok((*own, actuator))
 }
 
-/// What a loop renders of a world, on a device that stands in it as `frame` says and is given no more than `limits` let
-/// through.
-pub fn rendered(
-    world: &PyWorld,
-    frame: &WorldFrame,
-    device: &Capabilities,
-    limits: &SafetyParams,
-) -> PyResult<RenderedWorld> {
-    let has_axis = |axis| frame.has(axis);
-    let (force, torque) = (limits.largest_force, limits.largest_torque);
-    let scene = told_of(world.scene(), device, has_axis, force, torque);
+/// What a device of a loop can do, what may reach it, and where it stands.
+pub struct On {
+    /// What it is called in the world.
+    pub name: String,
+    /// What it can do.
+    pub capabilities: Capabilities,
+    /// What may reach it.
+    pub limits: SafetyParams,
+    /// Where it stands in the world.
+    pub frame: WorldFrame,
+}
+
+/// What a loop renders of a world, on these devices, which are given no more than their limits let through.
+pub fn rendered(world: &PyWorld, on: &[On]) -> PyResult<RenderedWorld> {
+    let told = on.iter().map(|on| Told {
+        device: &on.capabilities,
+        has_axes: [0, 1, 2].map(|axis| on.frame.has(axis)),
+        largest_force: on.limits.largest_force,
+        largest_torque: on.limits.largest_torque,
+    });
+    let scene = told_of_devices(world.scene(), &told.collect::<Vec<_>>());
     let renderer = scene
         .renderer(&world.method)
         .map_err(|faults| world.wrong(&faults))?;
     let mut methods = WorldScene::METHODS.into_iter();
     let method = methods.find(|name| *name == world.method);
-    RenderedWorld::new(&scene.world, renderer, method.unwrap_or("unknown"), *frame).map_err(refused)
+    let frames = on.iter().map(|on| on.frame).collect();
+    RenderedWorld::of_devices(&scene.world, renderer, method.unwrap_or("unknown"), frames)
+        .map_err(refused)
 }
 
 impl Standing {

@@ -7,6 +7,7 @@ mod heard;
 mod held;
 mod in_world;
 mod options;
+mod prepared;
 #[cfg(unix)]
 mod two_diy;
 
@@ -19,13 +20,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use numpy::PyArray1;
-use palpate_device::Capabilities;
 use palpate_device::clock::MonotonicClock;
 use palpate_rt::realtime::{Answer, Request};
-use palpate_rt::safety::SafetyParams;
-use palpate_rt::{
-    ControlLoop, Parameters, Recorder, WorldFrame, Worlds, changing_world, receipt, tap,
-};
+use palpate_rt::{Parameters, Recorder, Worlds, tap};
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -36,38 +33,41 @@ use crate::names::refused;
 use crate::renderer::rendering;
 use crate::world::PyWorld;
 use control::{Control, Running};
-use devices::{Opened, open};
 use ended::{Closed, Ended, ToldEnd};
 use heard::{Events, Heard, Rows, listen};
 use held::Held;
-use in_world::OpenedInWorld;
+use in_world::On;
 use options::Options;
+use prepared::{Beside, Prepared, prepare_contact, prepare_world};
 
 /// Ticks that may wait for the thread that listens: 4 s at 4 kHz.
 const ROOM: usize = 1 << 14;
 /// How often somebody who waits looks whether Python has a signal to handle.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
-/// A loop in real time on a device.
+/// A loop in real time on a device, or on several.
 #[pyclass(frozen, subclass, name = "Loop", module = "palpate._palpate")]
 pub struct RealTimeLoop {
     stage: Mutex<Stage>,
     parameters: Mutex<Option<Parameters>>,
     in_world: Mutex<Option<InWorld>>,
     heard: Arc<Heard>,
-    held: Held,
+    /// The force of each device.
+    held: Vec<Held>,
     /// The process that has made it: a process that is forked off has none of its threads.
     process: u32,
-    device: String,
-    limits: SafetyParams,
+    /// The devices, in words.
+    runs_on: String,
+    /// What several devices are called in the world; none of one.
+    names: Vec<String>,
+    largest_force: f64,
     period: f64,
 }
 
-/// What a loop of a world renders, and on which device.
+/// What a loop of a world renders, and on which devices.
 struct InWorld {
     worlds: Worlds,
-    frame: WorldFrame,
-    capabilities: Capabilities,
+    on: Vec<On>,
 }
 
 /// What a loop is made of, by how far it has come.
@@ -82,7 +82,7 @@ struct Made {
     request: Request,
     recorder: Option<Recorder>,
     listening: Listening,
-    opened: Closed,
+    opened: Vec<Closed>,
 }
 
 /// What the listening thread begins with.
@@ -95,153 +95,50 @@ struct Runs {
     thread: Running,
     recorder: Option<Recorder>,
     ears: std::thread::JoinHandle<()>,
-    closed: Closed,
+    closed: Vec<Closed>,
 }
 
 /// Whether it runs, ticks made, ticks that no read can give, time since the last tick was heard `[s]`, cuts, whether a trip
-/// keeps the motors off, and the force `[N]`.
-type Now = (bool, u64, u64, Option<f64>, u64, bool, [f64; 3]);
+/// keeps the motors off, and the force of each device `[N]`.
+type Now = (bool, u64, u64, Option<f64>, u64, bool, Vec<[f64; 3]>);
 
-/// Words of rows of contacts, and of bodies.
-type Taken<'py> = (Bound<'py, PyArray1<u64>>, Bound<'py, PyArray1<u64>>);
-
-/// A loop that is ready, and what is known of it.
-struct Prepared {
-    control: Control,
-    period: f64,
-    capabilities: Capabilities,
-    limits: SafetyParams,
-    held: Held,
-    closed: Closed,
-    /// The other end of its world, and where the device stands in it.
-    worlds: Option<(Worlds, WorldFrame)>,
-    /// What a recording's receipt has of it, by name.
-    texts: Vec<(&'static str, String)>,
-}
-
-/// A loop of one contact: method, parameters, soft start and settings.
-fn prepare_contact(
-    py: Python<'_>,
-    device: &Bound<'_, PyDict>,
-    rendered: &Bound<'_, PyAny>,
-    clock: MonotonicClock,
-    options: &Options,
-) -> PyResult<Prepared> {
-    let (method, parameters, soft_start, settings): (
-        Bound<'_, PyAny>,
-        Bound<'_, PyDict>,
-        f64,
-        Bound<'_, PyDict>,
-    ) = rendered.extract()?;
-    let (setup, rendering) = rendering(&method, &parameters, &settings)?;
-    let seconds = setup.loop_params.period;
-    let period = Duration::try_from_secs_f64(seconds).map_err(refused)?;
-    let silence = options.patient(SafetyParams::default()).stall_after(period);
-    let Opened {
-        device,
-        axis,
-        held,
-        closed,
-    } = open(py, device, clock, period, silence)?;
-    let capabilities = device.capabilities().clone();
-    let limits = options.limits(&capabilities, setup.loop_params.force_limit, soft_start);
-    let control = ControlLoop::new(device, clock, rendering, limits).map_err(refused)?;
-    Ok(Prepared {
-        control: Control::Contact(Box::new(control.along(axis))),
-        period: seconds,
-        capabilities,
-        limits,
-        held,
-        closed,
-        worlds: None,
-        texts: options
-            .scene
-            .iter()
-            .map(|text| ("scene", text.clone()))
-            .collect(),
-    })
-}
-
-/// A loop of a world with one device.
-fn prepare_world(
-    py: Python<'_>,
-    device: &Bound<'_, PyDict>,
-    world: &PyWorld,
-    clock: MonotonicClock,
-    options: &Options,
-) -> PyResult<Prepared> {
-    let scene = world.scene();
-    let seconds = scene.timing.period;
-    let period = Duration::try_from_secs_f64(seconds).map_err(refused)?;
-    let silence = options.patient(SafetyParams::default()).stall_after(period);
-    let OpenedInWorld {
-        device,
-        frame,
-        held,
-        closed,
-    } = in_world::open(py, device, scene, clock, (period, silence))?;
-    let capabilities = device.capabilities().clone();
-    let limits = options.limits(&capabilities, world.force_limit, world.soft_start);
-    let rendered = in_world::rendered(world, &frame, &capabilities, &limits)?;
-    let (worlds, rendered) = changing_world(scene.world.clone(), rendered);
-    let control = ControlLoop::of_changing_world(device, clock, rendered, limits);
-    let control = control.map_err(refused)?;
-    Ok(Prepared {
-        control: Control::World(Box::new(control)),
-        period: seconds,
-        capabilities,
-        limits,
-        held,
-        closed,
-        worlds: Some((worlds, frame)),
-        texts: vec![
-            ("world", world.text().to_owned()),
-            ("method", format!("name = \"{}\"\n", world.method)),
-            ("frame", frame.to_string()),
-        ],
-    })
-}
+/// Words of rows of contacts, of bodies, and of several devices.
+type Taken<'py> = (
+    Bound<'py, PyArray1<u64>>,
+    Bound<'py, PyArray1<u64>>,
+    Bound<'py, PyArray1<u64>>,
+);
 
 #[pymethods]
 impl RealTimeLoop {
-    /// Opens the device and prepares the loop; the Python file has the arguments. `rendered` is a world, or method,
-    /// parameters and settings of a contact.
+    /// Opens the devices and prepares the loop; the Python file has the arguments. `devices` are in the order of the world's;
+    /// `rendered` is a world, or method, parameters and settings of a contact.
     #[new]
     fn new(
         py: Python<'_>,
-        device: &Bound<'_, PyDict>,
+        devices: Vec<Bound<'_, PyDict>>,
         rendered: &Bound<'_, PyAny>,
         options: &Bound<'_, PyDict>,
     ) -> PyResult<Self> {
         let options: Options = options.extract().map_err(|error| named(options, error))?;
         let clock = MonotonicClock::new().with_spin(options.checked_spin()?);
         let prepared = match rendered.cast::<PyWorld>() {
-            Ok(world) => prepare_world(py, device, &world.borrow(), clock, &options)?,
-            Err(_) => prepare_contact(py, device, rendered, clock, &options)?,
+            Ok(world) => prepare_world(py, &devices, &world.borrow(), clock, &options)?,
+            Err(_) => prepare_contact(py, &devices, rendered, clock, &options)?,
         };
         let Prepared {
             mut control,
             period,
-            capabilities,
-            limits,
-            held,
-            closed,
-            worlds,
-            texts,
+            devices,
+            in_world,
+            receipt,
+            names,
+            runs_on,
+            largest_force,
         } = prepared;
-        let in_world = worlds.map(|(worlds, frame)| InWorld {
-            worlds,
-            frame,
-            capabilities: capabilities.clone(),
-        });
         let request = options.request();
         let (recording, recorder) = match &options.record {
             Some(path) => {
-                let version = env!("CARGO_PKG_VERSION");
-                let receipt = receipt(version, &capabilities, &limits, &request);
-                let receipt = texts
-                    .iter()
-                    .fold(receipt, |receipt, (name, text)| receipt.with(name, text));
                 let (tap, recorder) = Recorder::begin(path, &receipt)
                     .map_err(|error| PyOSError::new_err(error.to_string()))?;
                 (Some(tap), Some(recorder))
@@ -250,14 +147,19 @@ impl RealTimeLoop {
         };
         let (tap, listener) = tap(ROOM);
         let parameters = control.parameters();
+        let (held, closed) = devices
+            .into_iter()
+            .map(|Beside { held, closed }| (held, closed))
+            .unzip();
         Ok(Self {
             parameters: Mutex::new(parameters),
             in_world: Mutex::new(in_world),
             heard: Arc::new(Heard::new(options.ring)),
             held,
             process: std::process::id(),
-            device: capabilities.name,
-            limits,
+            runs_on,
+            names,
+            largest_force,
             period,
             stage: Mutex::new(Stage::Made(Box::new(Made {
                 control: control.tapped(tap),
@@ -337,17 +239,11 @@ impl RealTimeLoop {
     /// Renders another world from the next tick on, and gives its number.
     fn change_world(&self, world: &Bound<'_, PyWorld>) -> PyResult<u32> {
         self.check_process()?;
-        let Some(InWorld {
-            worlds,
-            frame,
-            capabilities,
-        }) = &mut *lock(&self.in_world)
-        else {
+        let Some(InWorld { worlds, on }) = &mut *lock(&self.in_world) else {
             return Err(PyRuntimeError::new_err("the loop has ended"));
         };
         let world = world.borrow();
-        in_world::check_devices(world.scene())?;
-        let rendered = in_world::rendered(&world, frame, capabilities, &self.limits)?;
+        let rendered = in_world::rendered(&world, on)?;
         let described = world.scene().world.clone();
         worlds.change(described, rendered).map_err(refused)
     }
@@ -385,12 +281,16 @@ impl RealTimeLoop {
             let is_empty = rows.contacts.is_empty();
             if !is_empty || is_over || self.heard.is_closed() {
                 // What was told between the two looks is not left behind.
-                let Rows { contacts, bodies } = if is_empty {
+                let Rows {
+                    contacts,
+                    bodies,
+                    devices,
+                } = if is_empty {
                     self.heard.take(Duration::ZERO)
                 } else {
                     rows
                 };
-                return Ok((array(py, contacts), array(py, bodies)));
+                return Ok((array(py, contacts), array(py, bodies), array(py, devices)));
             }
             py.check_signals()?;
         }
@@ -418,14 +318,14 @@ impl RealTimeLoop {
             heard.silent,
             cuts,
             heard.tripped,
-            self.held.force(),
+            self.held.iter().map(Held::force).collect(),
         ))
     }
 
-    /// Name of the device.
+    /// Name of the device; of several each, behind what it is called in the world.
     #[getter]
     fn device_name(&self) -> &str {
-        &self.device
+        &self.runs_on
     }
 
     /// Nominal time from tick to tick `[s]`.
@@ -434,10 +334,10 @@ impl RealTimeLoop {
         self.period
     }
 
-    /// Largest force that the loop commands `[N]`.
+    /// Largest force that the loop commands `[N]`; of several devices, of the one that is given the most.
     #[getter]
     fn force_limit(&self) -> f64 {
-        self.limits.largest_force
+        self.largest_force
     }
 }
 
@@ -470,7 +370,7 @@ impl RealTimeLoop {
                 } = *made;
                 drop((control, listening));
                 let mut ended = Ended::never_ran();
-                ended.closes(recorder, &opened);
+                ended.closes(recorder, &opened, &self.names);
                 Box::new(ended)
             }
             Stage::Runs(runs) => {
@@ -480,9 +380,9 @@ impl RealTimeLoop {
                     ears,
                     closed,
                 } = *runs;
-                let mut ended = thread.end();
+                let mut ended = thread.end(&self.names);
                 let is_deaf = ears.join().is_err();
-                ended.closes(recorder, &closed);
+                ended.closes(recorder, &closed, &self.names);
                 if is_deaf {
                     ended.fails(
                         "the thread that listens to the loop ended by a fault of palpate".into(),

@@ -7,7 +7,7 @@ use std::time::Duration;
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
 use palpate_devices::Axis;
-use palpate_devices::two_diy::{Guard, LetGo, OpenError, PortError, Setup, usual_axis};
+use palpate_devices::two_diy::{Guard, LetGo, OpenError, PortError, Setup, identity, usual_axis};
 use palpate_haply::two_diy::{Board, Calibration, Generation};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
@@ -15,14 +15,14 @@ use pyo3::prelude::*;
 use super::devices::{StartPose, TwoDiyGiven};
 use crate::names::refused;
 
-/// Opens a 2DIY, with the guardian that it is to have.
+/// Opens a 2DIY, with the guardian that it is to have; with its usual axis, and which it is.
 pub fn two_diy(
     given: &TwoDiyGiven,
     clock: MonotonicClock,
     period: Duration,
     silence: Duration,
     closed: &Arc<OnceLock<String>>,
-) -> PyResult<(Box<dyn Device>, Axis)> {
+) -> PyResult<(Box<dyn Device>, Axis, Option<String>)> {
     let generation = match given.generation {
         1 => Generation::One,
         2 => Generation::Two,
@@ -73,18 +73,21 @@ pub fn two_diy(
             ));
         }
     };
-    let setup = Setup {
+    let mut setup = Setup {
         port: given.port.clone(),
         generation,
         board,
         calibration,
     };
+    // Where there is none, opening it says so.
+    setup.port = setup.port().ok();
+    let identity = setup.port.as_deref().map(identity);
     let device = setup.open(period, clock, guard).map_err(not_opened)?;
     let closed = Arc::clone(closed);
     let device = LetGo::new(device, move |not| {
         let _ = closed.set(not.error.to_string());
     });
-    Ok((Box::new(device), usual_axis(generation)))
+    Ok((Box::new(device), usual_axis(generation), identity))
 }
 
 fn not_opened(error: OpenError) -> PyErr {

@@ -130,8 +130,8 @@ impl DeviceArguments {
     pub fn check(&self) -> Result<(), Failure> {
         let [Choice::Kind(device)] = self.device[..] else {
             return Err(Failure::Arguments(
-                "--device: one device, by its kind alone, is what this takes; several, as NAME=DEVICE, are for `palpate run` \
-                 and `record` of a world with several"
+                "--device: one device, by its kind alone, is what this takes; several, as NAME=DEVICE, are for `palpate run`, \
+                 `record` and `live` of a world with several"
                     .into(),
             ));
         };

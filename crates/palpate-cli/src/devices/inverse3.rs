@@ -3,7 +3,7 @@
 use clap::Args;
 use palpate_device::clock::Clock;
 use palpate_device::{Device, Vector};
-use palpate_devices::inverse3::Overheard;
+use palpate_devices::inverse3::{Overheard, identity};
 use palpate_devices::{FIRST_AXIS, Reopen};
 use palpate_haply::inverse3::{ConnectError, Inverse3, Inverse3Options, OpenError, Pace, SERVICE};
 
@@ -92,10 +92,7 @@ pub fn open<C: Clock>(
         ));
     }
     let opened_at = device.opened_at();
-    // One service by two names is one.
-    let service = options.service.replace("//localhost", "//127.0.0.1");
-    let service = service.trim_end_matches('/');
-    let identity = format!("Inverse3 {} of {service}", device.device_id());
+    let identity = identity(&options.service, device.device_id());
     let device = watched(device, !arguments.reconnect);
     if !arguments.reconnect {
         return Ok((device, opened_at, identity));

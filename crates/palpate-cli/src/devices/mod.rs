@@ -15,7 +15,7 @@ mod several;
 pub mod two_diy;
 
 pub use arguments::{DeviceArguments, DeviceName};
-pub use several::{FLAGS_OF_A_DEVICE, names, open_for_world};
+pub use several::{FLAGS_OF_A_DEVICE, kinds, names, open_for_world};
 
 use palpate::AlongAxis;
 use palpate_device::clock::Clock;
@@ -33,7 +33,7 @@ use crate::failure::{Failure, tell};
 #[cfg(unix)]
 use crate::values::duration;
 #[cfg(unix)]
-use palpate_devices::two_diy::usual_axis;
+use palpate_devices::two_diy::{identity, usual_axis};
 use palpate_session::Guarding;
 
 /// A device that is ready, and where the contact's axis lies in it.
@@ -103,26 +103,8 @@ pub struct OpenedInWorld {
     identity: Option<String>,
 }
 
-/// Opens the only device of a world, as [`open`] does for one contact, with the hand that leads the device `pointer`; without
-/// one that device stays where it begins.
-pub fn open_in_world_with<C: Clock>(
-    arguments: &DeviceArguments,
-    scene: &WorldScene,
-    clock: &C,
-    guarding: &Guarding,
-    hand: Option<&SpatialHand>,
-) -> Result<OpenedInWorld, Failure> {
-    let [own] = &scene.devices[..] else {
-        return Err(Failure::input(format_args!(
-            "the world has {} devices; here a world of one device is rendered, `palpate run` and `palpate record` \
-             render one of several",
-            scene.devices.len()
-        )));
-    };
-    open_as(own, arguments, scene, clock, guarding, hand)
-}
-
-/// Opens the device that `arguments` name as the device `own` of a world.
+/// Opens the device that `arguments` name as the device `own` of a world, as [`open`] does for one contact, with the hand that
+/// leads the device `pointer`; without one that device stays where it begins.
 fn open_as<C: Clock>(
     own: &WorldDevice,
     arguments: &DeviceArguments,
@@ -201,9 +183,7 @@ fn open_two_diy<C: Clock>(
     let axis = usual_axis(setup.generation);
     // Only this one is gone on with.
     let port = setup.port().map_err(two_diy::no_port)?;
-    // One port by two names is one.
-    let identity = port.canonicalize().unwrap_or_else(|_| port.clone());
-    let identity = identity.display().to_string();
+    let identity = identity(&port);
     setup.port = Some(port);
     let guarding = arguments.is_guarded().then_some(guarding);
     let device = two_diy::open(&setup, period, clock, guarding)?;

@@ -3,6 +3,7 @@
 use palpate_device::clock::Clock;
 use palpate_scene::world::{WorldDevice, WorldScene};
 use palpate_session::Guarding;
+use palpate_sim::device::SpatialHand;
 
 use super::choice::Choice;
 use super::{DeviceArguments, DeviceName, OpenedInWorld, open_as};
@@ -27,7 +28,8 @@ pub const FLAGS_OF_A_DEVICE: [&str; 13] = [
 ];
 
 /// Opens a device for each device of a world, in the order of its file: the one that `arguments` name, or several by the names
-/// that they have in the file.
+/// that they have in the file. A device `pointer` is in the hand that stands in its place in `hands`; without one it stays
+/// where it begins.
 ///
 /// # Errors
 /// A device of the world that is not named or named twice, a name that the world has not, flags that belong behind a name, or
@@ -38,11 +40,13 @@ pub fn open_for_world<C: Clock>(
     scene: &WorldScene,
     clock: &C,
     guarding: &Guarding,
+    hands: &[Option<SpatialHand>],
 ) -> Result<Vec<OpenedInWorld>, Failure> {
     let mut opened: Vec<OpenedInWorld> = Vec::new();
     let names = names(scene);
     for ((own, of_one), name) in each(arguments, given, scene)?.into_iter().zip(&names) {
-        let next = open_as(own, of_one, scene, clock, guarding, None);
+        let hand = hands.get(opened.len()).and_then(Option::as_ref);
+        let next = open_as(own, of_one, scene, clock, guarding, hand);
         let next = next.map_err(|failure| match &arguments.device[..] {
             [Choice::Kind(_)] => failure,
             _ => failure.of(&format!("--device {name}=")),
@@ -60,6 +64,19 @@ pub fn open_for_world<C: Clock>(
         opened.push(next);
     }
     Ok(opened)
+}
+
+/// What each device of the world is, in the order of its file.
+///
+/// # Errors
+/// As [`open_for_world`], but for what a device itself refuses.
+pub fn kinds(
+    arguments: &DeviceArguments,
+    given: &Given,
+    scene: &WorldScene,
+) -> Result<Vec<DeviceName>, Failure> {
+    let each = each(arguments, given, scene)?;
+    Ok(each.iter().map(|(_, of_one)| of_one.kind()).collect())
 }
 
 /// Each device of the world, with the arguments that name what it is.

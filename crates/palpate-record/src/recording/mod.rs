@@ -65,6 +65,8 @@ pub const BEGINS: &[u8] = mcap::MAGIC;
 
 /// How damage begins that is of the file as a whole: nothing is left out for it.
 pub const WHOLE: &str = "the file as a whole";
+/// Text of the receipt of a loop with several devices that has their names, a line each, in the order of their numbers.
+pub const DEVICES: &str = "devices";
 
 pub use body::BodyTick;
 pub use column::{Column, Kind, Shown, Value};

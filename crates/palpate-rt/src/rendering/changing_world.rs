@@ -351,7 +351,19 @@ impl<D: Device, C: Clock> ControlLoop<D, C, ChangingWorld> {
         world: ChangingWorld,
         limits: SafetyParams,
     ) -> Result<Self, SetupError> {
-        can_turn(world.world(), std::slice::from_ref(&device))?;
-        Self::rendering(vec![(device, limits)], clock, world)
+        Self::of_changing_devices(vec![(device, limits)], clock, world)
+    }
+
+    /// The same on several devices, each with its own limits: one for each tool of the world, in their order.
+    ///
+    /// # Errors
+    /// As those of [`of_devices`](ControlLoop::of_devices).
+    pub fn of_changing_devices(
+        devices: Vec<(D, SafetyParams)>,
+        clock: C,
+        world: ChangingWorld,
+    ) -> Result<Self, SetupError> {
+        can_turn(world.world(), devices.iter().map(|(device, _)| device))?;
+        Self::rendering(devices, clock, world)
     }
 }

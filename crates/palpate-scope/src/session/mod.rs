@@ -167,11 +167,11 @@ impl Turns for Running {
         };
         let (about, done) = match request {
             ClientRequest::Hand(target) => ("hand", self.lead(client, target)),
-            ClientRequest::Tool(_) => (
+            ClientRequest::Tool { .. } => (
                 "tool",
                 Err("one contact is led by `hand`, with one number".to_owned()),
             ),
-            ClientRequest::Turn(_) => ("turn", Err("one contact turns nothing".to_owned())),
+            ClientRequest::Turn { .. } => ("turn", Err("one contact turns nothing".to_owned())),
             ClientRequest::Set(set) => ("set", self.set(&set)),
             ClientRequest::Restart => ("restart", self.restart_if_allowed()),
             ClientRequest::Rearm(lane) => ("rearm", self.rearm(lane)),

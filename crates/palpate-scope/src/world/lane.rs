@@ -2,15 +2,14 @@
 
 use std::time::Duration;
 
-use palpate_device::Capabilities;
-use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
-use palpate_record::recording::{BodyTick, ContactTick, Flags, Tick};
+use palpate_device::{Capabilities, Device, Vector};
+use palpate_record::recording::{BodyTick, ContactTick, DeviceTick, Event, Flags, Tick};
 use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::safety::Trip;
 use palpate_rt::{
     Account, ControlLoop, Durations, Listener, LoopThread, Note, Noted, RenderedWorld, StopFlag,
-    Told, tap,
+    Told, WorldFrame, tap,
 };
 
 use super::{WorldEnded, WorldLane, WorldLaneEnd, shown};
@@ -29,17 +28,21 @@ pub struct Run<'a> {
     pub duration: Option<Duration>,
 }
 
-/// One loop on a device, and what the scope knows of it.
+/// One loop on its devices, and what the scope knows of it.
 pub struct Lane {
     pub method: &'static str,
-    pub capabilities: Capabilities,
+    /// The devices.
+    pub capabilities: Vec<Capabilities>,
+    /// Where they stand in the world.
+    frames: Vec<WorldFrame>,
     pub answers: Vec<Answer>,
     thread: Option<LoopThread<Box<dyn Device>, MonotonicClock, RenderedWorld>>,
     listener: Listener,
     rows: Rows,
-    newest: Option<(Tick, Vec<ContactTick>, Vec<BodyTick>)>,
+    newest: Option<Newest>,
     is_shown: bool,
-    trip: Option<String>,
+    /// What holds the forces at none, for each device.
+    trips: Vec<Option<String>>,
     account: Account,
     ticks: u64,
     next: u64,
@@ -51,6 +54,14 @@ pub struct Lane {
     end: Option<WorldEnded>,
 }
 
+/// The newest tick that was heard of.
+struct Newest {
+    tick: Tick,
+    contacts: Vec<ContactTick>,
+    bodies: Vec<BodyTick>,
+    devices: Vec<DeviceTick>,
+}
+
 impl Lane {
     /// Starts the loop of a lane that is open.
     pub fn start(
@@ -58,14 +69,12 @@ impl Lane {
         opened: WorldLane,
         run: &Run<'_>,
     ) -> Result<Self, SessionError> {
-        let WorldLane {
-            device,
-            world,
-            limits,
-        } = opened;
-        let capabilities = device.capabilities().clone();
+        let WorldLane { devices, world } = opened;
+        let capabilities = devices.iter().map(|(device, _)| device.capabilities());
+        let capabilities: Vec<Capabilities> = capabilities.cloned().collect();
+        let frames = world.frames().to_vec();
         let (tap, listener) = tap(ROOM);
-        let control = ControlLoop::of_world(device, *run.clock, world, limits)?.tapped(tap);
+        let control = ControlLoop::of_devices(devices, *run.clock, world)?.tapped(tap);
         let period = control.period();
         let periods = |lasts: Duration| lasts.as_nanos().div_ceil(period.as_nanos().max(1));
         let most = run.duration.map(periods);
@@ -74,14 +83,15 @@ impl Lane {
             .map_err(|error| SessionError::Other(format!("no thread for the loop: {error}")))?;
         Ok(Self {
             method,
-            capabilities,
+            frames,
             answers: thread.answers().to_vec(),
             thread: Some(thread),
             listener,
-            rows: Rows::new(period.as_secs_f64()),
+            rows: Rows::with_further(period.as_secs_f64(), capabilities.len().saturating_sub(1)),
             newest: None,
             is_shown: true,
-            trip: None,
+            trips: vec![None; capabilities.len()],
+            capabilities,
             account: Account::default(),
             ticks: 0,
             next: 0,
@@ -95,20 +105,26 @@ impl Lane {
     }
 
     /// Listens to all that the loop has told; whatever happened is given to `note`. Whether the loop has ended just now.
-    pub fn listen(&mut self, mut note: impl FnMut(&Noted)) -> bool {
+    pub fn listen(&mut self, mut note: impl FnMut(&Noted, Event)) -> bool {
         let has_ended = self.thread.as_ref().is_some_and(LoopThread::has_ended);
         while let Some(told) = self.listener.next() {
             match told {
-                Told::Tick(tick, contacts, bodies, _) => self.take(tick, contacts, bodies),
+                Told::Tick(tick, contacts, bodies, devices) => self.take(Newest {
+                    tick,
+                    contacts,
+                    bodies,
+                    devices,
+                }),
                 Told::Note(noted) => {
                     match noted.note {
-                        Note::Tripped(trip) => self.trip = Some(trip.to_string()),
-                        Note::Oscillated { .. } => self.trip = Some(Trip::Oscillation.to_string()),
+                        Note::Tripped(trip) => self.tripped(&noted, trip),
+                        Note::Oscillated { .. } => self.tripped(&noted, Trip::Oscillation),
                         Note::MissedDeadlines(number) => self.missed_deadlines += number,
                         _ => {}
                     }
-                    self.account.event(noted.event());
-                    note(&noted);
+                    let event = noted.event_of(self.listener.device_names());
+                    self.account.event(event.clone());
+                    note(&noted, event);
                 }
             }
         }
@@ -118,7 +134,22 @@ impl Lane {
         has_ended
     }
 
-    fn take(&mut self, tick: Tick, contacts: Vec<ContactTick>, bodies: Vec<BodyTick>) {
+    /// A device has tripped; the only one where none is named.
+    fn tripped(&mut self, noted: &Noted, trip: Trip) {
+        let device = noted.device.and_then(|device| usize::try_from(device).ok());
+        let of = device.unwrap_or(0);
+        let name = device.and_then(|_| self.listener.device_names().get(of));
+        let text = match name {
+            Some(name) => format!("{name}: {trip}"),
+            None => trip.to_string(),
+        };
+        if let Some(own) = self.trips.get_mut(of) {
+            *own = Some(text);
+        }
+    }
+
+    fn take(&mut self, newest: Newest) {
+        let tick = &newest.tick;
         self.missing += tick.sequence.saturating_sub(self.next);
         self.next = tick.sequence + 1;
         self.ticks += 1;
@@ -131,11 +162,21 @@ impl Lane {
             self.tick.add(took);
         }
         if !tick.flags.has(Flags::SAFETY_TRIPPED) {
-            self.trip = None;
+            self.trips.fill(None);
         }
-        self.account.tick(&tick, &contacts);
-        self.rows.add(&shown::row(&tick, &contacts));
-        self.newest = Some((tick, contacts, bodies));
+        for (device, trip) in newest.devices.iter().zip(&mut self.trips) {
+            if !device.flags.has(Flags::SAFETY_TRIPPED) {
+                *trip = None;
+            }
+        }
+        self.account.tick(tick, &newest.contacts);
+        let further = newest.devices.iter().skip(1);
+        let further: Vec<f64> = further
+            .map(|device| shown::length(device.delivered_force))
+            .collect();
+        self.rows
+            .add_with(&shown::row(tick, &newest.contacts), &further);
+        self.newest = Some(newest);
         self.is_shown = false;
     }
 
@@ -146,7 +187,25 @@ impl Lane {
             .newest
             .as_ref()
             .filter(|_| !self.is_shown)
-            .map(|(tick, contacts, bodies)| shown::frame((number, run), tick, contacts, bodies));
+            .map(|newest| {
+                let own = newest.devices.iter().map(|device| device.delivered_force);
+                let forces: Vec<Vector> = if newest.devices.is_empty() {
+                    vec![newest.tick.delivered_force]
+                } else {
+                    own.collect()
+                };
+                let in_world = self.frames.iter().zip(forces);
+                let forces: Vec<Vector> = in_world
+                    .map(|(frame, force)| frame.of_device(force))
+                    .collect();
+                let Newest {
+                    tick,
+                    contacts,
+                    bodies,
+                    ..
+                } = newest;
+                shown::frame((number, run), tick, (contacts, bodies), &forces)
+            });
         self.is_shown = true;
         rows.into_iter().chain(world)
     }
@@ -157,8 +216,9 @@ impl Lane {
     }
 
     /// What holds the force at none, if something does.
-    pub fn trip(&self) -> Option<&str> {
-        self.trip.as_deref()
+    pub fn trip(&self) -> Option<String> {
+        let trips: Vec<&str> = self.trips.iter().flatten().map(String::as_str).collect();
+        (!trips.is_empty()).then(|| trips.join("; "))
     }
 
     /// Ends a trip that stays.
@@ -178,7 +238,7 @@ impl Lane {
         if let Some(thread) = self.thread.take() {
             self.end = Some(thread.join());
         }
-        self.listen(|_| {});
+        self.listen(|_, _| {});
     }
 
     /// How it has ended, for a report.
@@ -208,7 +268,7 @@ impl Lane {
         };
         let made = self.end.as_ref().map_or(0, |end| end.statistics.ticks);
         LaneStatus {
-            t_s: self.newest.as_ref().map_or(0.0, |(tick, ..)| tick.time),
+            t_s: self.newest.as_ref().map_or(0.0, |newest| newest.tick.time),
             ticks: self.ticks,
             missed_deadlines: self.missed_deadlines,
             without_sample: self.without_sample,

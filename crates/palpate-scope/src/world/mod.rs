@@ -1,7 +1,8 @@
-//! A session on a world: one loop or two, a thread that listens to them, and what clients ask for. The loops wait for none
+//! A session on a world, on one device or several: one loop or two, a thread that listens to them, and what clients ask for. The loops wait for none
 //! of it.
 
 mod coarse;
+mod hands;
 mod lane;
 mod shown;
 
@@ -9,17 +10,18 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use palpate_device::clock::MonotonicClock;
-use palpate_device::{Capabilities, Device, Vector};
+use palpate_device::{Capabilities, Device};
 use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{Account, Ending, LoopEnd, Note, RenderedWorld, StopFlag};
 use palpate_scene::world::WorldScene;
 use palpate_sim::device::SpatialHand;
 
-use crate::hub::{ClientId, Hub};
+use crate::hub::Hub;
 use crate::message::{ClientRequest, ServerMessage};
 use crate::pace::Pace;
 use crate::session::{Command, Session, SessionError, Turns};
+use hands::Hands;
 use lane::{Lane, Run};
 
 /// Most lanes: what the page has room for.
@@ -28,22 +30,16 @@ pub const MOST_LANES: usize = 2;
 const NOTES: (f64, f64) = (32.0, 20.0);
 /// Restarts at once and then each second: more than any hand does.
 const RESTARTS: (f64, f64) = (8.0, 4.0);
-/// By how much the length of a quaternion may be another than 1: a page has few digits.
-const LENGTH_SLACK: f64 = 1e-3;
-/// How far from where the tool begins a hand may reach along each axis `[m]`.
-const REACH: f64 = 1.0;
 
-/// A device that is open, and the world that is rendered on it.
+/// The devices of a loop that are open, and the world that is rendered on them.
 pub struct WorldLane {
-    /// The device.
-    pub device: Box<dyn Device>,
-    /// The world, with where the device stands in it.
+    /// The devices, one for each tool of the world in their order, with the limits between renderer and device.
+    pub devices: Vec<(Box<dyn Device>, SafetyParams)>,
+    /// The world, with where each device stands in it.
     pub world: RenderedWorld,
-    /// Limits between renderer and device.
-    pub limits: SafetyParams,
 }
 
-/// Opens the device of a lane, by its number, and its world.
+/// Opens the devices of a lane, by its number, and its world.
 ///
 /// The error is why it cannot, in words.
 pub type OpenLane = Box<dyn FnMut(usize) -> Result<WorldLane, String> + Send>;
@@ -56,8 +52,9 @@ pub struct WorldSetup {
     pub methods: Vec<&'static str>,
     /// Where lanes come from.
     pub open: OpenLane,
-    /// The hand that the page leads, if it leads one; its lanes can begin anew.
-    pub hand: Option<SpatialHand>,
+    /// The hand of each device that the page leads, in the order of the devices; `None` is of a device that it does not
+    /// lead. Lanes can begin anew where it leads all.
+    pub hands: Vec<Option<SpatialHand>>,
     /// The clock of loops and devices.
     pub clock: MonotonicClock,
     /// What the machine is asked for.
@@ -73,8 +70,8 @@ pub type WorldEnded = LoopEnd<Box<dyn Device>, MonotonicClock, RenderedWorld>;
 pub struct WorldLaneEnd {
     /// Name of its method.
     pub method: &'static str,
-    /// The device.
-    pub capabilities: Capabilities,
+    /// The devices.
+    pub capabilities: Vec<Capabilities>,
     /// How the loop has ended.
     pub end: WorldEnded,
     /// What the machine granted.
@@ -108,12 +105,12 @@ impl Session<WorldSessionEnd> {
         }
         Self::begin(stop, |hub, stop| {
             let mut running = Running {
+                hands: Hands::new(&setup.scene, &setup.hands),
                 hub,
                 stop_lanes: stop.below(),
                 stop,
                 lanes: Vec::new(),
                 runs: 0,
-                holder: None,
                 notes: Pace::new(NOTES.0, NOTES.1),
                 restarts: Pace::new(RESTARTS.0, RESTARTS.1),
                 failed: None,
@@ -133,8 +130,7 @@ struct Running {
     stop_lanes: StopFlag,
     lanes: Vec<Lane>,
     runs: u32,
-    /// Who moved the hand last.
-    holder: Option<ClientId>,
+    hands: Hands,
     notes: Pace,
     restarts: Pace,
     failed: Option<String>,
@@ -151,19 +147,19 @@ impl Turns for Running {
     fn obey(&mut self, command: Command) {
         let (client, request) = match command {
             Command::Gone(client) => {
-                if self.holder == Some(client) {
-                    self.holder = None;
-                    if let Some(hand) = &self.setup.hand {
-                        hand.let_go();
-                    }
-                }
+                self.hands.gone(client);
                 return;
             }
             Command::Request(client, request) => (client, request),
         };
         let (about, done) = match request {
-            ClientRequest::Tool(place) => ("tool", self.lead(client, place)),
-            ClientRequest::Turn(orientation) => ("turn", self.turn(orientation)),
+            ClientRequest::Tool { device, position } => {
+                ("tool", self.hands.lead(client, device, position))
+            }
+            ClientRequest::Turn {
+                device,
+                orientation,
+            } => ("turn", self.hands.turn(device, orientation)),
             ClientRequest::Restart => ("restart", self.restart()),
             ClientRequest::Rearm(number) => ("rearm", self.rearm(number)),
             ClientRequest::Hand(_) => (
@@ -190,11 +186,10 @@ impl Turns for Running {
         let mut texts = Vec::new();
         for (number, lane) in self.lanes.iter_mut().enumerate() {
             let notes = &mut self.notes;
-            let has_ended = lane.listen(|noted| {
+            let has_ended = lane.listen(|noted, event| {
                 if matches!(noted.note, Note::Ended(_)) || !notes.take(Instant::now()) {
                     return;
                 }
-                let event = noted.event();
                 texts.push(
                     ServerMessage::Note {
                         lane: number,
@@ -262,11 +257,7 @@ impl Running {
     fn start_lanes(&mut self) -> Result<(), SessionError> {
         self.stop_lanes = self.stop.below();
         self.runs = self.runs.wrapping_add(1);
-        let start = self.setup.scene.devices.first().map(|one| one.position);
-        if let Some((hand, start)) = self.setup.hand.as_ref().zip(start) {
-            hand.move_to(start);
-            hand.turn_back();
-        }
+        self.hands.begin();
         let mut lanes = Vec::new();
         for (number, method) in self.setup.methods.clone().into_iter().enumerate() {
             let opened = (self.setup.open)(number).map_err(SessionError::Other)?;
@@ -282,66 +273,8 @@ impl Running {
         Ok(())
     }
 
-    /// Leads the hand to a place, or lets go.
-    fn lead(&mut self, client: ClientId, place: Option<Vector>) -> Result<(), String> {
-        let Some(hand) = &self.setup.hand else {
-            return Err("this device is not led from here; --device pointer is".into());
-        };
-        let start = self.setup.scene.devices.first().map(|one| one.position);
-        let start = start.unwrap_or_default();
-        self.holder = match place {
-            None => {
-                hand.let_go();
-                None
-            }
-            Some(place) => {
-                let reaches = place
-                    .iter()
-                    .zip(start)
-                    .all(|(to, from)| (to - from).abs() <= REACH);
-                if !reaches {
-                    return Err(format!(
-                        "position_m is {place:?}; allowed: within {REACH} m of {start:?} along each axis, or null"
-                    ));
-                }
-                hand.move_to(place);
-                Some(client)
-            }
-        };
-        Ok(())
-    }
-
-    /// Turns the hand, whoever leads it, or turns it back to as it began.
-    fn turn(&mut self, orientation: Option<[f64; 4]>) -> Result<(), String> {
-        let Some(hand) = &self.setup.hand else {
-            return Err("this device is not led from here; --device pointer is".into());
-        };
-        let turns = self.setup.scene.devices.first().and_then(|one| one.turning);
-        if turns.is_none() {
-            return Err("this device has three axes, and turns nothing".into());
-        }
-        match orientation {
-            None => hand.turn_back(),
-            Some(orientation) => {
-                let length = orientation
-                    .iter()
-                    .map(|part| part * part)
-                    .sum::<f64>()
-                    .sqrt();
-                let is_unit = (length - 1.0).abs() <= LENGTH_SLACK;
-                if !is_unit {
-                    return Err(format!(
-                        "orientation is {orientation:?}; allowed: a quaternion of length 1, or null"
-                    ));
-                }
-                hand.turn_to(orientation);
-            }
-        }
-        Ok(())
-    }
-
     fn restart(&mut self) -> Result<(), String> {
-        if self.setup.hand.is_none() {
+        if !self.hands.are_all_led() {
             return Err("only a world on --device pointer begins anew from here".into());
         }
         if !self.restarts.take(Instant::now()) {
@@ -380,11 +313,11 @@ impl Running {
     }
 
     fn greet(&self) {
-        let capabilities = self.lanes.first().map(|lane| &lane.capabilities);
+        let capabilities = self.lanes.first().map(|lane| &lane.capabilities[..]);
         let hello = shown::hello(
             &self.setup.scene,
-            capabilities,
-            self.setup.hand.is_some(),
+            capabilities.unwrap_or_default(),
+            &self.hands,
             self.setup.methods.len(),
         );
         self.hub.set_hello(hello);
@@ -392,9 +325,6 @@ impl Running {
     }
 
     fn state(&self) -> String {
-        let hand = self.setup.hand.as_ref();
-        let target = hand.and_then(SpatialHand::target);
-        let orientation = hand.and_then(SpatialHand::orientation);
-        shown::state(&self.setup.scene, &self.lanes, target, orientation)
+        shown::state(&self.setup.scene, &self.lanes, &self.hands)
     }
 }

@@ -3,10 +3,12 @@
 use palpate_device::{Capabilities, Vector};
 use palpate_record::recording::{BodyTick, ContactTick, Row, Tick};
 use palpate_scene::world::WorldScene;
+use palpate_sim::device::SpatialHand;
 use palpate_world::{Mesh, Motion, Shape};
 use serde_json::{Value, json};
 
 use super::coarse::coarse;
+use super::hands::Hands;
 use super::lane::Lane;
 use crate::rows::{Frame, columns};
 
@@ -21,19 +23,22 @@ const KNOWN: [&str; 7] = [
     "flags",
 ];
 
-/// What every client is greeted with.
-pub fn hello(
-    scene: &WorldScene,
-    device: Option<&Capabilities>,
-    pointer: bool,
-    lanes: usize,
-) -> String {
+/// The column of the force on the first device, and of the others with their names behind it.
+const FORCE: &str = "force_on_device_n";
+
+/// What every client is greeted with: the world, on these devices.
+pub fn hello(scene: &WorldScene, devices: &[Capabilities], hands: &Hands, lanes: usize) -> String {
+    let further = scene.world.tools.iter().enumerate().skip(1);
+    let further = further.map(|(number, tool)| {
+        json!({ "name": format!("{FORCE} {}", tool.name), "unit": "N", "device": number })
+    });
     let columns: Vec<Value> = columns()
         .map(|column| {
             let is_known = KNOWN.contains(&column.name);
             let unit = if column.unit == "1" { "" } else { column.unit };
             json!({ "name": if is_known { column.name } else { "" }, "unit": unit })
         })
+        .chain(further)
         .collect();
     let tools = scene.world.tools.iter().zip(&scene.devices);
     let tools: Vec<Value> = tools
@@ -62,32 +67,45 @@ pub fn hello(
             })
         })
         .collect();
-    json!({
+    let mut each = hands.iter().enumerate().map(|(number, hand)| {
+        let device = devices.get(number);
+        json!({
+            "name": device.map_or("", |device| &device.name),
+            "axes": device.map_or(3, |device| device.axes),
+            "pointer": hand.is_some(),
+            "largest_force_n": device.and_then(|device| device.largest_force),
+        })
+    });
+    let mut first = each.next().unwrap_or_default();
+    first["lanes"] = json!(lanes);
+    let further: Vec<Value> = each.collect();
+    let mut hello = json!({
         "type": "hello",
         "protocol": 1,
         "version": env!("CARGO_PKG_VERSION"),
         "title": scene.title,
         "columns": columns,
         "methods": [],
-        "device": {
-            "name": device.map_or("", |device| &device.name),
-            "axes": device.map_or(3, |device| device.axes),
-            "pointer": pointer,
-            "largest_force_n": device.and_then(|device| device.largest_force),
-            "lanes": lanes,
-        },
+        "device": first,
         "world": { "tools": tools, "bodies": bodies },
-    })
-    .to_string()
+    });
+    // Of one device there is nothing to add.
+    if !further.is_empty() {
+        hello["further_devices"] = further.into();
+    }
+    hello.to_string()
 }
 
 /// The state that is told whenever it changes.
-pub fn state(
-    scene: &WorldScene,
-    lanes: &[Lane],
-    hand: Option<Vector>,
-    orientation: Option<[f64; 4]>,
-) -> String {
+pub fn state(scene: &WorldScene, lanes: &[Lane], hands: &Hands) -> String {
+    let target = |hand: Option<&SpatialHand>| hand.and_then(SpatialHand::target);
+    let orientation = |hand: Option<&SpatialHand>| hand.and_then(SpatialHand::orientation);
+    let first = hands.iter().next().flatten();
+    let further: Vec<Value> = hands
+        .iter()
+        .skip(1)
+        .map(|hand| json!({ "hand_m": target(hand), "hand_orientation": orientation(hand) }))
+        .collect();
     let lanes: Vec<Value> = lanes
         .iter()
         .map(|lane| {
@@ -100,15 +118,18 @@ pub fn state(
             })
         })
         .collect();
-    json!({
+    let mut state = json!({
         "type": "state",
         "period_s": scene.timing.period,
         "lanes": lanes,
         "recording": null,
-        "hand_m": hand,
-        "hand_orientation": orientation,
-    })
-    .to_string()
+        "hand_m": target(first),
+        "hand_orientation": orientation(first),
+    });
+    if !further.is_empty() {
+        state["further_hands"] = further.into();
+    }
+    state.to_string()
 }
 
 /// Most triangles of a mesh that the page draws, of a larger one fewer and larger triangles: without a GPU more of them
@@ -151,13 +172,17 @@ fn triangles(mesh: &Mesh) -> Value {
     json!({ "mesh": { "vertices_m": vertices, "faces": faces, "coarse": is_coarse } })
 }
 
-/// A tick of a world as a row of the charts: the length of the force on the device, the deepest contact, the sum of
+/// The length of a vector.
+pub fn length(vector: Vector) -> f64 {
+    vector.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// A tick of a world as a row of the charts: the length of the force on the first device, the deepest contact, the sum of
 /// what contacts store, and what held forces created.
 pub fn row(tick: &Tick, contacts: &[ContactTick]) -> Row {
-    let square: f64 = tick.delivered_force.iter().map(|x| x * x).sum();
     let deepest = contacts.iter().map(|contact| contact.penetration);
     let contact = ContactTick {
-        force_on_device: square.sqrt(),
+        force_on_device: length(tick.delivered_force),
         penetration: deepest.fold(0.0, f64::max),
         stored_energy: contacts.iter().map(|contact| contact.stored_energy).sum(),
         held_leak: tick.created_energy,
@@ -173,15 +198,21 @@ pub fn row(tick: &Tick, contacts: &[ContactTick]) -> Row {
 /// Kind of a frame that holds a world.
 const WORLD: u8 = 2;
 
-/// The newest state of a world, as `docs/scope.md` lays it out.
+/// The newest state of a world, as `docs/scope.md` lays it out, with the `forces` on its devices along the axes of the world.
 pub fn frame(
     (lane, run): (u8, u32),
     tick: &Tick,
-    contacts: &[ContactTick],
-    bodies: &[BodyTick],
+    (contacts, bodies): (&[ContactTick], &[BodyTick]),
+    forces: &[Vector],
 ) -> Frame {
     let count = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
-    let mut bytes = vec![WORLD, lane, 0, 0];
+    let mut bytes = vec![WORLD, lane];
+    let further = forces.get(1..).unwrap_or_default();
+    bytes.extend(
+        u16::try_from(further.len())
+            .unwrap_or(u16::MAX)
+            .to_le_bytes(),
+    );
     bytes.extend(count(bodies.len()).to_le_bytes());
     // The frame's number stands here.
     bytes.extend(0_u32.to_le_bytes());
@@ -193,7 +224,8 @@ pub fn frame(
         let single = value as f32;
         bytes.extend(single.to_le_bytes());
     };
-    tick.delivered_force.into_iter().for_each(&mut put);
+    let first = forces.first().copied().unwrap_or_default();
+    first.into_iter().for_each(&mut put);
     for body in bodies {
         put(f64::from(body.body));
         body.position.into_iter().for_each(&mut put);
@@ -203,6 +235,7 @@ pub fn frame(
         contact.point.into_iter().for_each(&mut put);
         contact.force.into_iter().for_each(&mut put);
     }
+    further.iter().flatten().copied().for_each(&mut put);
     Frame::new(lane, bytes)
 }
 
@@ -240,10 +273,12 @@ mod tests {
         };
         let tick = Tick {
             time: 0.5,
-            delivered_force: [0.25, 0.5, 0.75],
             ..Tick::default()
         };
-        let bytes = frame((1, 7), &tick, &[contact; 2], &[body]).numbered(5);
+        let forces = [[0.25, 0.5, 0.75], [-1.0, -2.0, -3.0]];
+        let told =
+            |forces: &[Vector]| frame((1, 7), &tick, (&[contact; 2], &[body]), forces).numbered(5);
+        let bytes = told(&forces[..1]);
         let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
         let single = |at: usize| f32::from_bits(word(at));
         assert_eq!(bytes[..2], [2, 1]);
@@ -252,5 +287,15 @@ mod tests {
         assert_eq!([single(40), single(44)], [3.0, 1.0], "body and its x");
         assert_eq!(single(72), 4.0, "the first contact");
         assert_eq!(bytes.len(), 40 + 32 + 2 * 24);
+        assert_eq!(bytes[2..4], [0, 0], "one device");
+        // The force on a second device stands behind all that there is of one.
+        let of_two = told(&forces);
+        assert_eq!(of_two[2..4], [1, 0]);
+        assert_eq!(of_two[4..bytes.len()], bytes[4..]);
+        let last = of_two[bytes.len()..].chunks(4);
+        let last: Vec<f32> = last
+            .map(|single| f32::from_le_bytes(single.try_into().unwrap()))
+            .collect();
+        assert_eq!(last, [-1.0, -2.0, -3.0]);
     }
 }

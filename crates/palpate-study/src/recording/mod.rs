@@ -15,12 +15,10 @@ pub use scene::{NoScene, scene_of};
 pub use ticks::{HeldDevice, Ticks, TicksError};
 pub use world_path::{WorldPathError, world_path};
 
+pub use palpate_record::recording::DEVICES;
 use palpate_record::recording::{Gap, LoopTime, Recording, WHOLE};
 
 use crate::text::{counted, digits};
-
-/// Text of the receipt of a loop with several devices that has their names, a line each, in the order of their numbers.
-pub const DEVICES: &str = "devices";
 
 /// Gaps that are told one by one.
 const MOST_GAPS: usize = 5;

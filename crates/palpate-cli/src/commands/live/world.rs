@@ -1,18 +1,18 @@
-//! `palpate live` with a world: its page shows it in three dimensions.
+//! `palpate live` with a world, of one device or several: its page shows it in three dimensions.
 
 use std::path::Path;
 
 use palpate_device::clock::MonotonicClock;
-use palpate_scene::world::WorldFile;
+use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_scope::{Home, MOST_LANES, Session, WorldLane, WorldLaneEnd, WorldSetup};
 use palpate_session::{Energies, GuardianReport, RunReport, Subject};
 use palpate_sim::device::SpatialHand;
 
 use super::super::run::world::{OnDevice, known_flags, rendered};
-use super::super::run::{Asked, guarding, limits, outcome, request};
+use super::super::run::{Asked, guarding, outcome, request};
 use super::serving::{listen, serve};
 use super::{LiveArguments, add};
-use crate::devices::{DeviceName, OpenedInWorld, open_in_world_with};
+use crate::devices::{DeviceName, kinds, names, open_for_world};
 use crate::failure::Failure;
 use crate::results::print;
 use crate::values::duration;
@@ -27,10 +27,10 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
     let file = &worlds::guarded(&arguments.flags, file);
     let scene = &file.scene;
     let methods = worlds::methods(&arguments.flags, scene);
-    let is_virtual = matches!(
-        arguments.device.kind(),
-        DeviceName::Pointer | DeviceName::Simulated
-    );
+    let kinds = kinds(&arguments.device, &arguments.given, scene)?;
+    let is_virtual =
+        |kind: &DeviceName| matches!(kind, DeviceName::Pointer | DeviceName::Simulated);
+    let is_virtual = kinds.iter().all(is_virtual);
     let most = if is_virtual { MOST_LANES } else { 1 };
     if methods.is_empty() || methods.len() > most {
         return Err(Failure::Arguments(format!(
@@ -39,7 +39,7 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
             if is_virtual {
                 ", or two side by side"
             } else {
-                ", since this device can be in one loop only"
+                ", since a device with motors can be in one loop only"
             }
         )));
     }
@@ -57,35 +57,31 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
     let lasts = (arguments.duration < f64::INFINITY)
         .then(|| duration("--duration", arguments.duration))
         .transpose()?;
-    let hand = (arguments.device.kind() == DeviceName::Pointer)
-        .then(|| scene.devices.first())
-        .flatten()
-        .map(|device| SpatialHand::at(device.position));
+    let hands = kinds.iter().zip(&scene.devices).map(|(kind, device)| {
+        (*kind == DeviceName::Pointer).then(|| SpatialHand::at(device.position))
+    });
+    let hands: Vec<Option<SpatialHand>> = hands.collect();
     let opener = {
         let (device, safety) = (arguments.device.clone(), arguments.safety.clone());
-        let (file, hand, guarding) = (file.clone(), hand.clone(), guarding.clone());
-        let methods = methods.clone();
+        let (file, hands, guarding) = (file.clone(), hands.clone(), guarding.clone());
+        let (given, methods) = (arguments.given.clone(), methods.clone());
         move |number: usize| -> Result<WorldLane, Failure> {
             let method = methods.get(number).copied().unwrap_or("coupled");
-            let OpenedInWorld { device, frame, .. } =
-                open_in_world_with(&device, &file.scene, &clock, &guarding, hand.as_ref())?;
-            let limits = limits(device.capabilities(), &safety);
-            let on = OnDevice {
-                frame,
-                capabilities: device.capabilities().clone(),
-                limits,
-            };
-            let world = rendered(&file, method, &[on])
+            let opened = open_for_world(&device, &given, &file.scene, &clock, &guarding, &hands)?;
+            let opened_as = |opened| OnDevice::of(opened, &safety);
+            let on: Vec<OnDevice> = opened.iter().map(opened_as).collect();
+            let world = rendered(&file, method, &on)
                 .map_err(|faults| Failure::input(&faults[0]))?
                 .map_err(Failure::input)?;
+            let limits = on.iter().map(|on| on.limits);
+            let devices = opened.into_iter().map(|opened| opened.device).zip(limits);
             Ok(WorldLane {
-                device,
+                devices: devices.collect(),
                 world,
-                limits,
             })
         }
     };
-    // What is wrong with the first device is said at once, with its exit code.
+    // What is wrong with the first devices is said at once, with its exit code.
     let mut first = Some(opener(0)?);
     let setup = WorldSetup {
         scene: scene.clone(),
@@ -94,7 +90,7 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
             Some(opened) => Ok(opened),
             None => opener(number).map_err(|failure| failure.message()),
         }),
-        hand,
+        hands,
         clock,
         request: request(&arguments.realtime),
         duration: lasts,
@@ -109,11 +105,9 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
     };
     let mut ended = Ok(());
     for lane in end.lanes {
-        let guardian = guarding.report(arguments.device.is_guarded(), &lane.capabilities);
-        add(
-            &mut ended,
-            report(&lane, (&scene.title, period), guardian, &asked),
-        );
+        let capabilities: Vec<_> = lane.capabilities.iter().collect();
+        let guardian = guarding.report_of(arguments.device.are_guarded(), &capabilities);
+        add(&mut ended, report(&lane, scene, guardian, &asked));
     }
     let failed = end
         .failed
@@ -125,19 +119,21 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
 /// Says how a lane went.
 fn report(
     lane: &WorldLaneEnd,
-    (title, period): (&str, f64),
+    scene: &WorldScene,
     guardian: Option<GuardianReport>,
     asked: &Asked,
 ) -> Result<(), Failure> {
     let books = lane.end.control.rendered().state().books();
     let subject = Subject {
-        title,
+        title: &scene.title,
         method: lane.method,
-        period,
+        period: scene.timing.period,
     };
-    let report = RunReport::new(
+    let capabilities: Vec<_> = lane.capabilities.iter().collect();
+    let report = RunReport::of_devices(
         subject,
-        &lane.capabilities,
+        &capabilities,
+        &names(scene),
         &lane.end,
         &lane.answers,
         &lane.account,
@@ -146,5 +142,6 @@ fn report(
     .with_energies(Energies::of_world(&lane.end, books))
     .guarded(guardian);
     print(&format!("\n{report}"))?;
-    outcome::of(&lane.end, asked, None, None)
+    let outcome = outcome::of(&lane.end, asked, None, None);
+    outcome::by_device(outcome, &lane.end, &names(scene))
 }

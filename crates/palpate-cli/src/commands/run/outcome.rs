@@ -55,6 +55,24 @@ pub fn of<D: Device, C: Clock, R: Renders>(
     motors(end, asked)
 }
 
+/// The same, where the loop had devices with these `names`: of several, the one that has gone or tripped is named.
+pub fn by_device<D: Device, C: Clock, R: Renders>(
+    outcome: Result<(), Failure>,
+    end: &LoopEnd<D, C, R>,
+    names: &[&str],
+) -> Result<(), Failure> {
+    let tripped = end.control.tripped_device().filter(|_| names.len() > 1);
+    let name = tripped.and_then(|(device, _)| names.get(device));
+    match (outcome, name) {
+        (Err(failure), Some(name))
+            if end.ending == Ending::DeviceLost || matches!(failure, Failure::MotorsOff(_)) =>
+        {
+            Err(failure.of(&format!("device {name}")))
+        }
+        (outcome, _) => outcome,
+    }
+}
+
 /// The same, where a recorded motion was replayed: a recording that is not whole counts as one that was
 /// made and is not.
 pub fn with_motion(

@@ -8,15 +8,16 @@ use palpate_files::bounded::SCENE;
 use palpate_record::recording::Receipt;
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{ControlLoop, Ending, RenderedWorld, SetupError, WorldFrame, receipt};
+use palpate_rt::{
+    ControlLoop, ReceiptOf, RenderedWorld, SetupError, WorldFrame, receipt_of_devices,
+};
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_session::{Energies, RunReport, Subject};
 use palpate_sim::device::{Told, told_of_devices};
-use palpate_study::recording::DEVICES;
 
 use super::driving::{Ran, drive, most_periods};
-use super::{Asked, SessionArguments, guarding, limits, outcome, request};
-use crate::devices::{FLAGS_OF_A_DEVICE, names, open_for_world};
+use super::{Asked, SafetyArguments, SessionArguments, guarding, limits, outcome, request};
+use crate::devices::{FLAGS_OF_A_DEVICE, OpenedInWorld, names, open_for_world};
 use crate::failure::Failure;
 use crate::results::print_report;
 use crate::values::duration;
@@ -90,18 +91,9 @@ impl Session<'_> {
         let period = scene.timing.period;
         let guarding = guarding(&arguments.safety, period)?;
         let (device, given) = (&arguments.device, &arguments.given);
-        let opened = open_for_world(device, given, scene, clock, &guarding)?;
-        let on: Vec<OnDevice> = opened
-            .iter()
-            .map(|opened| {
-                let capabilities = opened.device.capabilities().clone();
-                OnDevice {
-                    frame: opened.frame,
-                    limits: limits(&capabilities, &arguments.safety),
-                    capabilities,
-                }
-            })
-            .collect();
+        let opened = open_for_world(device, given, scene, clock, &guarding, &[])?;
+        let opened_as = |opened| OnDevice::of(opened, &arguments.safety);
+        let on: Vec<OnDevice> = opened.iter().map(opened_as).collect();
         let world = rendered(self.file, method, &on)
             .map_err(|faults| wrong_world(&arguments.flags, self.file, &faults))?
             .map_err(|error| self.wrong(error))?;
@@ -112,7 +104,14 @@ impl Session<'_> {
         let most = most_periods(arguments.duration, control.period())?;
         let record = match self.record {
             Some(out) => {
-                let receipt = receipts(&on, &names(scene), &request);
+                let each = on.iter().zip(names(scene)).map(|(on, name)| ReceiptOf {
+                    name,
+                    capabilities: &on.capabilities,
+                    limits: &on.limits,
+                    frame: &on.frame,
+                });
+                let each: Vec<_> = each.collect();
+                let receipt = receipt_of_devices(env!("CARGO_PKG_VERSION"), &each, &request);
                 Some((out, put(receipt, self.path, method)?))
             }
             None => None,
@@ -150,16 +149,7 @@ impl Session<'_> {
                    can be opened again",
         };
         let outcome = outcome::of(&end, &asked, unwritten, recording.as_ref());
-        let tripped = end.control.tripped_device().filter(|_| on.len() > 1);
-        match (outcome, tripped) {
-            // Of several devices, the one that has gone or tripped is named.
-            (Err(failure), Some((device, _)))
-                if end.ending == Ending::DeviceLost || matches!(failure, Failure::MotorsOff(_)) =>
-            {
-                Err(failure.of(&format!("device {}", names(scene)[device])))
-            }
-            (outcome, _) => outcome,
-        }
+        outcome::by_device(outcome, &end, &names(scene))
     }
 
     fn wrong(&self, error: SetupError) -> Failure {
@@ -178,6 +168,18 @@ pub struct OnDevice {
     pub capabilities: Capabilities,
     /// What may reach it.
     pub limits: SafetyParams,
+}
+
+impl OnDevice {
+    /// A device that is open, with what may reach it.
+    pub fn of(opened: &OpenedInWorld, safety: &SafetyArguments) -> Self {
+        let capabilities = opened.device.capabilities().clone();
+        Self {
+            frame: opened.frame,
+            limits: limits(&capabilities, safety),
+            capabilities,
+        }
+    }
 }
 
 /// What a loop renders of a world, on devices that stand in it and are given no more than their limits say. The renderer is told
@@ -203,33 +205,6 @@ pub fn rendered(
         method,
         frames,
     ))
-}
-
-/// The receipt of a loop on these devices, but for its world: what is said of several stands under their names.
-pub fn receipts(on: &[OnDevice], names: &[&str], request: &Request) -> Receipt {
-    let of_one = |on: &OnDevice| {
-        let version = env!("CARGO_PKG_VERSION");
-        let receipt = receipt(version, &on.capabilities, &on.limits, request);
-        receipt.with("frame", &on.frame.to_string())
-    };
-    if let [on] = on {
-        return of_one(on);
-    }
-    let mut all = Receipt::new(env!("CARGO_PKG_VERSION"));
-    // In the order of their numbers.
-    all = all.with(DEVICES, &(names.join("\n") + "\n"));
-    for (on, name) in on.iter().zip(names) {
-        for (text, said) in of_one(on).texts {
-            let is_of_the_loop = text == "real time";
-            let text = if is_of_the_loop {
-                text
-            } else {
-                format!("{text} {name}")
-            };
-            all = all.with(&text, &said);
-        }
-    }
-    all
 }
 
 /// The receipt with the world as its file has it, and by which method it is rendered.

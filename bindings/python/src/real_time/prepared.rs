@@ -1,0 +1,214 @@
+//! A loop before its start: its devices are open, and what it renders is ready.
+
+use std::time::Duration;
+
+use palpate_device::clock::MonotonicClock;
+use palpate_record::recording::Receipt;
+use palpate_rt::safety::SafetyParams;
+use palpate_rt::{ControlLoop, ReceiptOf, changing_world, receipt, receipt_of_devices};
+use pyo3::exceptions::{PyOSError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::InWorld;
+use super::control::Control;
+use super::devices::{Opened, open};
+use super::ended::Closed;
+use super::held::Held;
+use super::in_world::{self, On, OpenedInWorld};
+use super::options::Options;
+use crate::names::refused;
+use crate::renderer::rendering;
+use crate::world::PyWorld;
+
+/// A loop that is ready, and what is known of it.
+pub struct Prepared {
+    /// The loop.
+    pub control: Control,
+    /// Its period `[s]`.
+    pub period: f64,
+    /// What is left beside it of each device.
+    pub devices: Vec<Beside>,
+    /// The other end of its world, and its devices there.
+    pub in_world: Option<InWorld>,
+    /// What a recording's receipt has of it.
+    pub receipt: Receipt,
+    /// What the devices are called in the world, where there are several.
+    pub names: Vec<String>,
+    /// What the loop runs on, in words.
+    pub runs_on: String,
+    /// The most that it commands of any device `[N]`.
+    pub largest_force: f64,
+}
+
+/// What is left beside the loop of a device that it runs on.
+pub struct Beside {
+    /// The force that it holds.
+    pub held: Held,
+    /// Why it could not be let go of in the end, if it could not.
+    pub closed: Closed,
+}
+
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// A loop of one contact: method, parameters, soft start and settings.
+pub fn prepare_contact(
+    py: Python<'_>,
+    devices: &[Bound<'_, PyDict>],
+    rendered: &Bound<'_, PyAny>,
+    clock: MonotonicClock,
+    options: &Options,
+) -> PyResult<Prepared> {
+    let [device] = devices else {
+        return Err(refused(format!(
+            "{} devices; a Renderer renders one contact on one device, and a World runs on several",
+            devices.len()
+        )));
+    };
+    let (method, parameters, soft_start, settings): (
+        Bound<'_, PyAny>,
+        Bound<'_, PyDict>,
+        f64,
+        Bound<'_, PyDict>,
+    ) = rendered.extract()?;
+    let (setup, rendering) = rendering(&method, &parameters, &settings)?;
+    let seconds = setup.loop_params.period;
+    let period = Duration::try_from_secs_f64(seconds).map_err(refused)?;
+    let silence = options.patient(SafetyParams::default()).stall_after(period);
+    let Opened {
+        device,
+        axis,
+        held,
+        closed,
+    } = open(py, device, clock, period, silence)?;
+    let capabilities = device.capabilities().clone();
+    let limits = options.limits(&capabilities, setup.loop_params.force_limit, soft_start);
+    let control = ControlLoop::new(device, clock, rendering, limits).map_err(refused)?;
+    let receipt = receipt(VERSION, &capabilities, &limits, &options.request());
+    Ok(Prepared {
+        control: Control::Contact(Box::new(control.along(axis))),
+        period: seconds,
+        devices: vec![Beside { held, closed }],
+        in_world: None,
+        receipt: match &options.scene {
+            Some(text) => receipt.with("scene", text),
+            None => receipt,
+        },
+        names: Vec::new(),
+        runs_on: capabilities.name,
+        largest_force: limits.largest_force,
+    })
+}
+
+/// A loop of a world, with a device for each of its own, in their order.
+pub fn prepare_world(
+    py: Python<'_>,
+    devices: &[Bound<'_, PyDict>],
+    world: &PyWorld,
+    clock: MonotonicClock,
+    options: &Options,
+) -> PyResult<Prepared> {
+    let scene = world.scene();
+    let seconds = scene.timing.period;
+    let period = Duration::try_from_secs_f64(seconds).map_err(refused)?;
+    let silence = options.patient(SafetyParams::default()).stall_after(period);
+    if scene.devices.len() != devices.len() {
+        return Err(refused(format!(
+            "{} for a world of {}; a world runs on a device for each of its own",
+            counted(devices.len()),
+            counted(scene.devices.len())
+        )));
+    }
+    let (mut driven, mut beside, mut on) = (Vec::new(), Vec::new(), Vec::<On>::new());
+    let mut identities = Vec::<Option<String>>::new();
+    let own = scene.world.tools.iter().zip(&scene.devices);
+    for ((tool, own), given) in own.zip(devices) {
+        let opening = in_world::open(py, given, (&tool.name, own), clock, (period, silence));
+        let opened = opening.map_err(|error| of_device(py, error, &tool.name, devices.len()))?;
+        let OpenedInWorld {
+            device,
+            frame,
+            held,
+            closed,
+            identity,
+        } = opened;
+        let is_the_same = |before: &Option<String>| before.is_some() && *before == identity;
+        if let Some(before) = identities.iter().position(is_the_same) {
+            return Err(refused(format!(
+                "{} and {} are one device, {}; each needs a device of its own",
+                on[before].name,
+                tool.name,
+                identity.unwrap_or_default()
+            )));
+        }
+        identities.push(identity);
+        let capabilities = device.capabilities().clone();
+        let limits = options.limits(&capabilities, world.force_limit, world.soft_start);
+        driven.push((device, limits));
+        beside.push(Beside { held, closed });
+        on.push(On {
+            name: tool.name.clone(),
+            capabilities,
+            limits,
+            frame,
+        });
+    }
+    let rendered = in_world::rendered(world, &on)?;
+    let (worlds, rendered) = changing_world(scene.world.clone(), rendered);
+    let control = ControlLoop::of_changing_devices(driven, clock, rendered);
+    let control = control.map_err(refused)?;
+    let each = on.iter().map(|on| ReceiptOf {
+        name: &on.name,
+        capabilities: &on.capabilities,
+        limits: &on.limits,
+        frame: &on.frame,
+    });
+    let each: Vec<_> = each.collect();
+    let receipt = receipt_of_devices(VERSION, &each, &options.request());
+    let are_several = on.len() > 1;
+    let runs_on = on.iter().map(|on| {
+        let kind = &on.capabilities.name;
+        if are_several {
+            format!("{}: {kind}", on.name)
+        } else {
+            kind.clone()
+        }
+    });
+    let most = on.iter().map(|on| on.limits.largest_force);
+    Ok(Prepared {
+        control: Control::World(Box::new(control)),
+        period: seconds,
+        devices: beside,
+        receipt: receipt
+            .with("world", world.text())
+            .with("method", &format!("name = \"{}\"\n", world.method)),
+        names: on
+            .iter()
+            .filter(|_| are_several)
+            .map(|on| on.name.clone())
+            .collect(),
+        runs_on: runs_on.collect::<Vec<_>>().join(", "),
+        largest_force: most.fold(0.0, f64::max),
+        in_world: Some(InWorld { worlds, on }),
+    })
+}
+
+/// What is wrong with one of several devices, with its name before it.
+fn of_device(py: Python<'_>, error: PyErr, name: &str, devices: usize) -> PyErr {
+    if devices == 1 {
+        return error;
+    }
+    let text = format!("{name}: {}", error.value(py));
+    if error.is_instance_of::<PyOSError>(py) {
+        PyOSError::new_err(text)
+    } else if error.is_instance_of::<PyValueError>(py) {
+        PyValueError::new_err(text)
+    } else {
+        error
+    }
+}
+
+/// `1 device`, `2 devices`.
+fn counted(devices: usize) -> String {
+    format!("{devices} device{}", if devices == 1 { "" } else { "s" })
+}
