@@ -180,3 +180,16 @@ fn a_tool_that_turns_needs_an_inertia() {
     let coupled = told(vec![[1e-4; 3]]);
     assert!(WorldRenderer::new(&world, WorldLoop::new(0.001), coupled).is_ok());
 }
+
+#[test]
+fn a_device_has_at_least_one_axis() {
+    let mut world = a_world();
+    world.tools[0].axes = [false; 3];
+    let faults = faults(&world, WorldLoop::new(0.001), BasicParams::default());
+    assert_eq!(faults.len(), 1, "{faults:?}");
+    assert_eq!((faults[0].place, faults[0].field), (Place::Tool(0), "axes"));
+    assert_eq!(
+        faults[0].to_string(),
+        "tool \"tool\": the device has no axis of the world; give it at least one of x, y and z"
+    );
+}

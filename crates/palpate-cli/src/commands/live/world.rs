@@ -8,7 +8,7 @@ use palpate_scope::{Home, MOST_LANES, Session, WorldLane, WorldLaneEnd, WorldSet
 use palpate_session::{Energies, GuardianReport, RunReport, Subject};
 use palpate_sim::device::SpatialHand;
 
-use super::super::run::world::{OnDevice, known_flags, rendered};
+use super::super::run::world::{OnDevice, known_flags, rendered, tell_of_axes};
 use super::super::run::{Asked, guarding, limits, outcome, request};
 use super::serving::{listen, serve};
 use super::{LiveArguments, add};
@@ -75,7 +75,11 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
                 capabilities: device.capabilities().clone(),
                 limits,
             };
-            let world = rendered(&file, method, &[on])
+            let on = [on];
+            if number == 0 {
+                tell_of_axes(&file.scene, &on);
+            }
+            let world = rendered(&file, method, &on)
                 .map_err(|faults| Failure::input(&faults[0]))?
                 .map_err(Failure::input)?;
             Ok(WorldLane {
