@@ -191,13 +191,12 @@ pub fn tell_of_axes(scene: &WorldScene, on: &[OnDevice]) {
         if left.axes == tool.axes || left.axes == [false; 3] {
             continue;
         }
-        let names = ["x", "y", "z"].iter().zip(left.axes);
-        let names: Vec<_> = names
-            .filter_map(|(name, has)| has.then(|| format!("\"{name}\"")))
-            .collect();
+        let names = ["x", "y", "z"].into_iter().zip(left.axes);
+        let names = names.filter(|(_, has)| *has);
+        let names: Vec<_> = names.map(|(name, _)| format!("\"{name}\"")).collect();
         tell(format_args!(
-            "{name}: {device} moves along {moves} of the world, and the file says {says}: no force is rendered along the rest, where \
-             the mechanism holds the tool; `axes = [{names}]` in [[device]] says so to `simulate`, `compare` and `tune`, too",
+            "{name}: the file says {says}, and the device has {moves} of the world ({device}): no force is rendered along the rest, \
+             where the mechanism holds the tool; `axes = [{names}]` in [[device]] says so to `simulate`, `compare` and `tune`, too",
             name = tool.name,
             device = on.capabilities.name,
             moves = left.names_of_axes(),
