@@ -273,7 +273,8 @@ fn points_touch_a_grid_without_allocating() {
 fn a_world_is_stepped_without_allocating() {
     use palpate_world::{
         BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Joint, JointKind, JointLaw,
-        Motion, Party, Sample, Shape, Tool, World, WorldLoop, WorldMethod, WorldRenderer,
+        Motion, Party, Sample, Shape, Tool, VirtualCouplingParams, World, WorldLoop, WorldMethod,
+        WorldRenderer,
     };
     let half_space = Shape::HalfSpace {
         normal: [0.0, 0.0, 1.0],
@@ -296,7 +297,7 @@ fn a_world_is_stepped_without_allocating() {
             ..JointLaw::of(5000.0, 0.04)
         },
     };
-    let world = World {
+    let mut world = World {
         joints: vec![slider],
         tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.01 })],
         bodies: vec![
@@ -315,11 +316,24 @@ fn a_world_is_stepped_without_allocating() {
                 .with_friction(0.5),
         }],
     };
-    let methods: [WorldMethod; 2] = [
+    let coupling = VirtualCouplingParams {
+        stiffness: vec![2000.0],
+        damping: vec![2.0],
+        mass: vec![0.05],
+        ..VirtualCouplingParams::default()
+    };
+    let methods: [WorldMethod; 3] = [
         BasicParams::default().into(),
+        coupling.into(),
         CoupledParams::new(vec![[0.1, 0.2, f64::INFINITY]]).into(),
     ];
-    for method in methods {
+    // A device that lacks y is led along it.
+    let axes = [[true; 3], [true, false, true]];
+    for (axes, method) in axes
+        .into_iter()
+        .flat_map(|axes| methods.clone().map(|method| (axes, method)))
+    {
+        world.tools[0].axes = axes;
         let renderer = WorldRenderer::new(&world, WorldLoop::new(0.001), method).unwrap();
         let mut state = renderer.start();
         let (mut forces, mut faults) = (0, 0);

@@ -187,11 +187,9 @@ fn an_inverse3_presses_a_ball_on_a_table() {
     assert!(pushed.iter().any(|[_, y, _]| y.abs() > 0.005));
 }
 
-/// A 2DIY whose hand leads it 32 mm away from its base, into a block before a wall: the report of the
-/// run, the block's places [m], each with the device's force along y [N], and how far the hand had led the tool when the loop
-/// began [m].
+/// Records a 2DIY whose hand leads it 32 mm away from its base, into a block before a wall, as `block.mcap`.
 #[cfg(unix)]
-fn a_block_is_pushed(folder: &Folder) -> (serde_json::Value, Vec<(f64, f64)>, f64) {
+fn record_the_block(folder: &Folder) -> Answer {
     use palpate_haply::two_diy::{Board, Generation};
     use palpate_haply_emulator::two_diy::{self, Hand, PortSettings, Settings};
     // It begins where the tool does.
@@ -218,11 +216,20 @@ fn a_block_is_pushed(folder: &Folder) -> (serde_json::Value, Vec<(f64, f64)>, f6
     // 5 where the motors were off for most of the ticks.
     assert!(matches!(answer.code, 0 | 5), "{answer:?}");
     assert_eq!(emulator.torques(), [0.0; 2]);
+    answer
+}
+
+/// The report of such a run, the block's places [m], each with the device's force along y [N], and how far the hand had led the
+/// tool when the loop began [m].
+#[cfg(unix)]
+fn a_block_is_pushed(folder: &Folder) -> (serde_json::Value, Vec<(f64, f64)>, f64) {
+    let answer = record_the_block(folder);
+    assert!(!answer.stderr.contains("[[device]]"), "{}", answer.stderr);
     let recording = Recording::open(&folder.path("block.mcap")).unwrap();
     let (mut pushed, mut led) = (Vec::new(), None);
     for entry in recording.entries().unwrap() {
         if let Entry::Tick(tick, _, bodies, _) = entry.unwrap() {
-            assert!(tick.device_axes[2].is_nan());
+            assert!(tick.device_axes[2].is_nan() && tick.commanded_force[2] == 0.0);
             led.get_or_insert(tick.device_axes[1] - 0.1169);
             pushed.push((bodies[0].position[1], tick.commanded_force[1]));
         }
@@ -247,6 +254,35 @@ fn a_2diy_pushes_a_block_against_a_wall() {
     assert!(pushed.iter().all(|(y, _)| *y < 0.017), "through the wall");
     let back = pushed.iter().filter(|(_, force)| *force < -0.3).count();
     assert!(back > 20, "{back} ticks with a force against the hand");
+}
+
+/// The file says that the device has three axes. The loop renders none along z, says so, and nothing is judged there.
+#[cfg(unix)]
+#[test]
+fn a_2diy_lacks_the_third_axis_whatever_its_file_says() {
+    let folder = folder();
+    let text = folder.read("block-at-wall.toml");
+    let text = text.replace("axes = [\"x\", \"y\"]\n", "");
+    // The tool is above the middle of the block, so the edge of the block would push it up.
+    let text = text
+        .replace("-0.025, 0.01]", "-0.025, 0.022]")
+        .replace("0.0, 0.01]", "0.0, 0.022]");
+    assert!(!text.contains("axes =") && text.contains("-0.025, 0.022]"));
+    folder.write("block-at-wall.toml", &text);
+    let answer = record_the_block(&folder);
+    let said = "tool: the file says x, y and z, and the device has x and y of the world (Haply 2DIY, generation 3, board m0): no force \
+                is rendered along the rest, where the mechanism holds the tool; `axes = [\"x\", \"y\"]` in [[device]] says so to `simulate`, `compare` and `tune`, \
+                too";
+    assert!(answer.stderr.contains(said), "{}", answer.stderr);
+    let recording = Recording::open(&folder.path("block.mcap")).unwrap();
+    for entry in recording.entries().unwrap() {
+        if let Entry::Tick(tick, ..) = entry.unwrap() {
+            assert!(tick.commanded_force[2] == 0.0);
+        }
+    }
+    let replayed = folder.json("replay block.mcap --method coupled");
+    let tool = &replayed["methods"][0]["devices"][0];
+    assert_eq!(tool["axes"][2], serde_json::Value::Null, "{tool}");
 }
 
 #[test]

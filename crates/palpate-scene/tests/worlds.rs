@@ -122,11 +122,24 @@ fn every_fault_is_said_at_its_place() {
 #[test]
 fn a_mass_for_all_axes_or_for_each_and_nothing_else() {
     // Only the value at fault is said, not what lacks that value then.
-    let message = "expected a number for all axes, or three numbers [x, y, z]";
+    let message =
+        "expected a number for all axes of the device, or one for each, such as [x, y, z]";
+    for (given, length) in [("[]", 0), ("[0.1, 0.1, 0.1, 0.1]", 4)] {
+        let wrong = BALL.replace("[0.25, 0.3, 0.35]", given);
+        assert_eq!(
+            said(&wrong),
+            [format!(
+                "ball.toml:9:11: invalid length {length}, {message}"
+            )]
+        );
+    }
     let two = BALL.replace("[0.25, 0.3, 0.35]", "[0.25, 0.3]");
     assert_eq!(
         said(&two),
-        [format!("ball.toml:9:11: invalid length 2, {message}")]
+        [
+            "ball.toml:9:11: mass_kg has 2 numbers, and the device has 3 axes; give one number for all axes, or 3 numbers in the \
+             order x, y, z"
+        ]
     );
     let word = BALL.replace("[0.25, 0.3, 0.35]", "\"heavy\"");
     assert_eq!(
@@ -278,4 +291,75 @@ fn a_guard_is_read_and_its_faults_are_said() {
     let error = file.at(faults[0].place, faults[0].field, faults[0].to_string());
     assert!(error.to_string().contains("at most 8"), "{error}");
     assert_eq!(&late[error.span.clone()], "9");
+}
+
+#[test]
+fn a_device_says_which_axes_it_has() {
+    let in_a_plane = |of: &str| {
+        BALL.replace("mass_kg = [0.25, 0.3, 0.35]", of)
+            .replace("hand_force_n = [0.0, 0.0, -1.0]\nquantum_m = 2e-6\n", "")
+    };
+    let scene = WorldFile::parse(
+        "ball.toml",
+        &in_a_plane("axes = [\"x\", \"z\"]\nmass_kg = [0.25, 0.35]\nquantum_m = [1e-6, 2e-6]"),
+    );
+    let scene = scene.unwrap().scene;
+    assert_eq!(scene.world.tools[0].axes, [true, false, true]);
+    assert_eq!(scene.world.tools[0].names_of_axes(), "x and z");
+    let device = scene.devices[0];
+    assert_eq!(device.mass, [0.25, f64::INFINITY, 0.35]);
+    assert_eq!(device.quantum, [1e-6, 0.0, 2e-6]);
+    assert_eq!(scene.render.device_mass, [[0.375, f64::INFINITY, 0.375]]);
+    // One number is that of all axes that there are.
+    let scene = WorldFile::parse("ball.toml", &in_a_plane("axes = [\"y\"]\nmass_kg = 0.2"));
+    let scene = scene.unwrap().scene;
+    assert_eq!(scene.devices[0].mass, [f64::INFINITY, 0.2, f64::INFINITY]);
+    // All axes are what a device has that names none.
+    let named = in_a_plane("axes = [\"x\", \"y\", \"z\"]\nmass_kg = [0.25, 0.3, 0.35]");
+    let named = WorldFile::parse("ball.toml", &named).unwrap().scene;
+    assert_eq!(
+        named,
+        WorldFile::parse("ball.toml", &in_a_plane("mass_kg = [0.25, 0.3, 0.35]"))
+            .unwrap()
+            .scene
+    );
+}
+
+#[test]
+fn axes_that_contradict_the_rest_are_refused() {
+    let with = |of: &str| said(&BALL.replace("mass_kg = [0.25, 0.3, 0.35]", of));
+    let expected =
+        "expected one to three of \"x\", \"y\" and \"z\", in this order, such as [\"x\", \"y\"]";
+    for (given, what) in [
+        ("[]", "no axis"),
+        ("[\"z\", \"x\"]", "[\"z\", \"x\"]"),
+        ("[\"x\", \"x\"]", "[\"x\", \"x\"]"),
+        ("[\"x\", \"up\"]", "[\"x\", \"up\"]"),
+    ] {
+        let said = with(&format!("axes = {given}\nmass_kg = 0.2"));
+        assert_eq!(said, [format!("ball.toml:9:8: {what}, {expected}")]);
+    }
+    assert_eq!(
+        with("axes = [\"x\", \"z\"]\nmass_kg = [0.25, 0.3, 0.35]"),
+        [
+            "ball.toml:10:11: mass_kg has 3 numbers, and the device has 2 axes; give one number for all axes, or 2 numbers in the \
+             order x, y, z"
+        ]
+    );
+    assert_eq!(
+        with("mass_kg = [0.25, 0.3, inf]"),
+        [
+            "ball.toml:9:11: mass_kg is inf: name in `axes` the axes that the device has, such as axes = [\"x\", \"y\"], and give \
+             masses along these only"
+        ]
+    );
+    let moved = with("axes = [\"x\", \"y\"]\nmass_kg = 0.2\nvelocity_m_per_s = [0.1, 0.0, -0.1]");
+    let why = "along z, and by its `axes` the device moves along x and y only: its mechanism holds it along z; write 0 there";
+    assert_eq!(
+        moved,
+        [
+            format!("ball.toml:11:20: velocity_m_per_s is -0.1 {why}"),
+            format!("ball.toml:13:16: hand_force_n is -1 {why}"),
+        ]
+    );
 }

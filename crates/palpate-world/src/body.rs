@@ -21,16 +21,41 @@ pub struct Tool {
     /// Whether the device turns it: a device of six axes, which measures an orientation and gives a torque. If not, the
     /// tool's axes are those of the world.
     pub turns: bool,
+    /// Along which of the world's axes the device moves it and can push it; at least one. Along the others its mechanism holds the
+    /// tool where the device is measured: the force on the device is 0 there, whatever the contacts push.
+    pub axes: [bool; 3],
 }
 
 impl Tool {
-    /// A tool of that name and shape, which its device does not turn.
+    /// A tool of that name and shape, which its device moves along all three axes and does not turn.
     #[must_use]
     pub fn new(name: impl Into<String>, shape: Shape) -> Self {
         Self {
             name: name.into(),
             shape,
             turns: false,
+            axes: [true; 3],
+        }
+    }
+
+    /// The same tool, moved by a device that has these axes of the world only: a pantograph in a plane has two.
+    #[must_use]
+    pub fn along(self, axes: [bool; 3]) -> Self {
+        Self { axes, ..self }
+    }
+
+    /// The axes of the world along which its device moves it, in words: `x and z`.
+    #[must_use]
+    pub fn names_of_axes(&self) -> String {
+        let names = ["x", "y", "z"].into_iter().zip(self.axes);
+        let names: Vec<_> = names
+            .filter_map(|(name, has)| has.then_some(name))
+            .collect();
+        match names[..] {
+            [] => "no axis".into(),
+            [one] => one.into(),
+            [one, other] => format!("{one} and {other}"),
+            [one, other, ..] => format!("{one}, {other} and {}", names[2]),
         }
     }
 

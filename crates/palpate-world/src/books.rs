@@ -79,13 +79,16 @@ pub struct BodyBook {
 /// Energy at the port of a device, over all intervals that have ended `[J]`. Positive: to the hand.
 ///
 /// ```text
-/// port_work            = held + unforeseen
+/// port_work + carried  = held + unforeseen
 /// held - work on avatar = offset - velocity_offset + unpaid      the contacts' leaks, where a force moves the device
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DeviceBook {
     /// Work of the force that was held on the device as it was measured.
     pub port_work: f64,
+    /// Work of the contacts' mean force along the axes that the device lacks ([`Tool::axes`](crate::Tool::axes)), which its
+    /// mechanism carries and no motor gives: 0 while the tool stays where it is along them.
+    pub carried: f64,
     /// Sum of the contacts' [`ContactBook::held`].
     pub held: f64,
     /// What the port's work differs by: the force that was held less the mean of the contacts as it was then known
@@ -199,14 +202,15 @@ impl Books {
     /// Energy that held forces created `[J]`; negative where they took more than contacts and damping account for.
     ///
     /// ```text
-    /// port work of all devices - work of the contacts on their avatars + observed + step errors
+    /// port work of all devices + carried - work of the contacts on their avatars + observed + step errors
     /// ```
     ///
     /// By the other identities it is what hands, bodies, contacts and dissipation have gained together, and nobody has
     /// put in. A force that is no contact's, such as that of a virtual damper, counts by its port work.
     #[must_use]
     pub fn created(&self) -> f64 {
-        let devices: f64 = self.devices.iter().map(|book| book.port_work).sum();
+        let devices = self.devices.iter();
+        let devices: f64 = devices.map(|book| book.port_work + book.carried).sum();
         let Gone {
             contacts,
             bodies,

@@ -5,6 +5,7 @@
 //! Everything is in one frame, the world's, in SI units. A half-space is solid on the side that its normal points
 //! away from. A contact pushes two bodies apart; the force on a tool is what its device gives to the hand.
 
+mod axes;
 mod blocks;
 mod body;
 mod books;

@@ -85,6 +85,18 @@ fn over(series: &Series, h: f64) -> Change {
 }
 
 impl AxisMotion {
+    /// From where it was measured with this velocity `[m/s]`, whatever pushes.
+    fn led(velocity: f64) -> Self {
+        Self {
+            offset: 0.0,
+            velocity,
+            external: 0.0,
+            mobility: 0.0,
+            damping_rate: 0.0,
+            spring_rate: 0.0,
+        }
+    }
+
     /// Derivatives of the velocity that begins with these two, with what enters each further one.
     fn series(&self, first: [f64; 2], enters: impl Fn(usize) -> f64) -> Series {
         let mut series = [first[0], first[1], 0.0, 0.0, 0.0, 0.0];
@@ -234,6 +246,8 @@ pub(crate) struct AxisPrior {
     /// Variance of a measured position `[m^2]`.
     pub measurement_variance: f64,
     pub prior: Prior,
+    /// Whether the device has this axis. If not, the tool is where it is measured, and nothing is estimated.
+    is_there: bool,
 }
 
 impl AxisPrior {
@@ -244,6 +258,16 @@ impl AxisPrior {
             // A position is anywhere within its quantum.
             measurement_variance: quantum * quantum / 12.0,
             prior,
+            is_there: true,
+        }
+    }
+
+    /// Of an axis that the device lacks.
+    pub fn of_no_axis(self) -> Self {
+        Self {
+            mobility: 0.0,
+            is_there: false,
+            ..self
         }
     }
 }
@@ -290,6 +314,11 @@ impl AxisObserver {
     /// a held `force` `[N]`. Returns the device at the interval's beginning as the sample makes it look now: smoothed by
     /// one step, but for theta, lambda and kappa, which are the same at both ends.
     pub fn see(&mut self, from: &AxisPrior, moved: f64, force: &AxisForce, h: f64) -> AxisMotion {
+        if !from.is_there {
+            // Straight from the one measured place to the next, and on.
+            self.motion = AxisMotion::led(moved / h);
+            return self.motion;
+        }
         let measurement_variance = self.sensor_variance(from, moved, force, h);
         let before = self.motion;
         let change = before.under(force, h);

@@ -227,7 +227,7 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                         "there is no contact of {} with {} yet: they can touch along an edge or rim where no corner or \
                          end is. A sphere, or a tool of several, may touch any shape, a box, hull or capsule another one \
                          and a half-space, a capsule a cylinder, and a mesh a half-space. A mesh with a shell of points \
-                         may touch a box, capsule or cylinder, and a mesh with a distance grid. Give one of them another \
+                         may touch a box, hull, capsule or cylinder, and a mesh with a distance grid. Give one of them another \
                          shape, such as a hull, or leave the pair without a law",
                         one.words(),
                         other.words()
@@ -342,7 +342,7 @@ fn is_smaller_mesh(shape: &Shape, other: &Shape) -> bool {
 fn spheres_on(shape: &Shape, other: &Shape) -> Option<Result<(Vec<Touching>, Solid), NoHull>> {
     if let Shape::Mesh(mesh) = shape
         && let Some(shell) = mesh.shell()
-        && let Some(solid) = Solid::of(other)
+        && let Some(solid) = Solid::under_points(other)
     {
         return Some(Ok((shell.touching(), solid)));
     }

@@ -3,6 +3,7 @@
 use nalgebra::UnitQuaternion;
 use palpate::Fault;
 
+use crate::axes::Axes;
 use crate::blocks::Blocks;
 use crate::books::{BodyBook, Books, ContactBook, DeviceBook, Gone, JointBook};
 use crate::commands::Commands;
@@ -35,6 +36,8 @@ pub struct WorldRenderer {
     pub(crate) described: WorldMethod,
     /// Of each tool, whether it turns.
     pub(crate) turns: Vec<bool>,
+    /// Along which axes its device moves it.
+    pub(crate) axes: Vec<Axes>,
     /// Tools, then bodies, as they are at the start.
     pub(crate) parts: Vec<Part>,
     pub(crate) surfaces: Vec<Surface>,
@@ -105,6 +108,7 @@ impl WorldRenderer {
             world: world.clone(),
             described,
             turns: world.tools.iter().map(|tool| tool.turns).collect(),
+            axes: world.tools.iter().map(Axes::of).collect(),
             parts,
             surfaces: found.surfaces,
             blocks: found.blocks,
@@ -200,8 +204,12 @@ impl WorldRenderer {
     }
 
     /// Says what was really sent to a tool for the last output `[N]`, where it is not the output's: a motor clips it,
-    /// or a driver has limited it. It acts when the output's would have. A force that is not finite is left as it is.
-    pub fn report_sent(&self, state: &mut WorldState, tool: usize, force: Vector) {
+    /// or a driver has limited it. It acts when the output's would have. A force that is not finite is left as it is; along an
+    /// axis that the device lacks no motor gives one, whatever is said.
+    pub fn report_sent(&self, state: &mut WorldState, tool: usize, mut force: Vector) {
+        if let Some(axes) = self.axes.get(tool) {
+            axes.keep(&mut force);
+        }
         if force.iter().all(|x| x.is_finite()) {
             state.progress.commands.correct(tool, force.into());
         }
@@ -285,7 +293,7 @@ impl WorldRenderer {
             Effort::default()
         };
         state.tracking.trust();
-        effort = effort.and(self.method.plan(self, state, memory));
+        effort = effort.and(self.plan(state, memory));
         let intended = state.intended.iter().chain(&state.intended_torques);
         if effort.unstable || !intended.flatten().all(|x| x.is_finite()) {
             self.put_back(state);
@@ -306,7 +314,16 @@ impl WorldRenderer {
         positions: &[Vector],
     ) {
         self.method.begin(self, state, memory, positions);
-        let _ = self.method.plan(self, state, memory);
+        let _ = self.plan(state, memory);
+    }
+
+    /// What the method asks for, along the axes that the devices have.
+    fn plan(&self, state: &mut Progress, memory: &mut Memory) -> Effort {
+        let effort = self.method.plan(self, state, memory);
+        for (intended, axes) in state.intended.iter_mut().zip(&self.axes) {
+            *intended = axes.along(intended);
+        }
+        effort
     }
 
     /// The guard takes account of an interval that has ended, with a sample that is believed or not.

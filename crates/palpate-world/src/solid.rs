@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::hull::Corners;
 use crate::rigid::{Rigid, Vector3};
 use crate::{DistanceGrid, Shape};
 
@@ -37,6 +38,11 @@ pub(crate) enum Solid {
     /// A mesh by the grid of its distances.
     Grid {
         grid: Arc<DistanceGrid>,
+        reach: f64,
+    },
+    /// A convex solid with flat faces.
+    Hull {
+        corners: Arc<Corners>,
         reach: f64,
     },
     /// What is found at one of the contact points of two boxes, by the number of the pair among all of the world; the second
@@ -115,6 +121,17 @@ impl Solid {
 }
 
 impl Solid {
+    /// The solid of a shape that the points of a shell touch.
+    pub fn under_points(shape: &Shape) -> Option<Self> {
+        match shape {
+            Shape::Hull(hull) => Some(Self::Hull {
+                corners: hull.by_corners().clone(),
+                reach: hull.by_corners().reach(),
+            }),
+            other => Self::of(other),
+        }
+    }
+
     /// Of the solid's surface, with the solid as `placed`, the point nearest to `point` `[m]`; of a point inside,
     /// that of least depth.
     pub fn nearest(&self, placed: &Rigid, point: &Vector3) -> Nearest {
@@ -127,6 +144,7 @@ impl Solid {
             Self::Ball { radius } => from_core(own, radius),
             Self::HalfSpace { normal, offset } => Nearest::exact(normal.dot(&own) - offset, normal),
             Self::Grid { ref grid, .. } => grid.nearest(&own),
+            Self::Hull { ref corners, .. } => corners.nearest(&own),
             Self::Block { half } => from_block(own, half),
             Self::Capsule {
                 radius,
@@ -175,9 +193,10 @@ impl Solid {
                 radius,
                 half_length,
             } => radius.hypot(half_length),
-            Self::Mesh { reach, .. } | Self::Grid { reach, .. } | Self::Between { reach, .. } => {
-                reach
-            }
+            Self::Mesh { reach, .. }
+            | Self::Grid { reach, .. }
+            | Self::Hull { reach, .. }
+            | Self::Between { reach, .. } => reach,
         }
     }
 }
@@ -235,8 +254,23 @@ mod tests {
     use super::*;
     use crate::rigid::Rotation;
 
-    fn solids() -> [(Solid, f64); 4] {
-        [
+    /// A wedge, upright.
+    fn wedge() -> Solid {
+        let corners = [
+            [-1.0, -0.4, -WEDGE],
+            [1.0, -0.4, -WEDGE],
+            [1.0, 0.4, -WEDGE],
+            [-1.0, 0.4, -WEDGE],
+            [-0.6, 0.0, 0.8 - WEDGE],
+            [0.6, 0.0, 0.8 - WEDGE],
+        ];
+        let hull = crate::Hull::around(&corners).unwrap();
+        Solid::under_points(&Shape::Hull(Arc::new(hull))).unwrap()
+    }
+
+    fn solids() -> Vec<(Solid, f64)> {
+        vec![
+            (wedge(), WEDGE),
             (Solid::Ball { radius: 0.7 }, 0.7),
             (
                 Solid::Block {
@@ -260,6 +294,10 @@ mod tests {
             ),
         ]
     }
+
+    /// The largest depth in the wedge, where its bottom and its two long sides are equally far: 0.8 c/(1 + c), c the sine of the
+    /// angle of 0.4 on 0.8.
+    const WEDGE: f64 = 0.247_213_595_499_957_9;
 
     fn placed() -> Rigid {
         Rigid {

@@ -108,8 +108,10 @@ impl Tracking {
             was_seen && (spin - before).norm() <= SPIN_KEPT_WITHIN * limit
         };
         let spin_limit = in_loop.turning_limit.unwrap_or(f64::INFINITY);
-        let spin_on =
-            (0..self.seen_turn.len()).fold(true, |all, tool| spins_on(tool, spin_limit) && all);
+        let mut spin_on = true;
+        for tool in 0..self.seen_turn.len() {
+            spin_on &= spins_on(tool, spin_limit);
+        }
         let moves = |tool: usize| {
             let limit = in_loop.speed_limit.unwrap_or(f64::INFINITY);
             let way = Vector3::from(sample.positions[tool]) - Vector3::from(self.seen[tool]);

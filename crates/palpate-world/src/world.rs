@@ -67,6 +67,11 @@ impl World {
             of.name(&tool.name, &mut names);
             of.shape(&tool.shape, true, false);
             of.tool(&tool.shape);
+            if tool.axes == [false; 3] {
+                let message =
+                    "the device has no axis of the world; give it at least one of x, y and z";
+                of.fault("axes", message.into());
+            }
         }
         for (number, body) in self.bodies.iter().enumerate() {
             let subject = format!("body {:?}", body.name);

@@ -59,7 +59,7 @@ fn a_pair_that_has_a_law_and_no_contact_is_refused_and_one_without_a_law_is_not(
         faults[0].to_string(),
         "\"block\" and \"shelf\": there is no contact of a box with a cylinder yet: they can touch along an edge or rim where \
          no corner or end is. A sphere, or a tool of several, may touch any shape, a box, hull or capsule another one and a \
-         half-space, a capsule a cylinder, and a mesh a half-space. A mesh with a shell of points may touch a box, capsule or \
+         half-space, a capsule a cylinder, and a mesh a half-space. A mesh with a shell of points may touch a box, hull, capsule or \
          cylinder, and a mesh with a distance grid. Give one of them another shape, such as a hull, or leave the pair without a \
          law"
     );
@@ -179,4 +179,17 @@ fn a_tool_that_turns_needs_an_inertia() {
     }
     let coupled = told(vec![[1e-4; 3]]);
     assert!(WorldRenderer::new(&world, WorldLoop::new(0.001), coupled).is_ok());
+}
+
+#[test]
+fn a_device_has_at_least_one_axis() {
+    let mut world = a_world();
+    world.tools[0].axes = [false; 3];
+    let faults = faults(&world, WorldLoop::new(0.001), BasicParams::default());
+    assert_eq!(faults.len(), 1, "{faults:?}");
+    assert_eq!((faults[0].place, faults[0].field), (Place::Tool(0), "axes"));
+    assert_eq!(
+        faults[0].to_string(),
+        "tool \"tool\": the device has no axis of the world; give it at least one of x, y and z"
+    );
 }

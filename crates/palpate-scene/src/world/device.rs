@@ -5,7 +5,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::file::{Least, Reading};
-use super::per_axis::PerAxis;
+use super::per_axis::{NamedAxes, PerAxis};
 use super::shape::{RawShape, unit};
 use super::{DeviceTurning, Tremor, TurningHand, WorldDevice, WorldHand};
 
@@ -13,6 +13,7 @@ use super::{DeviceTurning, Tremor, TurningHand, WorldDevice, WorldHand};
 #[serde(deny_unknown_fields)]
 pub(super) struct RawDevice {
     name: Spanned<String>,
+    axes: Option<Spanned<NamedAxes>>,
     mass_kg: Spanned<PerAxis>,
     position_m: Option<Spanned<Vector>>,
     velocity_m_per_s: Option<Spanned<Vector>>,
@@ -58,10 +59,15 @@ impl Reading {
         };
         let turning = self.turning(place, &mut raw, tremor_torque, tremor.frequency_hz);
         let name = self.places.take(place, "name", raw.name);
+        let axes = raw.axes.take().map_or([true; 3], |axes| {
+            let NamedAxes(axes) = self.places.take(place, "axes", axes);
+            axes
+        });
         let tool = Tool {
             shape: self.shape(place, &name, raw.tool),
             name,
             turns: turning.is_some(),
+            axes,
         };
         let position = self.vector("position_m", raw.position_m, [0.0; 3]);
         let mut at_least_0 = |key: &str, value: Option<Spanned<f64>>| {
@@ -69,6 +75,13 @@ impl Reading {
         };
         let stiffness = at_least_0("hand_stiffness_n_per_m", raw.hand_stiffness_n_per_m);
         let damping = at_least_0("hand_damping_n_s_per_m", raw.hand_damping_n_s_per_m);
+        for (key, value, held) in [
+            ("velocity_m_per_s", &raw.velocity_m_per_s, [0.0; 3]),
+            ("hand_force_n", &raw.hand_force_n, [0.0; 3]),
+            ("hand_rest_m", &raw.hand_rest_m, position),
+        ] {
+            self.nothing_elsewhere(key, value.as_ref(), &tool, held);
+        }
         let hand = WorldHand {
             force: self.vector("hand_force_n", raw.hand_force_n, [0.0; 3]),
             stiffness,
@@ -76,17 +89,52 @@ impl Reading {
             rest: self.vector("hand_rest_m", raw.hand_rest_m, position),
             tremor,
         };
+        let mass = if raw.mass_kg.get_ref().given().contains(&f64::INFINITY) {
+            let message = "mass_kg is inf: name in `axes` the axes that the device has, such as axes = [\"x\", \"y\"], and give \
+                           masses along these only";
+            self.fault(raw.mass_kg.span(), message);
+            [1.0; 3]
+        } else {
+            let elsewhere = f64::INFINITY;
+            self.per_axis("mass_kg", &raw.mass_kg, Least::Above0, (axes, elsewhere))
+        };
         let device = WorldDevice {
-            mass: self.per_axis("mass_kg", raw.mass_kg, Least::Above0),
+            mass,
             position,
             velocity: self.vector("velocity_m_per_s", raw.velocity_m_per_s, [0.0; 3]),
             quantum: raw.quantum_m.map_or([0.0; 3], |quantum| {
-                self.per_axis("quantum_m", quantum, Least::AtLeast0)
+                self.per_axis("quantum_m", &quantum, Least::AtLeast0, (axes, 0.0))
             }),
             hand,
             turning,
         };
         (tool, device)
+    }
+
+    /// What would move a tool along an axis that its device lacks is a mistake: nothing does. `held` is what may stand there.
+    fn nothing_elsewhere(
+        &mut self,
+        key: &str,
+        value: Option<&Spanned<Vector>>,
+        tool: &Tool,
+        held: Vector,
+    ) {
+        let Some(value) = value else {
+            return;
+        };
+        for axis in (0..3).filter(|&axis| !tool.axes[axis]) {
+            let given = value.get_ref()[axis];
+            let name = ["x", "y", "z"][axis];
+            if given != held[axis] {
+                let message = format!(
+                    "{key} is {given} along {name}, and by its `axes` the device moves along {} only: its mechanism holds it \
+                     along {name}; write {} there",
+                    tool.names_of_axes(),
+                    held[axis]
+                );
+                self.fault(value.span(), message);
+            }
+        }
     }
 
     /// How a device of six axes turns: one that has an inertia.

@@ -247,10 +247,31 @@ impl Reading {
         value.into_inner()
     }
 
-    pub(super) fn per_axis(&mut self, key: &str, value: Spanned<PerAxis>, least: Least) -> Vector {
-        let PerAxis(vector) = *value.get_ref();
-        self.numbers(key, value.span(), &vector, least);
-        vector
+    /// The value under a key along each axis of the world; `otherwise` along those that the device lacks.
+    pub(super) fn per_axis(
+        &mut self,
+        key: &str,
+        value: &Spanned<PerAxis>,
+        least: Least,
+        (axes, otherwise): ([bool; 3], f64),
+    ) -> Vector {
+        let given = value.get_ref().given();
+        self.numbers(key, value.span(), given, least);
+        value.get_ref().along(axes, otherwise).unwrap_or_else(|| {
+            let count = axes.iter().filter(|has| **has).count();
+            let numbers = |count: usize| match count {
+                1 => "1 number".to_owned(),
+                many => format!("{many} numbers"),
+            };
+            let message = format!(
+                "{key} has {}, and the device has {count} ax{}s; give one number for all axes, or {} in the order x, y, z",
+                numbers(given.len()),
+                if count == 1 { "i" } else { "e" },
+                numbers(count)
+            );
+            self.fault(value.span(), message);
+            axes.map(|has| if has { 1.0 } else { otherwise })
+        })
     }
 
     pub(super) fn vector(
@@ -378,10 +399,15 @@ impl Reading {
         if let Some(damping) = &raw.damping_n_s_per_m {
             self.places.take(Place::Method, "damping", damping.clone());
         }
-        let told_mass = raw
-            .device_mass_kg
-            .map(|mass| self.per_axis("device_mass_kg", mass, Least::Above0));
-        let true_mass = devices.iter().map(|device| device.mass);
+        // Of each device along the axes that it has.
+        let told_mass = raw.device_mass_kg.as_ref();
+        let mut masses: Vec<_> = devices.iter().map(|device| device.mass).collect();
+        for mass in &mut masses {
+            if let Some(told) = told_mass {
+                let axes = mass.map(f64::is_finite);
+                *mass = self.per_axis("device_mass_kg", told, Least::Above0, (axes, f64::INFINITY));
+            }
+        }
         let told_inertia = raw.device_inertia_kg_m2.map(|inertia| {
             self.places
                 .take(Place::Method, "device_inertia", inertia.clone());
@@ -398,7 +424,7 @@ impl Reading {
                 || "coupled".into(),
                 |method| self.places.take(Place::Method, "method", method),
             ),
-            device_mass: true_mass.map(|mass| told_mass.unwrap_or(mass)).collect(),
+            device_mass: masses,
             damping: raw
                 .damping_n_s_per_m
                 .map(|damping| self.number("damping_n_s_per_m", damping, Least::AtLeast0)),

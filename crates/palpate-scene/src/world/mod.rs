@@ -39,7 +39,8 @@ pub struct WorldScene {
 /// A device and the hand that holds it. Its axes are those of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldDevice {
-    /// Effective mass along each axis, each above 0 `[kg]`.
+    /// Effective mass along each axis, each above 0 `[kg]`; infinite along an axis that the device lacks
+    /// ([`Tool::axes`](palpate_world::Tool::axes)), along which its mechanism holds it.
     pub mass: Vector,
     /// Position at the start `[m]`.
     pub position: Vector,

@@ -141,6 +141,30 @@ impl WorldScene {
         scene
     }
 
+    /// The scene on a device `number` that has no more than these axes of the world: along the others its mechanism holds the
+    /// tool.
+    #[must_use]
+    pub fn with_axes(mut self, number: usize, axes: [bool; 3]) -> Self {
+        let (tool, device) = (
+            self.world.tools.get_mut(number),
+            self.devices.get_mut(number),
+        );
+        let (Some(tool), Some(device)) = (tool, device) else {
+            return self;
+        };
+        for (axis, has) in axes.into_iter().enumerate() {
+            if !has {
+                tool.axes[axis] = false;
+                device.mass[axis] = f64::INFINITY;
+                device.velocity[axis] = 0.0;
+                if let Some(told) = self.render.device_mass.get_mut(number) {
+                    told[axis] = f64::INFINITY;
+                }
+            }
+        }
+        self
+    }
+
     /// The loop as a renderer is told it.
     #[must_use]
     pub fn in_loop(&self) -> WorldLoop {

@@ -44,12 +44,33 @@ pub struct SpatialDevice<C> {
     cut: Cut,
 }
 
-/// One axis: the mass in its hand, its motor and its sensor.
+/// One axis.
 #[derive(Clone, Debug)]
-struct Axis {
-    mass: HeldMass,
-    motor: Actuator,
-    sensor: Sampler,
+enum Axis {
+    /// The mass in its hand, its motor and its sensor.
+    Moves {
+        mass: Box<HeldMass>,
+        motor: Actuator,
+        sensor: Sampler,
+    },
+    /// The device lacks it: its mechanism holds it at this place `[m]`.
+    Stays(f64),
+}
+
+impl Axis {
+    fn position(&self) -> f64 {
+        match self {
+            Self::Moves { mass, .. } => mass.position(),
+            Self::Stays(position) => *position,
+        }
+    }
+
+    fn measured(&self) -> f64 {
+        match self {
+            Self::Moves { mass, sensor, .. } => sensor.sample(mass.position()),
+            Self::Stays(position) => *position,
+        }
+    }
 }
 
 impl<C: Clock> SpatialDevice<C> {
@@ -73,6 +94,9 @@ impl<C: Clock> SpatialDevice<C> {
         let axis = |number: usize| -> Result<Axis, InvalidParameter> {
             let hand = &device.hand;
             let (force, mass) = (hand.force[number], device.mass[number]);
+            if mass == f64::INFINITY {
+                return Ok(Axis::Stays(device.position[number]));
+            }
             let tremor = (hand.tremor.amplitude > 0.0).then(|| Sinusoid {
                 amplitude: hand.tremor.amplitude,
                 frequency_hz: hand.tremor.frequency_hz,
@@ -90,9 +114,10 @@ impl<C: Clock> SpatialDevice<C> {
             } else {
                 Hand::ConstantForce { force, tremor }
             };
-            Ok(Axis {
-                mass: HeldMass::new(mass, hand)?
-                    .starting_at(device.position[number], device.velocity[number])?,
+            let mass = HeldMass::new(mass, hand)?
+                .starting_at(device.position[number], device.velocity[number])?;
+            Ok(Axis::Moves {
+                mass: Box::new(mass),
                 motor: Actuator::new(motors)?,
                 sensor: sensor(device.quantum[number])?,
             })
@@ -117,7 +142,7 @@ impl<C: Clock> SpatialDevice<C> {
     /// True position `[m]`, at the last call.
     #[must_use]
     pub fn position(&self) -> Vector {
-        self.axes.each_ref().map(|axis| axis.mass.position())
+        self.axes.each_ref().map(Axis::position)
     }
 
     /// How it is truly turned at the last call, a unit quaternion `[w, x, y, z]`; `None` for a device of three axes.
@@ -161,8 +186,10 @@ impl<C: Clock> SpatialDevice<C> {
                 let _ = turning.advance(self.held.torque, duration);
             }
             for (axis, force) in self.axes.iter_mut().zip(self.held.force) {
-                // The testbed has the force on the object, which is the other one.
-                axis.motor.drive(&mut axis.mass, -force, duration);
+                if let Axis::Moves { mass, motor, .. } = axis {
+                    // The testbed has the force on the object, which is the other one.
+                    motor.drive(&mut **mass, -force, duration);
+                }
             }
         }
     }
@@ -175,8 +202,7 @@ impl<C: Clock> Device for SpatialDevice<C> {
 
     fn read(&mut self) -> Result<Pose, DeviceError> {
         let time = self.move_on();
-        let axes = self.axes.each_ref();
-        let position = axes.map(|axis| axis.sensor.sample(axis.mass.position()));
+        let position = self.axes.each_ref().map(Axis::measured);
         Ok(Pose {
             orientation: self.turning.as_ref().map(HeldTurning::measured),
             ..Pose::at(position, time)
@@ -274,7 +300,7 @@ impl SpatialHand {
 pub struct SpatialPointer<C> {
     capabilities: Capabilities,
     hand: SpatialHand,
-    axes: [PointerDevice<C>; 3],
+    axes: [PointerAxis<C>; 3],
     turning: Option<TurningPointer<C>>,
 }
 
@@ -291,7 +317,10 @@ impl<C: Clock> SpatialPointer<C> {
         hand: &SpatialHand,
         clock: C,
     ) -> Result<Self, InvalidParameter> {
-        let axis = |number: usize| {
+        let axis = |number: usize| -> Result<_, InvalidParameter> {
+            if device.mass[number] == f64::INFINITY {
+                return Ok(PointerAxis::Stays(device.position[number]));
+            }
             let params = PointerParams {
                 device_mass: device.mass[number],
                 encoder_quantum: device.quantum[number],
@@ -303,7 +332,8 @@ impl<C: Clock> SpatialPointer<C> {
                 },
                 ..PointerParams::default()
             };
-            PointerDevice::new(params, &hand.along[number], clock.clone())
+            let pointer = PointerDevice::new(params, &hand.along[number], clock.clone())?;
+            Ok(PointerAxis::Moves(Box::new(pointer)))
         };
         let turning = device.turning.as_ref();
         let turning = turning
@@ -327,22 +357,33 @@ impl<C: Clock> Device for SpatialPointer<C> {
     }
 
     fn read(&mut self) -> Result<Pose, DeviceError> {
-        // The three clocks are read within microseconds: by less than the quantum of any sensor.
-        let [x, y, z] = self.axes.each_mut().map(Device::read);
-        let (x, y, z) = (x?, y?, z?);
+        // The clocks are read within microseconds: by less than the quantum of any sensor.
+        let mut position = [0.0; 3];
+        let mut last = Duration::ZERO;
+        for (axis, position) in self.axes.iter_mut().zip(&mut position) {
+            match axis {
+                PointerAxis::Moves(pointer) => {
+                    let read = pointer.read()?;
+                    [*position, ..] = read.position;
+                    last = read.time;
+                }
+                PointerAxis::Stays(place) => *position = *place,
+            }
+        }
         let is_held = self.hand.target().is_some();
         let turning = self.turning.as_mut();
         Ok(Pose {
             orientation: turning.map(|turning| turning.read(is_held)),
-            ..Pose::at([x.position[0], y.position[0], z.position[0]], z.time)
+            ..Pose::at(position, last)
         })
     }
 
     fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
         let mut held = [0.0; 3];
         for ((axis, force), held) in self.axes.iter_mut().zip(wrench.force).zip(&mut held) {
-            let [given, ..] = axis.write([force, 0.0, 0.0].into())?.force;
-            *held = given;
+            if let PointerAxis::Moves(pointer) = axis {
+                [*held, ..] = pointer.write([force, 0.0, 0.0].into())?.force;
+            }
         }
         let is_held = self.hand.target().is_some();
         let torque = match &mut self.turning {
@@ -358,8 +399,9 @@ impl<C: Clock> Device for SpatialPointer<C> {
     fn last_sent(&self) -> Option<Wrench> {
         let mut sent = [0.0; 3];
         for (axis, sent) in self.axes.iter().zip(&mut sent) {
-            let [given, ..] = axis.last_sent()?.force;
-            *sent = given;
+            if let PointerAxis::Moves(pointer) = axis {
+                [*sent, ..] = pointer.last_sent()?.force;
+            }
         }
         let turning = self.turning.as_ref();
         Some(Wrench {
@@ -369,11 +411,22 @@ impl<C: Clock> Device for SpatialPointer<C> {
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
-        let of_axes = self.axes.each_mut().map(Device::zero_writer);
-        let mut all = of_axes.into_iter().collect::<Option<Vec<_>>>()?;
+        let pointers = self.axes.iter_mut().filter_map(|axis| match axis {
+            PointerAxis::Moves(pointer) => Some(pointer.zero_writer()),
+            PointerAxis::Stays(_) => None,
+        });
+        let mut all = pointers.collect::<Option<Vec<_>>>()?;
         all.extend(self.turning.as_mut().map(TurningPointer::zero_writer));
         Some(Box::new(AllZero(all)))
     }
+}
+
+/// One axis of a [`SpatialPointer`].
+#[derive(Clone, Debug)]
+enum PointerAxis<C> {
+    Moves(Box<PointerDevice<C>>),
+    /// The device lacks it: its mechanism holds it at this place `[m]`.
+    Stays(f64),
 }
 
 /// Commands no force along all axes, and no torque.
@@ -388,9 +441,10 @@ impl ZeroWriter for AllZero {
 }
 
 fn capabilities(name: &str, device: &WorldDevice) -> Capabilities {
-    let [x, y, z] = device.mass;
+    let mut masses = device.mass.into_iter().filter(|mass| mass.is_finite());
+    let first = masses.next();
     Capabilities {
-        effective_mass: (x == y && y == z).then_some(x),
+        effective_mass: first.filter(|first| masses.all(|mass| mass == *first)),
         encoder_quantum: Some(device.quantum.into_iter().fold(0.0, f64::max)),
         ..Capabilities::unknown(name, 3)
     }

@@ -17,8 +17,8 @@ pub struct Told<'a> {
 }
 
 /// The scene as the renderer of a loop with one device is told it: no force above `largest_force` `[N]` and no torque above
-/// `largest_torque` `[N m]`, a sensor as coarse as the device says, and a device that does not move along the axes of the
-/// world that it has not.
+/// `largest_torque` `[N m]`, a sensor as coarse as the device says, and a device that lacks the axes of the world that it has
+/// not.
 #[must_use]
 pub fn told_of(
     scene: &WorldScene,
@@ -55,12 +55,8 @@ pub fn told_of_devices(scene: &WorldScene, devices: &[Told<'_>]) -> WorldScene {
     let largest_torque = most(|of| of.largest_torque);
     let limit = told.render.torque_limit.unwrap_or(largest_torque);
     told.render.torque_limit = Some(limit.min(largest_torque));
-    for (mass, of) in told.render.device_mass.iter_mut().zip(devices) {
-        for (mass, has_axis) in mass.iter_mut().zip(of.has_axes) {
-            if !has_axis {
-                *mass = f64::INFINITY;
-            }
-        }
+    for (number, of) in devices.iter().enumerate() {
+        told = told.with_axes(number, of.has_axes);
     }
     told
 }

@@ -29,6 +29,7 @@ pub fn as_rendered(scene: &judge::WorldScene) -> World {
         };
         Tool {
             turns: device.turning.is_some(),
+            axes: device.mass.map(f64::is_finite),
             ..Tool::new(&device.name, shape)
         }
     });

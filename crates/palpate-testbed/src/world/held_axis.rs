@@ -6,12 +6,66 @@ use crate::device::Device;
 use crate::hand::Sinusoid;
 use crate::sprung_mass::SprungMass;
 
+/// One axis of a device: it moves, or the device lacks it and stays.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum HeldAxis {
+    Moves(SwungMass),
+    /// At this position \[m\].
+    Stays(f64),
+}
+
+impl HeldAxis {
+    /// Axis `axis` of a checked device, whose name in messages is `name`.
+    pub fn new(device: &WorldDevice, axis: usize, name: &str) -> Result<Self, InvalidScene> {
+        if device.moves_along(axis) {
+            SwungMass::new(device, axis, name).map(Self::Moves)
+        } else {
+            Ok(Self::Stays(device.position[axis]))
+        }
+    }
+
+    /// Whether the device lacks this axis.
+    pub fn stays(&self) -> bool {
+        matches!(self, Self::Stays(_))
+    }
+}
+
+impl Device for HeldAxis {
+    fn position(&self) -> f64 {
+        match self {
+            Self::Moves(mass) => mass.position(),
+            Self::Stays(position) => *position,
+        }
+    }
+
+    fn velocity(&self) -> f64 {
+        match self {
+            Self::Moves(mass) => mass.velocity(),
+            Self::Stays(_) => 0.0,
+        }
+    }
+
+    fn advance(&mut self, force_on_object: f64, duration: f64) -> f64 {
+        match self {
+            Self::Moves(mass) => mass.advance(force_on_object, duration),
+            Self::Stays(_) => 0.0,
+        }
+    }
+
+    fn stored_energy(&self) -> f64 {
+        match self {
+            Self::Moves(mass) => mass.stored_energy(),
+            Self::Stays(_) => 0.0,
+        }
+    }
+}
+
 /// m x″ = F − k (x − x_rest) − b x′ + Σ tremor − f, for a force f on the object.
 ///
 /// The tremors alone would swing the mass by a sum of sines, which is known in closed form; what is left moves
 /// as a [`SprungMass`].
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct HeldAxis {
+pub(super) struct SwungMass {
     rest: f64,
     left: SprungMass,
     swings: Vec<Sinusoid>,
@@ -24,9 +78,8 @@ pub(super) struct HeldAxis {
 /// A tremor whose swing without damping would be larger than its force over this share of k + m ω² is refused.
 const NEAREST_RESONANCE: f64 = 1e-6;
 
-impl HeldAxis {
-    /// Axis `axis` of a checked device, whose name in messages is `name`.
-    pub fn new(device: &WorldDevice, axis: usize, name: &str) -> Result<Self, InvalidScene> {
+impl SwungMass {
+    fn new(device: &WorldDevice, axis: usize, name: &str) -> Result<Self, InvalidScene> {
         let hand = &device.hand;
         let mass = device.mass[axis];
         let mut swings = Vec::new();
@@ -78,7 +131,7 @@ impl HeldAxis {
     }
 }
 
-impl Device for HeldAxis {
+impl Device for SwungMass {
     fn position(&self) -> f64 {
         self.rest + self.left.position() + self.swing()
     }

@@ -6,12 +6,23 @@ use super::contact::MOST_CORNERS;
 use super::mesh::TriangleMesh;
 use super::scene::Vector;
 use super::vector::Vec3;
-use super::wrapping::Wrapped;
+use super::wrapping::{Wrapped, normal_of};
+
+/// A part of a hull's surface: a face, the edge between two corners, or a corner, by their numbers. A hull of 64 corners has at
+/// most 124 faces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum OfHull {
+    Face(u8),
+    Edge(u8, u8),
+    Corner(u8),
+}
 
 /// The least convex solid around some points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hull {
     wrapped: Wrapped,
+    /// Of each face: its normal out of the solid, and how far along it.
+    planes: Vec<(Vec3, f64)>,
     mesh: Arc<TriangleMesh>,
 }
 
@@ -30,13 +41,77 @@ impl Hull {
         }
         let corners: Vec<Vector> = wrapped.corners.iter().map(|corner| corner.0).collect();
         let mesh = Arc::new(TriangleMesh::new(&corners, &triangles).ok()?);
-        Some(Self { wrapped, mesh })
+        let planes = wrapped.faces.iter().map(|face| {
+            let corners: Vec<Vec3> = face.iter().map(|&corner| wrapped.corners[corner]).collect();
+            let normal = normal_of(&corners)?;
+            Some((normal, normal.dot(corners[0])))
+        });
+        Some(Self {
+            planes: planes.collect::<Option<_>>()?,
+            wrapped,
+            mesh,
+        })
     }
 
     /// Its corners \[m\].
     #[must_use]
     pub fn corners(&self) -> Vec<Vector> {
         self.wrapped.corners.iter().map(|corner| corner.0).collect()
+    }
+
+    /// The plane of a face: its normal out of the solid, and how far along it.
+    pub(super) fn plane(&self, face: u8) -> (Vec3, f64) {
+        self.planes[usize::from(face)]
+    }
+
+    pub(super) fn corner(&self, number: u8) -> Vec3 {
+        self.wrapped.corners[usize::from(number)]
+    }
+
+    /// What of the surface is nearest to a point; inside, the face of least depth.
+    pub(super) fn nearest_part(&self, point: Vec3) -> OfHull {
+        let small = |number: usize| u8::try_from(number).unwrap_or(u8::MAX);
+        let heights = self.planes.iter();
+        let heights = heights.map(|(normal, offset)| normal.dot(point) - offset);
+        let highest = heights
+            .clone()
+            .enumerate()
+            .max_by(|one, other| one.1.total_cmp(&other.1));
+        let (face, height) = highest.unwrap_or((0, 0.0));
+        if height <= 0.0 {
+            return OfHull::Face(small(face));
+        }
+        let mut nearest = (f64::INFINITY, OfHull::Face(small(face)));
+        let mut take = |distance: f64, part: OfHull| {
+            if distance < nearest.0 {
+                nearest = (distance, part);
+            }
+        };
+        for ((number, face), height) in self.wrapped.faces.iter().enumerate().zip(heights) {
+            if height <= 0.0 {
+                continue;
+            }
+            let (normal, _) = self.planes[number];
+            let mut is_over = true;
+            for (from, to) in face.iter().zip(face.iter().cycle().skip(1)) {
+                let (start, along) = (self.wrapped.corners[*from], self.wrapped.corners[*to]);
+                let along = along - start;
+                let off = point - start;
+                is_over &= normal.cross(along).dot(off) >= 0.0;
+                let share = along.dot(off) / along.dot(along);
+                if share <= 0.0 {
+                    take(off.norm(), OfHull::Corner(small(*from)));
+                } else if share < 1.0 {
+                    // The same name from both sides.
+                    let (low, high) = (small(*from.min(to)), small(*from.max(to)));
+                    take((off - along * share).norm(), OfHull::Edge(low, high));
+                }
+            }
+            if is_over {
+                take(height, OfHull::Face(small(number)));
+            }
+        }
+        nearest.1
     }
 
     pub(super) fn wrapped(&self) -> &Wrapped {

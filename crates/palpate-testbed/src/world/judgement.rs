@@ -196,7 +196,7 @@ impl DeviceJudgement {
         let mut sum = ErrorSums::default();
         for (interval, force) in held.iter().enumerate() {
             let duration = grid.duration(interval);
-            for axis in 0..3 {
+            for axis in (0..3).filter(|&axis| device.moves_along(axis)) {
                 let impulse = profile.impulses[interval][axis];
                 let squared = profile.squares[interval][axis];
                 axes[axis].add(force[axis], impulse, squared, duration, period);

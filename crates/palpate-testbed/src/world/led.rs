@@ -169,7 +169,10 @@ impl LedPath {
     pub fn unmoved(&self, scene: &WorldScene) -> WorldScene {
         let mut scene = scene.clone();
         for (device, position) in scene.devices.iter_mut().zip(&self.positions[0]) {
-            device.mass = [UNMOVED; 3];
+            // No motor gives a force along an axis that a device lacks: nothing is judged there.
+            for mass in device.mass.iter_mut().filter(|mass| mass.is_finite()) {
+                *mass = UNMOVED;
+            }
             device.hand = WorldHand::default();
             device.position = *position;
             device.velocity = [0.0; 3];

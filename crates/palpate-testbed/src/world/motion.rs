@@ -184,7 +184,9 @@ impl System {
             }
             if let Some(turning) = &self.devices[device].turning {
                 let largest = turning.inertia.iter().fold(0.0_f64, |a, b| a.max(*b));
-                let mass = self.devices[device].mass[0];
+                let masses = self.devices[device].mass;
+                let finite = masses.into_iter().find(|mass| mass.is_finite());
+                let mass = finite.unwrap_or(1.0);
                 let reach = (largest / mass).sqrt();
                 scales[place + 3..place + 7].fill(LENGTH / reach);
                 scales[place + 7..place + 10].fill(mass * reach * SPEED);
@@ -358,6 +360,7 @@ impl System {
                 .linear
                 .write(&mut rates[place + 3..]);
             let sums = layout.device_sums(number);
+            let force = device.along_its_axes(force);
             force.write(&mut rates[sums..]);
             Vec3(force.0.map(|f| f * f)).write(&mut rates[sums + 3..]);
             rates[sums + 6] = hand_force(device, time, placed).dot(placed.velocity);
@@ -521,6 +524,7 @@ impl Instant {
                     0.5 * momentum.dot(placed.turning)
                 });
                 (0..3)
+                    .filter(|&axis| device.moves_along(axis))
                     .map(|axis| 0.5 * device.mass[axis] * placed.velocity.0[axis].powi(2))
                     .sum::<f64>()
                     + of_turning

@@ -144,9 +144,10 @@ fn by_points(number: usize, pair: &Pair, sides: [&Side; 2]) -> Option<Vec<Contac
             Shape::Mesh(mesh) => Some(mesh.field()?.clone()),
             Shape::HalfSpace { .. }
             | Shape::Box { .. }
+            | Shape::Hull(_)
             | Shape::Capsule { .. }
             | Shape::Cylinder { .. } => None,
-            Shape::Sphere { .. } | Shape::Hull(_) => return None,
+            Shape::Sphere { .. } => return None,
         };
         let each = points.iter().map(|&on_first| Contact {
             pair: number,

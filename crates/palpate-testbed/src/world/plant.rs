@@ -252,6 +252,9 @@ impl WorldPlant {
                 continue;
             };
             for axis in 0..3 {
+                if device.axes[axis].stays() {
+                    continue;
+                }
                 // A force on the tool is the opposite of the force on the object.
                 let delivered =
                     device.actuators[axis].drive(&mut device.axes[axis], -force[axis], duration);

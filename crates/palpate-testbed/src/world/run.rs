@@ -291,8 +291,10 @@ impl<'a> Run<'a> {
                 record.deepest = record.deepest.max(self.now.touches[number].penetration);
             }
         }
-        for (number, peak) in self.peaks.iter_mut().enumerate() {
-            *peak = peak.max(self.now.contact_force(number).norm());
+        let devices = self.peaks.iter_mut().zip(&self.system.devices);
+        for (number, (peak, device)) in devices.enumerate() {
+            let force = device.along_its_axes(self.now.contact_force(number));
+            *peak = peak.max(force.norm());
         }
     }
 

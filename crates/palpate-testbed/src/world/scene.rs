@@ -6,6 +6,7 @@ use super::hull::Hull;
 use super::joints::WorldJoint;
 use super::mesh::TriangleMesh;
 use super::turning::Turning;
+use super::vector::Vec3;
 use crate::InvalidParameter;
 use crate::error::{finite, positive};
 use crate::hand::Sinusoid;
@@ -21,7 +22,8 @@ pub type Vector = [f64; 3];
 pub struct WorldDevice {
     /// Name, for messages.
     pub name: String,
-    /// Moved mass m along each axis, finite and above 0 \[kg\].
+    /// Moved mass m along each axis, above 0 \[kg\]; infinite along an axis that the device lacks. Its mechanism holds it there:
+    /// it stays, and no motor gives a force along that axis, so none is judged.
     pub mass: Vector,
     /// Position of the tool's centre, that of mass, at t = 0 \[m\].
     pub position: Vector,
@@ -338,8 +340,33 @@ pub(super) fn unit_length(name: &str, values: &[f64]) -> Result<(), InvalidScene
 }
 
 impl WorldDevice {
+    /// Whether the device has this axis.
+    pub(super) fn moves_along(&self, axis: usize) -> bool {
+        self.mass[axis].is_finite()
+    }
+
+    /// What of a force is along the axes that the device has.
+    pub(super) fn along_its_axes(&self, force: Vec3) -> Vec3 {
+        Vec3(std::array::from_fn(|axis| {
+            if self.moves_along(axis) {
+                force.0[axis]
+            } else {
+                0.0
+            }
+        }))
+    }
+
     fn check(&self, name: &str) -> Result<(), InvalidScene> {
-        above_zero(&format!("{name}.mass"), &self.mass)?;
+        for (mass, velocity) in self.mass.iter().zip(self.velocity) {
+            let allowed = "above 0, or infinite along an axis that the device lacks";
+            InvalidParameter::unless(*mass > 0.0, format!("{name}.mass"), *mass, allowed)?;
+            let rests = mass.is_finite() || velocity == 0.0;
+            let allowed = "0 along an axis that the device lacks";
+            InvalidParameter::unless(rests, format!("{name}.velocity"), velocity, allowed)?;
+        }
+        let has_one = self.mass.iter().any(|mass| mass.is_finite());
+        let allowed = "finite along at least one axis";
+        InvalidParameter::unless(has_one, format!("{name}.mass"), self.mass[0], allowed)?;
         all_finite(&format!("{name}.position"), &self.position)?;
         all_finite(&format!("{name}.velocity"), &self.velocity)?;
         let tool = format!("{name}.tool");

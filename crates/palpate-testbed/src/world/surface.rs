@@ -6,6 +6,7 @@
 //! a kink.
 
 use super::between::Between;
+use super::hull::OfHull;
 use super::mesh::OnMesh;
 use super::scene::Shape;
 use super::vector::Vec3;
@@ -28,6 +29,8 @@ pub(super) enum Feature {
     Rim(i8),
     /// Of two boxes or hulls, the plane between them.
     Between(Between),
+    /// Of a hull, what is nearest to a point.
+    OfHull(OfHull),
     /// Parts of a mesh.
     OnMesh(OnMesh),
 }
@@ -136,6 +139,26 @@ pub(super) fn nearest(shape: &Shape, feature: Feature, point: Vec3) -> Nearest {
             },
             feature,
         ) => on_cylinder(radius, half_length, feature, point),
+        (Shape::Hull(hull), Feature::OfHull(part)) => match part {
+            OfHull::Face(number) => {
+                let (normal, offset) = hull.plane(number);
+                Nearest {
+                    distance: normal.dot(point) - offset,
+                    normal,
+                    curvature: Curvature::Flat,
+                }
+            }
+            OfHull::Edge(from, to) => {
+                let [from, to] = [from, to].map(|number| hull.corner(number));
+                let along = (to - from).direction().unwrap_or(Z);
+                let off = (point - from).across(along);
+                round(off, 0.0, from + to, |d| Curvature::Line(along, d))
+            }
+            OfHull::Corner(number) => {
+                let corner = hull.corner(number);
+                round(point - corner, 0.0, corner, Curvature::Point)
+            }
+        },
         (&Shape::Sphere { radius }, _) => round(point, radius, Z, Curvature::Point),
         _ => unreachable!("features of a shape are made by `feature`"),
     }
@@ -187,7 +210,8 @@ pub(super) fn feature(shape: &Shape, point: Vec3) -> Feature {
     match *shape {
         Shape::Sphere { .. } | Shape::HalfSpace { .. } => Feature::Whole,
         // Which parts push depends on those that did: `System` asks the mesh itself.
-        Shape::Mesh(_) | Shape::Hull(_) => Feature::OnMesh(OnMesh::Nothing),
+        Shape::Mesh(_) => Feature::OnMesh(OnMesh::Nothing),
+        Shape::Hull(ref hull) => Feature::OfHull(hull.nearest_part(point)),
         Shape::Box { half_extents } => {
             let sign = |value: f64| if value < 0.0 { -1 } else { 1 };
             let mut signs = [0_i8; 3];
@@ -252,8 +276,23 @@ pub(super) fn holds(shape: &Shape, current: Feature, point: Vec3, slack: f64) ->
 mod tests {
     use super::*;
 
-    fn shapes() -> [Shape; 4] {
+    /// A wedge: two of its faces lean.
+    fn wedge() -> Shape {
+        let corners = [
+            [-0.35, -0.25, -0.2],
+            [0.35, -0.25, -0.2],
+            [0.35, 0.25, -0.2],
+            [-0.35, 0.25, -0.2],
+            [-0.2, 0.0, 0.3],
+            [0.2, 0.0, 0.3],
+        ];
+        let hull = super::super::hull::Hull::around(&corners);
+        Shape::Hull(std::sync::Arc::new(hull.unwrap()))
+    }
+
+    fn shapes() -> [Shape; 5] {
         [
+            wedge(),
             Shape::Sphere { radius: 0.3 },
             Shape::Box {
                 half_extents: [0.3, 0.2, 0.5],
@@ -345,7 +384,7 @@ mod tests {
 
     #[test]
     fn a_feature_holds_a_little_beyond_its_region() {
-        let shape = shapes()[1].clone();
+        let shape = shapes()[2].clone();
         let face = feature(&shape, Vec3([0.31, 0.0, 0.0]));
         assert_eq!(face, Feature::Signs([1, 0, 0]));
         assert!(holds(&shape, face, Vec3([0.31, 0.2 + 5e-10, 0.0]), 1e-9));

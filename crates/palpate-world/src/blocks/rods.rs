@@ -214,12 +214,12 @@ impl Between for Rod {
 
 impl Corners {
     /// Largest distance of a corner from the origin of the axes `[m]`.
-    pub(super) fn reach(&self) -> f64 {
+    pub(crate) fn reach(&self) -> f64 {
         self.places.iter().map(Vector3::norm).fold(0.0, f64::max)
     }
 
     /// The nearest point of the surface; of a point inside, that of least depth.
-    fn nearest(&self, point: &Vector3) -> Nearest {
+    pub(crate) fn nearest(&self, point: &Vector3) -> Nearest {
         let height = |face: &crate::convex::Polygon| face.normal.dot(point) - face.offset;
         let mut highest = Nearest::exact(f64::NEG_INFINITY, Vector3::x());
         for face in &self.faces {

@@ -141,17 +141,20 @@ impl WorldRenderer {
         }
         let tools = world.tools.iter().zip(before).enumerate();
         let faults: Vec<_> = tools
-            .filter(|(_, (tool, before))| tool.name != before.name || tool.turns != before.turns)
+            .filter(|(_, (tool, before))| {
+                tool.name != before.name || tool.turns != before.turns || tool.axes != before.axes
+            })
             .map(|(number, (tool, before))| {
-                let turns = if before.turns { "" } else { " does not" };
+                let (turns, s) = if before.turns { ("", "s") } else { (" does not", "") };
                 WorldError::new(
                     Place::Tool(number),
                     "tools",
                     format!("tool {:?}", tool.name),
                     format!(
-                        "it was {:?}, which{turns} turn{}; the tools of a world that runs stay, but for their shapes",
+                        "it was {:?}, which moves along {} and{turns} turn{s}; the tools of a world that runs stay, but \
+                         for their shapes",
                         before.name,
-                        if before.turns { "s" } else { "" }
+                        before.names_of_axes()
                     ),
                 )
             })

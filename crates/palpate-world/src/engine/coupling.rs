@@ -126,7 +126,10 @@ impl Coupling {
     }
 
     /// Says what was really sent to a tool for the last [`hold`](Self::hold) `[N]`.
-    pub fn report_sent(&self, state: &mut EngineState, tool: usize, force: Vector) {
+    pub fn report_sent(&self, state: &mut EngineState, tool: usize, mut force: Vector) {
+        if let Some(axes) = self.coupled.axes.get(tool) {
+            axes.keep(&mut force);
+        }
         if force.iter().all(|x| x.is_finite()) {
             state.commands.correct(tool, force.into());
         }
@@ -206,6 +209,7 @@ impl Coupling {
                 continue;
             };
             book.held += period.mean.dot(&moved);
+            book.carried += self.coupled.axes[tool].across(&period.mean).dot(&moved);
             device.conclude(&period, elapsed);
             if !period.touched && !state.commands.is_expected(tool) {
                 self.walk_back(device, elapsed);
@@ -341,7 +345,8 @@ impl Coupling {
                     held[axis] += device.velocity_offset[axis] / (mobility * duration);
                 }
             }
-            let mut intended = state.commands.command(tool, &held, duration);
+            let intended = state.commands.command(tool, &held, duration);
+            let mut intended = self.coupled.axes[tool].along(&intended);
             if !touched && intended.norm() <= LEAST_FORCE {
                 intended = Vector3::zeros();
             }

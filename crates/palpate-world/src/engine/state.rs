@@ -121,6 +121,8 @@ pub struct PortBook {
     pub port_work: f64,
     /// Work of the mean force of its contacts on the device.
     pub held: f64,
+    /// The part of it along the axes that the device lacks ([`Tool::axes`](crate::Tool::axes)): its mechanism carries that force.
+    pub carried: f64,
 }
 
 /// The books of contacts with an engine's bodies.

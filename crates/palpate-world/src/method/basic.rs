@@ -94,6 +94,8 @@ impl Basic {
                 let part = &state.now.parts[tool];
                 let way = Vector3::from(positions[tool]) - part.rigid.position;
                 let mut work = touch.force.dot(&way) * sign;
+                let carried = renderer.axes[tool].across(&touch.force).dot(&way) * sign;
+                state.books.devices[tool].carried += carried;
                 if part.feels_torque {
                     let by = step(&state.tracking.seen_turn[tool], &part.rigid.orientation);
                     let arm = touch.place - part.rigid.position;
@@ -138,7 +140,7 @@ impl Basic {
             }
             let book = &mut state.books.devices[tool];
             book.port_work += held.dot(&way) + torque.dot(&by);
-            book.unforeseen = book.port_work - book.held;
+            book.unforeseen = book.port_work + book.carried - book.held;
         }
         state.now.begin();
         state.now.look(points);

@@ -1,6 +1,7 @@
 //! Coupled rendering: devices and world are predicted together, and the mean of the contact force is held.
 
 use super::coupled_turning::Turning;
+use crate::axes::Axes;
 use crate::commands::Acting;
 use crate::interval::advance;
 use crate::moving::Moving;
@@ -15,6 +16,8 @@ use crate::{Effort, Limited, Vector, WorldRenderer};
 #[derive(Clone, Debug)]
 pub(crate) struct Coupled {
     pub(crate) priors: Vec<[AxisPrior; 3]>,
+    /// Along which axes each device moves.
+    pub(crate) axes: Vec<Axes>,
     /// Of each tool that turns.
     pub(super) turning_priors: Vec<Option<TurningPrior>>,
     pub(super) turn_limit: f64,
@@ -42,7 +45,7 @@ pub(crate) struct Device {
     /// Of a tool that turns, with what was told of it.
     turning: Option<(Turning, TurningPrior)>,
     /// The device as it is predicted: room.
-    ahead: Axes,
+    ahead: Motions,
     /// Whether something touched it in the interval that has ended.
     touched: bool,
 }
@@ -67,9 +70,9 @@ impl Avatar {
 
 /// A device as an observer knows it, counted from its measured position.
 #[derive(Clone, Copy, Debug)]
-struct Axes([AxisMotion; 3]);
+struct Motions([AxisMotion; 3]);
 
-impl Axes {
+impl Motions {
     fn of(&self, quantity: impl Fn(&AxisMotion) -> f64) -> Vector3 {
         Vector3::from(self.0.each_ref().map(quantity))
     }
@@ -116,18 +119,18 @@ impl Device {
             observers,
             avatar: Avatar::none(),
             turning: turning.map(|prior| (Turning::new(prior, measured), *prior)),
-            ahead: Axes(observers.each_ref().map(|observer| observer.motion)),
+            ahead: Motions(observers.each_ref().map(|observer| observer.motion)),
             touched: false,
         }
     }
 
-    fn axes(&self) -> Axes {
-        Axes(self.observers.each_ref().map(|observer| observer.motion))
+    fn axes(&self) -> Motions {
+        Motions(self.observers.each_ref().map(|observer| observer.motion))
     }
 }
 
 /// Puts a tool's avatar into a world, beside its device.
-fn place(moving: &mut Moving, tool: usize, measured: &Vector3, device: &Axes, avatar: &Avatar) {
+fn place(moving: &mut Moving, tool: usize, measured: &Vector3, device: &Motions, avatar: &Avatar) {
     let part = &mut moving.parts[tool];
     part.rigid.position = measured + device.of(|axis| axis.offset) + avatar.offset;
     part.rigid.velocity = device.of(|axis| axis.velocity) + avatar.velocity_offset;
@@ -136,7 +139,7 @@ fn place(moving: &mut Moving, tool: usize, measured: &Vector3, device: &Axes, av
 }
 
 /// The avatar in a world against its device.
-fn against(avatar: &Rigid, measured: &Vector3, device: &Axes) -> Avatar {
+fn against(avatar: &Rigid, measured: &Vector3, device: &Motions) -> Avatar {
     Avatar {
         offset: avatar.position - measured - device.of(|axis| axis.offset),
         velocity_offset: avatar.velocity - device.of(|axis| axis.velocity),
@@ -251,7 +254,11 @@ impl Coupled {
             // brought the device.
             let end = start.under(&acted, elapsed);
             let part = &state.now.parts[tool];
-            let avatar = against(&part.rigid, &device.measured, &end);
+            let axes = self.axes[tool];
+            let mut avatar = against(&part.rigid, &device.measured, &end);
+            // Where the mechanism holds both, they differ by rounding only.
+            avatar.offset = axes.along(&avatar.offset);
+            avatar.velocity_offset = axes.along(&avatar.velocity_offset);
 
             let way = end.of(|axis| axis.offset) - start.of(|axis| axis.offset);
             let mean = impulse / elapsed;
@@ -267,6 +274,7 @@ impl Coupled {
                 .as_ref()
                 .map_or(Vector3::zeros(), |(work, ..)| work.path);
             let book = &mut state.books.devices[tool];
+            book.carried += axes.across(&mean).dot(&way);
             for (point, (touch, contact)) in points
                 .iter()
                 .zip(state.now.touches.iter().zip(&mut state.books.contacts))
@@ -286,9 +294,9 @@ impl Coupled {
                 book.velocity_offset += work.gained_more;
                 book.unpaid += (mean_torque - acted.intended).dot(&work.path);
             }
-            book.unforeseen = book.port_work - book.held;
+            book.unforeseen = book.port_work + book.carried - book.held;
             let [before, after] = [&device.avatar, &avatar].map(|avatar| avatar.velocity_offset);
-            let kinetic = |device: &Axes, w: &Vector3| {
+            let kinetic = |device: &Motions, w: &Vector3| {
                 device.weighted(|axis| w[axis] * (device.0[axis].velocity + 0.5 * w[axis]))
             };
             let gained = start.weighted(|axis| {
@@ -297,7 +305,7 @@ impl Coupled {
             });
             book.offset += part.driven - (gained - acted.intended.dot(&way));
             book.velocity_offset += kinetic(&end, &after) - kinetic(&start, &before);
-            book.unpaid += (mean - acted.intended).dot(&way);
+            book.unpaid += axes.along(&(mean - acted.intended)).dot(&way);
 
             device.avatar = avatar;
             device.measured = Vector3::from(positions[tool]);

@@ -1,6 +1,7 @@
 //! The parameters of coupled rendering, and their checks.
 
 use super::coupled::Coupled;
+use crate::axes::Axes;
 use crate::observer::{AxisPrior, Prior};
 use crate::rigid::Vector3;
 use crate::turning_observer::TurningPrior;
@@ -17,7 +18,8 @@ use crate::{Place, Tool, Vector, WorldError};
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoupledParams {
     /// Mass of each tool's device along each of the world's axes, within a factor of 2 `[kg]`. The hand's share is
-    /// learned. Infinite where no force moves the device: along an axis that it does not have, or in a recording.
+    /// learned. Infinite where no force moves the device, as in a recording. Along an axis that the device lacks
+    /// ([`Tool::axes`]) it is not looked at.
     pub device_mass: Vec<Vector>,
     /// Moments of inertia of each tool's device about its mass centre, along the tool's axes, within a factor of 2
     /// `[kg m^2]`; infinite about all three where no torque turns the device, as in a recording. Those of a tool that does not
@@ -187,8 +189,16 @@ impl CoupledParams {
         if !faults.is_empty() {
             return Err(faults);
         }
-        let of_axis = |mass: f64| AxisPrior::new(mass, self.encoder_quantum, self.prior);
-        let priors = self.device_mass.iter().map(|mass| mass.map(of_axis));
+        let priors = self.device_mass.iter().zip(all).map(|(mass, tool)| {
+            std::array::from_fn(|axis| {
+                let prior = AxisPrior::new(mass[axis], self.encoder_quantum, self.prior);
+                if tool.axes[axis] {
+                    prior
+                } else {
+                    prior.of_no_axis()
+                }
+            })
+        });
         let turning_priors = all.iter().enumerate().map(|(number, tool)| {
             let moments = self.device_inertia.get(number).filter(|_| tool.turns)?;
             let moments = Vector3::from(*moments);
@@ -199,6 +209,7 @@ impl CoupledParams {
             turn_limit: self.turn_limit,
             turn_return: self.turn_return,
             priors: priors.collect(),
+            axes: all.iter().map(Axes::of).collect(),
             offset_limit: self.offset_limit,
             offset_return: self.offset_return,
             velocity_return: self.velocity_return,

@@ -18,6 +18,9 @@ use crate::{Effort, Place, Shape, Tool, Vector, WorldError, WorldRenderer};
 /// At a sample the proxy of a tool goes to the place outside of all solids that is nearest to the device, and stays
 /// behind where friction holds it. A spring and a damper between the two give the force on the device; turned round, it
 /// is held on what the proxy touches, until the next sample. The contacts of tools have no stiffness of their own then.
+///
+/// The proxy of a device that lacks an axis may leave its plane, as the device could if it had that axis: the spring stands
+/// for the stiffness of a contact, and only its part along the axes of the device is commanded.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GodObjectParams {
     /// Stiffness of each tool's spring, above 0 `[N/m]`: that of the contacts, so that a wall feels as stiff.
@@ -199,18 +202,21 @@ impl GodObject {
         for (tool, position) in positions.iter().enumerate().take(renderer.tools) {
             let device = &mut memory.devices[tool];
             let way = Vector3::from(*position) - device.position;
+            let axes = renderer.axes[tool];
             device.position += way;
             device.velocity = way / elapsed;
             let book = &mut state.books.devices[tool];
             for (number, point) in points.iter().enumerate() {
                 if point.first == tool {
-                    let held = state.now.touches[number].force.dot(&way);
+                    let force = state.now.touches[number].force;
+                    let held = force.dot(&way);
+                    book.carried += axes.across(&force).dot(&way);
                     state.books.contacts[number].held += held;
                     book.held += held;
                 }
             }
             book.port_work += state.commands.passed(tool).sent.dot(&way);
-            book.unforeseen = book.port_work - book.held;
+            book.unforeseen = book.port_work + book.carried - book.held;
             self.press(renderer, state, memory, tool, Some(elapsed));
         }
         state.now.begin();

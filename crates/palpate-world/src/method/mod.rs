@@ -192,7 +192,7 @@ impl Checked {
                 coupled.plan(renderer, state, memory)
             }
             (Self::VirtualCoupling(coupling), Memory::VirtualCoupling(memory)) => {
-                coupling.plan(state, memory)
+                coupling.plan(renderer, state, memory)
             }
             (Self::GodObject(god_object), Memory::GodObject(memory)) => {
                 god_object.plan(state, memory)

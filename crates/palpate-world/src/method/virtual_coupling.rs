@@ -204,6 +204,9 @@ impl VirtualCoupling {
             part.rigid.velocity = Vector3::zeros();
             part.mobility.linear = Vector3::repeat(1.0 / coupling.mass);
         }
+        for (part, axes) in state.now.parts.iter_mut().zip(&renderer.axes) {
+            part.mobility.linear = axes.along(&part.mobility.linear);
+        }
         for (tool, device) in memory.devices.iter_mut().enumerate() {
             device.orientation = state.tracking.seen_turn[tool];
             device.turning = Vector3::zeros();
@@ -225,6 +228,16 @@ impl VirtualCoupling {
         elapsed: f64,
     ) -> Effort {
         let points = &renderer.points;
+        // Along an axis that its device lacks, an avatar went as the device did.
+        let parts = state.now.parts.iter_mut().zip(&renderer.axes);
+        for ((part, axes), (device, position)) in parts.zip(memory.devices.iter().zip(positions)) {
+            let led = (Vector3::from(*position) - device.position) / elapsed;
+            part.rigid.velocity = axes.mixed(&part.rigid.velocity, &led);
+        }
+        if !renderer.axes.iter().all(|axes| axes.are_all()) {
+            state.now.look(points);
+            state.books.observe(&state.now, points);
+        }
         state.now.begin();
         let sub_steps = &renderer.in_loop.sub_steps;
         let effort = advance(&mut state.now, &mut state.room, points, sub_steps, elapsed);
@@ -233,6 +246,9 @@ impl VirtualCoupling {
             let way = Vector3::from(positions[tool]) - device.position;
             device.position += way;
             device.velocity = way / elapsed;
+            let axes = renderer.axes[tool];
+            let place = &mut state.now.parts[tool].rigid.position;
+            *place = axes.mixed(place, &device.position);
             let turned = state.tracking.seen_turn[tool];
             let by = (turned * device.orientation.inverse()).scaled_axis();
             device.orientation = turned;
@@ -245,21 +261,29 @@ impl VirtualCoupling {
                 if let Some(sign) = point.sign_on(tool) {
                     let impulse = touch.past.impulse.dot(&way) * sign;
                     let held = (impulse + touch.past.angular_impulse.dot(&by)) / elapsed;
+                    let carried = axes.across(&touch.past.impulse).dot(&way);
+                    book.carried += carried * sign / elapsed;
                     contact.held += held;
                     book.held += held;
                 }
             }
             book.port_work += state.commands.passed(tool).sent.dot(&way)
                 + state.torque_commands.passed_or_none(tool).dot(&by);
-            book.unforeseen = book.port_work - book.held;
+            book.unforeseen = book.port_work + book.carried - book.held;
         }
         effort
     }
 
-    pub fn plan(&self, state: &mut Progress, memory: &VirtualCouplingMemory) -> Effort {
+    pub fn plan(
+        &self,
+        renderer: &WorldRenderer,
+        state: &mut Progress,
+        memory: &VirtualCouplingMemory,
+    ) -> Effort {
         show_contacts(&mut state.contacts, &state.now);
         let devices = memory.devices.iter().zip(&self.couplings);
-        for ((part, intended), (device, coupling)) in state
+        let devices = devices.zip(&renderer.axes);
+        for ((part, intended), ((device, coupling), axes)) in state
             .now
             .parts
             .iter_mut()
@@ -273,9 +297,10 @@ impl VirtualCoupling {
             } = *coupling;
             let pull = (device.position - part.rigid.position) * stiffness
                 + (device.velocity - part.rigid.velocity) * damping;
+            let pull = axes.along(&pull);
             part.drive = Drive {
-                damping_rate: Vector3::repeat(damping / mass),
-                spring_rate: Vector3::repeat(stiffness / mass),
+                damping_rate: axes.along(&Vector3::repeat(damping / mass)),
+                spring_rate: axes.along(&Vector3::repeat(stiffness / mass)),
                 ..Drive::constant(pull / mass)
             };
             *intended = state.commands.for_force(&-pull);

@@ -95,18 +95,24 @@ proptest! {
     fn no_sample_makes_a_tick_answer_with_more_than_its_limit_or_with_no_number(
         samples in prop::collection::vec((positions(), elapsed()), 1..60),
         believes_all in any::<bool>(),
+        lacks in prop::array::uniform2(0..4_usize),
     ) {
+        let mut crowded = crowded();
+        for (tool, lacks) in crowded.tools.iter_mut().zip(lacks) {
+            tool.axes = [0, 1, 2].map(|axis| axis != lacks);
+        }
         for method in methods() {
             let mut in_loop = WorldLoop::new(0.001).with_force_limits(vec![LIMIT; 2]);
             if believes_all {
                 in_loop.speed_limit = None;
             }
-            let renderer = WorldRenderer::new(&crowded(), in_loop, method).unwrap();
+            let renderer = WorldRenderer::new(&crowded, in_loop, method).unwrap();
             let mut state = renderer.start();
             for (positions, elapsed) in &samples {
                 let sample = Sample { positions, orientations: &[], elapsed: *elapsed };
                 let output = renderer.step(&mut state, &sample);
-                for force in output.forces {
+                for (force, lacks) in output.forces.iter().zip(lacks) {
+                    prop_assert!(force.get(lacks).is_none_or(|force| *force == 0.0));
                     let norm = force.iter().map(|f| f * f).sum::<f64>().sqrt();
                     prop_assert!(norm <= LIMIT * (1.0 + 1e-12), "{norm}");
                     if output.fault.is_some() {

@@ -82,6 +82,15 @@ fn tool() -> Tool {
 }
 
 fn engine_renderer(law: ContactLaw, period: f64, stepping: Stepping) -> EngineRenderer {
+    engine_renderer_of(tool(), law, period, stepping)
+}
+
+fn engine_renderer_of(
+    tool: Tool,
+    law: ContactLaw,
+    period: f64,
+    stepping: Stepping,
+) -> EngineRenderer {
     let ball = EngineBody {
         name: "ball".into(),
         shapes: vec![PlacedShape {
@@ -91,14 +100,7 @@ fn engine_renderer(law: ContactLaw, period: f64, stepping: Stepping) -> EngineRe
         }],
         law,
     };
-    EngineRenderer::new(
-        &[tool()],
-        &[ball],
-        stepping,
-        WorldLoop::new(period),
-        params(),
-    )
-    .unwrap()
+    EngineRenderer::new(&[tool], &[ball], stepping, WorldLoop::new(period), params()).unwrap()
 }
 
 /// Forces on the device, sample by sample, with the ball in an engine of its own that steps `steps` times a period.
@@ -108,7 +110,17 @@ fn with_engine(
     stepping: Stepping,
     samples: usize,
 ) -> (Vec<Vector>, EngineState, Vector) {
-    let renderer = engine_renderer(law, period, stepping);
+    with_engine_of(tool(), law, (period, steps), stepping, samples)
+}
+
+fn with_engine_of(
+    tool: Tool,
+    law: ContactLaw,
+    (period, steps): (f64, u32),
+    stepping: Stepping,
+    samples: usize,
+) -> (Vec<Vector>, EngineState, Vector) {
+    let renderer = engine_renderer_of(tool, law, period, stepping);
     let mut state = renderer.start();
     let mut engine = Engine::new(stepping);
     let mut device = Device {
@@ -137,10 +149,14 @@ fn with_engine(
 
 /// The same with the ball in a world that palpate moves.
 fn with_world(law: ContactLaw, period: f64, samples: usize) -> Vec<Vector> {
+    with_world_of(tool(), law, period, samples)
+}
+
+fn with_world_of(tool: Tool, law: ContactLaw, period: f64, samples: usize) -> Vec<Vector> {
     let ball = Free::of_mass(MASS).pulled_by([0.0, 0.0, WEIGHT * MASS]);
     let world = World {
         joints: Vec::new(),
-        tools: vec![tool()],
+        tools: vec![tool],
         bodies: vec![
             Body::new("ball", Shape::Sphere { radius: RADIUS }, Motion::Free(ball))
                 .at([0.002, -0.001, 0.035]),
@@ -247,6 +263,23 @@ fn an_engine_s_ball_gives_the_forces_of_a_world() {
         println!("{name}: {error:.3} %");
         assert!(error < allowed, "{name}: {error} %");
     }
+}
+
+/// The same with a device that lacks x, along which its hand moves it: no force is asked of it there, and the ball is pushed all
+/// the same.
+#[test]
+fn a_device_that_lacks_an_axis_meets_an_engine_s_ball_as_one_of_a_world() {
+    let in_a_plane = || tool().along([false, true, true]);
+    let law = ContactLaw::spring(4000.0).with_damping(1.0);
+    let (period, samples) = (0.001, 300);
+    let stepping = Stepping::MeanVelocity;
+    let (forces, state, given) = with_engine_of(in_a_plane(), law, (period, 4), stepping, samples);
+    let error = difference(&forces, &with_world_of(in_a_plane(), law, period, samples));
+    println!("without x: {error:.3} %");
+    assert!(error < 0.1, "{error}");
+    assert!(forces.iter().all(|force| force[0] == 0.0));
+    assert!(given[0].abs() > 1e-3, "{given:?}");
+    assert!(state.books().devices[0].carried != 0.0);
 }
 
 /// What the ball is given, the device is given, with the opposite sign.

@@ -413,3 +413,39 @@ fn a_guard_of_a_world_without_meaning_is_refused() {
         }
     }
 }
+
+/// A device without z. In each round whoever moves the mechanism presses its tool along z into a slope, which no motor resists, and
+/// the hand goes out along x, where the motors push it. What the hand is given so, nobody has put in through a motor: the guard
+/// holds it back.
+#[test]
+fn what_comes_in_along_an_axis_without_a_motor_is_not_there_for_the_hand() {
+    let (allowance, step) = (5e-3, 2.5e-4);
+    let mut world = corner(ContactLaw::spring(2000.0));
+    world.tools[0].axes = [true, true, false];
+    world.bodies = vec![plane("slope", [-0.6, 0.0, 0.8])];
+    let rounds = [(0.0, -1.0), (-1.0, 0.0), (0.0, 1.0), (1.0, 0.0)];
+    let ways = rounds.map(|way| [way; 24]).concat();
+    let mut given = [0.0_f64; 2];
+    let guards = [WorldGuard::Off, WorldGuard::Limit(guard(allowance, 0))];
+    for (given, guard) in given.iter_mut().zip(guards) {
+        let in_loop = WorldLoop::new(1e-3).with_guard(guard);
+        let renderer = WorldRenderer::new(&world, in_loop, BasicParams::default()).unwrap();
+        let mut state = renderer.start();
+        // The tool is just outside.
+        let (mut place, mut work) = ([0.0, 0.0, 0.0063], 0.0);
+        for (x, z) in [&ways[..]; 5].concat() {
+            let force = renderer.step(&mut state, &Sample::at(&[place])).forces[0];
+            assert_eq!(force[2], 0.0);
+            let way = [x * step, 0.0, z * step];
+            work += dot(force, way);
+            place = [0, 1, 2].map(|axis| place[axis] + way[axis]);
+            *given = given.max(work);
+        }
+    }
+    println!("given {given:?} J");
+    assert!(given[0] > 10.0 * allowance, "{given:?}");
+    assert!(
+        given[1] <= allowance && given[1] > 0.5 * allowance,
+        "{given:?}"
+    );
+}

@@ -8,7 +8,7 @@ use palpate_scope::{Home, MOST_LANES, Session, WorldLane, WorldLaneEnd, WorldSet
 use palpate_session::{Energies, GuardianReport, RunReport, Subject};
 use palpate_sim::device::SpatialHand;
 
-use super::super::run::world::{OnDevice, known_flags, rendered};
+use super::super::run::world::{OnDevice, known_flags, rendered, tell_of_axes};
 use super::super::run::{Asked, guarding, outcome, request};
 use super::serving::{listen, serve};
 use super::{LiveArguments, add};
@@ -70,6 +70,9 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
             let opened = open_for_world(&device, &given, &file.scene, &clock, &guarding, &hands)?;
             let opened_as = |opened| OnDevice::of(opened, &safety);
             let on: Vec<OnDevice> = opened.iter().map(opened_as).collect();
+            if number == 0 {
+                tell_of_axes(&file.scene, &on);
+            }
             let world = rendered(&file, method, &on)
                 .map_err(|faults| Failure::input(&faults[0]))?
                 .map_err(Failure::input)?;

@@ -28,7 +28,7 @@ pub fn run(
     worlds::only(&arguments.given, &FLAGS, &arguments.recording)?;
     let name = arguments.recording.display().to_string();
     // Files of meshes are looked for beside the recording.
-    let file = WorldFile::parse(&name, text).map_err(Failure::inputs)?;
+    let mut file = WorldFile::parse(&name, text).map_err(Failure::inputs)?;
     let several = file.scene.devices.len() > 1;
     let frames = names(&file.scene).into_iter().map(|device| {
         let (text, of) = if several {
@@ -45,6 +45,11 @@ pub fn run(
         })
     });
     let frames = frames.collect::<Result<Vec<_>, _>>()?;
+    // The motors of the recorded device could not push along an axis that it lacks, so nothing is judged there.
+    for (number, frame) in frames.iter().enumerate() {
+        let axes = [0, 1, 2].map(|axis| frame.has(axis));
+        file.scene = file.scene.with_axes(number, axes);
+    }
     let devices = file.scene.devices.iter();
     let turns: Vec<bool> = devices.map(|device| device.turning.is_some()).collect();
     let in_world = |device: usize, place| frames[device].in_world(place);

@@ -14,11 +14,12 @@ use palpate_rt::{
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_session::{Energies, RunReport, Subject};
 use palpate_sim::device::{Told, told_of_devices};
+use palpate_world::Tool;
 
 use super::driving::{Ran, drive, most_periods};
 use super::{Asked, SafetyArguments, SessionArguments, guarding, limits, outcome, request};
 use crate::devices::{FLAGS_OF_A_DEVICE, OpenedInWorld, names, open_for_world};
-use crate::failure::Failure;
+use crate::failure::{Failure, tell};
 use crate::results::print_report;
 use crate::values::duration;
 use crate::worlds::{self, wrong_world};
@@ -94,6 +95,7 @@ impl Session<'_> {
         let opened = open_for_world(device, given, scene, clock, &guarding, &[])?;
         let opened_as = |opened| OnDevice::of(opened, &arguments.safety);
         let on: Vec<OnDevice> = opened.iter().map(opened_as).collect();
+        tell_of_axes(scene, &on);
         let world = rendered(self.file, method, &on)
             .map_err(|faults| wrong_world(&arguments.flags, self.file, &faults))?
             .map_err(|error| self.wrong(error))?;
@@ -182,8 +184,32 @@ impl OnDevice {
     }
 }
 
+/// Says which axes of the file's devices those of the loop lack: the loop renders none there, and what the file is simulated with
+/// has a motor.
+pub fn tell_of_axes(scene: &WorldScene, on: &[OnDevice]) {
+    for (tool, on) in scene.world.tools.iter().zip(on) {
+        let left = Tool::new(tool.name.clone(), tool.shape.clone())
+            .along([0, 1, 2].map(|axis| tool.axes[axis] && on.frame.has(axis)));
+        if left.axes == tool.axes || left.axes == [false; 3] {
+            continue;
+        }
+        let names = ["x", "y", "z"].into_iter().zip(left.axes);
+        let names = names.filter(|(_, has)| *has);
+        let names: Vec<_> = names.map(|(name, _)| format!("\"{name}\"")).collect();
+        tell(format_args!(
+            "{name}: the file says {says}, and the device has {moves} of the world ({device}): no force is rendered along the rest, \
+             where the mechanism holds the tool; `axes = [{names}]` in [[device]] says so to `simulate`, `compare` and `tune`, too",
+            name = tool.name,
+            device = on.capabilities.name,
+            moves = left.names_of_axes(),
+            says = tool.names_of_axes(),
+            names = names.join(", ")
+        ));
+    }
+}
+
 /// What a loop renders of a world, on devices that stand in it and are given no more than their limits say. The renderer is told
-/// how coarse the sensors of the devices are, and that a device does not move along the axes that it has not.
+/// how coarse the sensors of the devices are, and which axes of the world they lack.
 pub fn rendered(
     file: &WorldFile,
     method: &str,

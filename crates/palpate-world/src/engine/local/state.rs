@@ -94,8 +94,8 @@ pub struct LocalBooks<'a> {
 }
 
 impl LocalBooks<'_> {
-    /// Energy that was made between hand, contacts and the host's bodies since the start `[J]`: work at the devices less the
-    /// work on their avatars, work on the host's bodies less the work on their copies, and what samples, models and finite
+    /// Energy that was made between hand, contacts and the host's bodies since the start `[J]`: work at the devices, and of what
+    /// the mechanisms carry of those that lack an axis, less the work on their avatars, work on the host's bodies less the work on their copies, and what samples, models and finite
     /// sub-steps have put into the contacts of tools.
     #[must_use]
     pub fn created(&self) -> f64 {
@@ -103,7 +103,8 @@ impl LocalBooks<'_> {
         let of_contacts: f64 = contacts
             .map(|book| book.observed + book.outside + book.step_error - book.work_on_avatar)
             .sum();
-        let devices: f64 = self.devices.iter().map(|book| book.port_work).sum();
+        let devices = self.devices.iter();
+        let devices: f64 = devices.map(|book| book.port_work + book.carried).sum();
         let ports = self.slow_ports.iter();
         let bodies: f64 = ports.map(|book| book.host_work - book.work).sum();
         of_contacts + devices + bodies
