@@ -2,6 +2,16 @@
 
 use std::fmt;
 
+/// What is wrong with the `value` of a field that has to be finite and, as in "above 0", `allowed`.
+pub(crate) fn out_of_range(field: &str, value: f64, allowed: &str) -> String {
+    let allowed = if value == f64::INFINITY {
+        "finite"
+    } else {
+        allowed
+    };
+    format!("{field} is {value}, and has to be {allowed}")
+}
+
 /// Where in a world a fault is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Place {

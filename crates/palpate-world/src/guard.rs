@@ -18,6 +18,7 @@
 
 use crate::books::Books;
 use crate::commands::Commands;
+use crate::fault::out_of_range;
 use crate::rigid::Vector3;
 use crate::{Place, Vector, WorldError};
 
@@ -73,12 +74,12 @@ impl WorldGuard {
         ];
         for (field, value) in above_zero {
             if !(value > 0.0 && value.is_finite()) {
-                fault(field, format!("{field} is {value}, and has to be above 0"));
+                fault(field, out_of_range(field, value, "above 0"));
             }
         }
         let allowance = params.allowance;
         if !(allowance >= 0.0 && allowance.is_finite()) {
-            let message = format!("guard.allowance is {allowance}, and has to be at least 0");
+            let message = out_of_range("guard.allowance", allowance, "at least 0");
             fault("guard.allowance", message);
         }
         if params.late > MOST_LATE {

@@ -2,6 +2,7 @@
 
 use palpate::Actuation;
 
+use crate::fault::out_of_range;
 use crate::{Place, SubSteps, WorldError, WorldGuard};
 
 /// The loop in which a world is rendered: the same for every tool.
@@ -86,7 +87,7 @@ impl WorldLoop {
         };
         let mut above_zero = |field: &'static str, value: f64| {
             if !(value > 0.0 && value.is_finite()) {
-                fault(field, format!("{field} is {value}, and has to be above 0"));
+                fault(field, out_of_range(field, value, "above 0"));
             }
         };
         above_zero("period", self.period);

@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use crate::fault::out_of_range;
 use crate::{
     Body, Contact, ContactLaw, Free, Joint, JointKind, Motion, Party, Place, Shape, Tool, Vector,
     WorldError,
@@ -157,16 +158,13 @@ impl<'a> Faults<'a> {
 
     fn above_zero(&mut self, field: &'static str, value: f64) {
         if !(value > 0.0 && value.is_finite()) {
-            self.fault(field, format!("{field} is {value}, and has to be above 0"));
+            self.fault(field, out_of_range(field, value, "above 0"));
         }
     }
 
     fn at_least_zero(&mut self, field: &'static str, value: f64) {
         if !(value >= 0.0 && value.is_finite()) {
-            self.fault(
-                field,
-                format!("{field} is {value}, and has to be at least 0"),
-            );
+            self.fault(field, out_of_range(field, value, "at least 0"));
         }
     }
 

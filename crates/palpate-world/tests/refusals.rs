@@ -4,7 +4,8 @@
 use palpate::Actuation;
 use palpate_world::{
     BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Motion, Party, Place, Prior,
-    Shape, SubSteps, Tool, World, WorldError, WorldGuard, WorldLoop, WorldMethod, WorldRenderer,
+    Shape, SubSteps, Tool, World, WorldError, WorldGuard, WorldGuardParams, WorldLoop, WorldMethod,
+    WorldRenderer,
 };
 
 fn a_world() -> World {
@@ -192,4 +193,32 @@ fn a_device_has_at_least_one_axis() {
         faults[0].to_string(),
         "tool \"tool\": the device has no axis of the world; give it at least one of x, y and z"
     );
+}
+
+#[test]
+fn what_is_infinite_and_has_to_be_finite_is_said_so() {
+    let in_loop = WorldLoop {
+        guard: WorldGuard::Limit(WorldGuardParams {
+            largest_speed: 1.0,
+            largest_turning: 10.0,
+            allowance: f64::INFINITY,
+            late: 0,
+        }),
+        ..WorldLoop::new(f64::INFINITY)
+    };
+    let mut world = a_world();
+    let mut said = faults(&world, in_loop, BasicParams::default());
+    world.contacts[0].law.stiffness = f64::INFINITY;
+    let finite = WorldLoop::new(0.001);
+    said.extend(faults(&world, finite, BasicParams::default()));
+    for words in [
+        "period is inf, and has to be finite",
+        "guard.allowance is inf, and has to be finite",
+        "stiffness is inf, and has to be finite",
+    ] {
+        assert!(
+            said.iter().any(|said| said.message == words),
+            "{words}: {said:?}"
+        );
+    }
 }

@@ -1,6 +1,7 @@
 //! The usual way: the spring force at the sample.
 
 use super::one_per_tool;
+use crate::fault::out_of_range;
 use crate::interval::advance;
 use crate::part::Drive;
 use crate::rigid::{Rotation, Vector3};
@@ -33,7 +34,7 @@ impl BasicParams {
             faults.extend(one_per_tool(field, list.len(), tools).err());
             for damping in list {
                 if !(*damping >= 0.0 && damping.is_finite()) {
-                    let message = format!("{field} is {damping}, and has to be at least 0");
+                    let message = out_of_range(field, *damping, "at least 0");
                     faults.push(WorldError::new(Place::Method, field, "the method", message));
                 }
             }

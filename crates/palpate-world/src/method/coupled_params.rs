@@ -2,6 +2,7 @@
 
 use super::coupled::Coupled;
 use crate::axes::Axes;
+use crate::fault::out_of_range;
 use crate::observer::{AxisPrior, Prior};
 use crate::rigid::Vector3;
 use crate::turning_observer::TurningPrior;
@@ -180,10 +181,7 @@ impl CoupledParams {
         ];
         for (field, value) in not_negative {
             if !(value >= 0.0 && value.is_finite()) {
-                fault(
-                    field,
-                    format!("{field} is {value}, and has to be at least 0"),
-                );
+                fault(field, out_of_range(field, value, "at least 0"));
             }
         }
         if !faults.is_empty() {

@@ -173,6 +173,49 @@ fn left(kappa: f64, hand: (f64, f64), real: (f64, f64), told: Actuation<f64>) ->
     ((square / last.len() as f64).sqrt() / mean, mean)
 }
 
+/// Coupled rendering gives no more than the mean of the contact force, and a hand without a damper keeps whatever that gives out.
+#[test]
+fn a_spring_without_a_damper_is_driven_and_one_with_a_damper_is_not() {
+    let largest = |damping: f64, delay: f64| {
+        let desk = Desk {
+            device_mass: 0.265,
+            stiffness: 16_300.0,
+            object_mass: f64::INFINITY,
+            push: 2.0,
+            hand: (1000.0, damping),
+            gap: 1e-3,
+            delay: delay * PERIOD,
+            lag: 0.0,
+            clip: f64::INFINITY,
+            quantum: 0.0,
+            ..draw(3)
+        };
+        let loop_params = LoopParams {
+            actuation: actuation((delay, 0.0)),
+            ..LoopParams::new(PERIOD)
+        };
+        let params = AnyParams::Coupled(coupled(&desk));
+        let seconds = 60;
+        let forces = desk.rendered(loop_params, params, seconds * 1000, 5);
+        let each = forces.chunks(forces.len() / seconds);
+        let largest: Vec<f64> = each
+            .map(|second| second.iter().copied().fold(0.0, f64::max))
+            .collect();
+        println!(
+            "{damping} N s/m, {delay} T: {:.1} N in the first second, {:.1} in the last",
+            largest[0],
+            largest[seconds - 1]
+        );
+        (largest[0], largest[seconds - 1])
+    };
+    let (first, last) = largest(0.0, 4.0);
+    assert!(last > 3.0 * first, "{first} N, {last} N");
+    for (damping, delay) in [(0.2, 4.0), (1.0, 4.0), (0.0, 0.0)] {
+        let (first, last) = largest(damping, delay);
+        assert!(last < 1.1 * first, "{first} N, {last} N");
+    }
+}
+
 /// The table of docs/coupled.md.
 #[test]
 fn how_stiff_a_wall_may_be_that_rests_with_half_a_period_of_delay() {
