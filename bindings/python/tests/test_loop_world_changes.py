@@ -79,7 +79,9 @@ def test_another_stiffness_is_in_force_from_the_tick_that_says_so_and_comes_with
     assert (np.abs(np.diff(force[first + 2 :])) < (ticks["period_s"][first + 3 :] / 0.1 + 0.05) * force[first - 1]).all()
 
 
-def test_a_body_goes_on_from_where_it_is_and_with_its_speed_under_another_mass_and_weight() -> None:
+def another_mass_and_weight() -> tuple[np.ndarray, np.ndarray, int, np.ndarray]:
+    """Of a ball that is pushed, let go, and given another mass and weight: its rows, their times, the first of them under the new ones,
+    and its velocity before."""
     model = ball()
     device = palpate.devices.PointerInWorld(model)
     bodies = model.to_dict()["body"]
@@ -95,10 +97,20 @@ def test_a_body_goes_on_from_where_it_is_and_with_its_speed_under_another_mass_a
     changed = ticks["sequence"][np.argmax(ticks["generation"] == 1)]
     free = heard.of_body(1)
     place = int(np.argmax(free["sequence"] == changed))
+    return free, ticks["t_s"][np.searchsorted(ticks["sequence"], free["sequence"])], place, before
+
+
+def test_a_body_goes_on_from_where_it_is_and_with_its_speed_under_another_mass_and_weight() -> None:
+    for _ in range(10):
+        free, times, place, before = another_mass_and_weight()
+        # Beyond 20 periods of 2 ms without a sample bodies wait.
+        if np.diff(times[place - 1 :]).max() < 0.035:
+            break
+    else:
+        pytest.fail("the machine stood still in each of ten runs")
     assert before[0] > 0.001 and free["velocity_m_per_s"][place - 1] == pytest.approx(before)
     # Up to the last tick before it is as it was before, and from there under the new mass and weight. Times of samples are those
     # of ticks within a period.
-    times = ticks["t_s"][np.searchsorted(ticks["sequence"], free["sequence"])]
     moved = free["position_m"][place, 0] - free["position_m"][place - 1, 0]
     assert moved == pytest.approx(before[0] * (times[place] - times[place - 1]), abs=0.002 * before[0])
     assert free["velocity_m_per_s"][place:, 0] == pytest.approx(np.full(len(free) - place, before[0]), abs=1e-9)
