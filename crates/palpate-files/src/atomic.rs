@@ -128,10 +128,19 @@ impl WriteError {
 /// terminal, `/dev/null`, or the program's own output.
 #[must_use]
 pub fn is_stream(path: &Path) -> bool {
-    // A redirected standard output is a regular file, but it is the shell's, not ours to replace.
-    let inherited = ["/dev/stdout", "/dev/stderr", "/dev/fd", "/proc"];
-    let inherited = inherited.iter().any(|stream| path.starts_with(stream));
-    fs::metadata(path).is_ok_and(|found| inherited || !(found.is_file() || found.is_dir()))
+    fs::metadata(path).is_ok_and(|found| is_inherited(path) || !(found.is_file() || found.is_dir()))
+}
+
+/// Whether `path` names something that this program was given open. A redirected standard output is a regular file, but it is the
+/// shell's, not ours to replace.
+fn is_inherited(path: &Path) -> bool {
+    let named = ["/dev/stdout", "/dev/stderr"].map(Path::new);
+    if named.contains(&path) || path.parent() == Some(Path::new("/dev/fd")) {
+        return true;
+    }
+    // Other names below /proc, such as /proc/self/cwd, lead to any file.
+    let descriptors = path.parent().filter(|parent| parent.ends_with("fd"));
+    path.starts_with("/proc") && descriptors.is_some_and(|parent| parent.components().count() == 4)
 }
 
 fn buffered<T>(file: &File, write: impl FnOnce(&mut dyn Write) -> io::Result<T>) -> io::Result<T> {

@@ -149,17 +149,23 @@ impl Outputs {
         path: &Path,
         existing: Existing,
     ) -> Result<(), OutputError> {
-        if !is_stream(path)
-            && let Some(place) = place_of(path)
-        {
-            self.refuse_input(&place, name)?;
-            if let Some(Kept { kind, .. }) = self.kept.filter(|kept| kept.is(&place)) {
+        let is_stream = is_stream(path);
+        let place = if is_stream {
+            redirected(path)
+        } else {
+            place_of(path)
+        };
+        if let Some(place) = &place {
+            self.refuse_input(place, name)?;
+            if let Some(Kept { kind, .. }) = self.kept.filter(|kept| kept.is(place)) {
                 return Err(OutputError::IsKept {
                     name: name.to_owned(),
                     path: path.to_owned(),
                     kind,
                 });
             }
+        }
+        if !is_stream && let Some(place) = place {
             if let Some(first) = self.named.get(&place) {
                 return Err(OutputError::Twice {
                     first: first.clone(),
@@ -215,15 +221,23 @@ impl Outputs {
             let unplanned = io::Error::other("it was not checked before the work");
             return Err(WriteError::new(path, unplanned));
         };
-        let named = || place_of(path).and_then(|place| self.named.get_key_value(&place));
-        if !is_stream(path)
-            && let Some((place, name)) = named()
-            && let Err(error) = self.refuse_input(place, name)
-        {
-            return Err(WriteError::new(path, io::Error::other(error)));
+        let place = if is_stream(path) {
+            redirected(path)
+        } else {
+            place_of(path)
+        };
+        if let Some(place) = place {
+            let name = self.named.get(&place).map_or("this file", |name| name);
+            self.refuse_input(&place, name)
+                .map_err(|error| WriteError::new(path, io::Error::other(error)))?;
         }
         atomic::write_over(path, *existing, write)
     }
+}
+
+/// The regular file that a stream goes into, as a shell redirects it.
+fn redirected(path: &Path) -> Option<PathBuf> {
+    path.canonicalize().ok().filter(|place| place.is_file())
 }
 
 /// Where a file really is, or will be; none where its directory is missing.
@@ -298,6 +312,31 @@ mod tests {
             error.contains("is a treasure, which is never replaced"),
             "{error}"
         );
+    }
+
+    /// By names that lead to any file, and by one that is open.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn no_other_name_of_an_input_is_an_output() {
+        use std::os::fd::AsRawFd;
+        let folder = tempfile::tempdir().unwrap();
+        let input = folder.path().join("tap.csv");
+        fs::write(&input, "t_s").unwrap();
+        let open = fs::File::open(folder.path()).unwrap();
+        let below = format!("/proc/self/fd/{}/tap.csv", open.as_raw_fd());
+        let read = fs::File::open(&input).unwrap();
+        let fd = read.as_raw_fd();
+        let mut outputs = Outputs::new(Existing::Replace);
+        outputs.protect(&input);
+        for name in [
+            below,
+            format!("/dev/fd/{fd}"),
+            format!("/proc/self/fd/{fd}"),
+        ] {
+            let error = outputs.plan("--out", Path::new(&name)).unwrap_err();
+            let words = format!("--out would overwrite the input {}", input.display());
+            assert_eq!(error.to_string(), words, "{name}");
+        }
     }
 
     #[test]
