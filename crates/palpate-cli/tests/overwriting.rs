@@ -347,6 +347,26 @@ fn what_a_scene_or_a_flag_names_and_every_recording_is_kept() {
             "{command}"
         );
     }
+    // Before the device is driven, and where a shell gives the file.
+    for command in [
+        "calibrate --device simulated --scene fig2.toml --seconds 3 --out fig2.toml",
+        "calibrate --device simulated --before device.toml --added-mass 0.1 --seconds 3 --out device.toml",
+        "report --device replay --motion tap.csv --duration 1 --out tap.csv",
+        "tune fig2.toml --method virtual-damper --device-file device.toml --plot ./device.svg",
+    ] {
+        if command.starts_with("tune") {
+            std::fs::copy(folder.path("device.toml"), folder.path("device.svg")).unwrap();
+        }
+        let command = command.replace("device-file device.toml", "device-file device.svg");
+        let names = folder.names();
+        let answer = folder.palpate(&format!("{command} --overwrite"));
+        assert_eq!(answer.code, 2, "{command}: {answer:?}");
+        assert!(
+            answer.stderr.contains("would overwrite the input"),
+            "{command}: {answer:?}"
+        );
+        assert_eq!(folder.names(), names, "{command}");
+    }
     // Each works with a name of its own.
     for command in [
         "compare block.toml --out table.csv",

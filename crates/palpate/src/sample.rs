@@ -100,7 +100,7 @@ impl fmt::Display for Fault {
             Self::VirtualForceNotFinite => "the virtual force is not a finite number",
             Self::ElapsedNotPositive => "the time since the previous sample is not positive",
             Self::GapTooLong => "the time since the previous sample exceeds the largest gap",
-            Self::JumpTooFast => "the device position jumped faster than the speed limit",
+            Self::JumpTooFast => "the device jumped faster than its speed limit",
             Self::OrientationNotUnit => {
                 "the device orientation is missing, or is no quaternion of length 1"
             }

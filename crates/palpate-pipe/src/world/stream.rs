@@ -57,6 +57,8 @@ pub struct WorldMemory {
     booked: f64,
     /// Whether the last line was refused: what changes until the next one is from outside.
     is_refused: bool,
+    /// Whether a line has been used: what bodies store that overlap from the start is found with the first.
+    has_found: bool,
     /// Whether a line has been answered.
     is_begun: bool,
     /// Whether a force has been limited.
@@ -153,9 +155,10 @@ impl WorldStream {
     /// Counts the energy that was created since the line before.
     fn count_created(&mut self, is_refused: bool) {
         let booked = self.world.state().books().created();
-        if !is_refused && !self.memory.is_refused {
+        if !is_refused && !self.memory.is_refused && self.memory.has_found {
             self.summary.leak_held_j += booked - self.memory.booked;
         }
+        self.memory.has_found |= !is_refused;
         self.memory.booked = booked;
         self.memory.is_refused = is_refused;
     }

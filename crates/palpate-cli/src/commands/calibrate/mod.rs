@@ -34,13 +34,15 @@ pub fn run(arguments: &CalibrateArguments) -> Result<(), Failure> {
         outputs.plan("--report", report)?;
     }
     results.picture.plan(&mut outputs)?;
-    let before = match &arguments.told.before {
-        None => None,
-        Some(path) => {
-            outputs.protect(path);
-            Some(read_device_file(path)?)
-        }
-    };
+    for input in [&arguments.scene, &arguments.device.motion]
+        .into_iter()
+        .flatten()
+    {
+        outputs.protect(input);
+    }
+    let before = arguments.told.before.as_deref();
+    let before = before.map(read_device_file).transpose()?;
+    outputs.spare_inputs()?;
     arguments.told.check()?;
     let motion = if arguments.pipe {
         stream::excite(arguments, params)?

@@ -42,6 +42,10 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let setup = flags.replay_setup("render")?;
     check_contact(&setup)?;
     arguments.replay.check()?;
+    if arguments.trace == Path::new(STANDARD_INPUT) {
+        // A shell may have put a file there.
+        palpate_files::inputs::note(Path::new("/dev/stdin"));
+    }
     let outputs = arguments.results.check(&arguments.trace)?;
     let period = setup.loop_params.period;
     // One more, so that it is refused only where it cannot fit.

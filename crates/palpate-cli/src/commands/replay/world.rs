@@ -29,6 +29,7 @@ pub fn run(
     let name = arguments.recording.display().to_string();
     // Files of meshes are looked for beside the recording.
     let mut file = WorldFile::parse(&name, text).map_err(Failure::inputs)?;
+    outputs.spare_inputs()?;
     let several = file.scene.devices.len() > 1;
     let frames = names(&file.scene).into_iter().map(|device| {
         let (text, of) = if several {

@@ -28,6 +28,7 @@ pub fn run(arguments: &ReportArguments) -> Result<(), Failure> {
         &arguments.device_file,
         &arguments.calibration,
         &arguments.scene,
+        &arguments.device.arguments.motion,
     ];
     for input in arguments
         .recordings

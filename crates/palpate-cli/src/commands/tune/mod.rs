@@ -49,6 +49,8 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
     let mut scene = file.scene.clone();
     flags.change(&mut scene, &methods)?;
     arguments.timing.change(&mut scene)?;
+    // A device file that a flag names, too.
+    outputs.spare_inputs()?;
     // The range of the values follows from stiffness and period, so these come first.
     scene
         .renderer(method)
