@@ -123,6 +123,10 @@ impl<K: Eq + Hash> Places<K> {
 #[must_use]
 pub fn in_plain_words(message: &str) -> String {
     let Some(rest) = message.strip_prefix("unknown field `") else {
+        // Names of types are ours.
+        if let Some((found, _)) = message.split_once("expected struct ") {
+            return format!("{found}expected a table");
+        }
         return message
             .replace("expected f64", "expected a number")
             .replace("expected i64", "expected a whole number")

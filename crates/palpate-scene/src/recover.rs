@@ -8,7 +8,7 @@ use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
 use super::fault::in_plain_words;
-use super::toml_reader::{ReadError, from_table};
+use super::toml_reader::{NOTHING_CHOSEN, ReadError, from_table};
 
 /// A fault's bytes and what is wrong.
 pub(super) type Fault = (Range<usize>, String);
@@ -58,7 +58,9 @@ pub(super) fn read<T: DeserializeOwned>(source: &str) -> Recovered<T> {
             exactly.or_else(|| take_out(left.get_mut(), &meets))
         });
         // A table lacks what was taken out of it, or what an unknown key was meant to be.
-        let is_missing = error.message().starts_with("missing field");
+        let is_missing = ["missing field", NOTHING_CHOSEN]
+            .iter()
+            .any(|lack| error.message().starts_with(lack));
         if !(is_missing && damaged.contains(entry.as_deref().unwrap_or_default())) {
             faults.push(fault(&error));
         }
@@ -169,6 +171,39 @@ mod tests {
         assert!(said[0].starts_with("\"x\": invalid type"), "{said:?}");
         assert!(said[1].starts_with("\"y\": invalid type"), "{said:?}");
         assert!(said[2].ends_with("missing field `a`"), "{said:?}");
+    }
+
+    /// A choice that is left without its value is no second fault.
+    #[test]
+    fn a_fault_inside_a_choice_is_the_only_one() {
+        #[derive(serde::Deserialize)]
+        #[serde(rename_all = "snake_case", deny_unknown_fields)]
+        enum Choice {
+            Ball { _radius: f64 },
+        }
+        #[derive(serde::Deserialize)]
+        struct File {
+            _shape: Spanned<Choice>,
+        }
+        for (source, said) in [
+            (
+                "_shape = { ball = { _radius = \"a\" } }",
+                "invalid type: string \"a\", expected a number",
+            ),
+            (
+                "_shape = { ball = 3 }",
+                "invalid type: integer `3`, expected a table",
+            ),
+            ("_shape = { ball = {} }", "missing field `_radius`"),
+            (
+                "_shape = {}",
+                "there is no key, and exactly one is expected",
+            ),
+        ] {
+            let Recovered { faults, .. } = read::<File>(source);
+            let found: Vec<_> = faults.into_iter().map(|(_, message)| message).collect();
+            assert_eq!(found, [said], "{source}");
+        }
     }
 
     #[test]

@@ -57,6 +57,9 @@ impl From<toml::de::Error> for ReadError {
     }
 }
 
+/// What is wrong with a table that should have one key, and has none.
+pub(super) const NOTHING_CHOSEN: &str = "there is no key, and exactly one is expected";
+
 /// Reads the text of a file.
 pub(super) fn from_text<T: DeserializeOwned>(source: &str) -> Result<T, ReadError> {
     from_table(&DeTable::parse(source)?)
@@ -246,8 +249,8 @@ impl<'t> Deserializer<'t> for Item<'t> {
                         name: Item::name(name),
                         content: Some(Item::value(content)),
                     }),
-                    (None, _) => Err("wanted exactly 1 element, found 0 elements"),
-                    _ => Err("wanted exactly 1 element, more than 1 element"),
+                    (None, _) => Err(NOTHING_CHOSEN),
+                    _ => Err("there is more than one key, and exactly one is expected"),
                 }
             }
             (None, What::Name(_) | What::Value(DeValue::String(_))) => Ok(Variant {
@@ -505,7 +508,7 @@ mod tests {
             ("number = 1\nshapes = [3]", "3: wanted string or table"),
             (
                 "number = 1\nshapes = [{ point = {}, cloud = [] }]",
-                "{ point = {}, cloud = [] }: wanted exactly 1 element, more than 1 element",
+                "{ point = {}, cloud = [] }: there is more than one key, and exactly one is expected",
             ),
             (
                 "number = 1\npair = [1]",
