@@ -149,12 +149,7 @@ impl Outputs {
         path: &Path,
         existing: Existing,
     ) -> Result<(), OutputError> {
-        let is_stream = is_stream(path);
-        let place = if is_stream {
-            redirected(path)
-        } else {
-            place_of(path)
-        };
+        let place = place_of(path);
         if let Some(place) = &place {
             self.refuse_input(place, name)?;
             if let Some(Kept { kind, .. }) = self.kept.filter(|kept| kept.is(place)) {
@@ -165,7 +160,9 @@ impl Outputs {
                 });
             }
         }
-        if !is_stream && let Some(place) = place {
+        if !is_stream(path)
+            && let Some(place) = place
+        {
             if let Some(first) = self.named.get(&place) {
                 return Err(OutputError::Twice {
                     first: first.clone(),
@@ -221,12 +218,7 @@ impl Outputs {
             let unplanned = io::Error::other("it was not checked before the work");
             return Err(WriteError::new(path, unplanned));
         };
-        let place = if is_stream(path) {
-            redirected(path)
-        } else {
-            place_of(path)
-        };
-        if let Some(place) = place {
+        if let Some(place) = place_of(path) {
             let name = self.named.get(&place).map_or("this file", |name| name);
             self.refuse_input(&place, name)
                 .map_err(|error| WriteError::new(path, io::Error::other(error)))?;
@@ -235,13 +227,12 @@ impl Outputs {
     }
 }
 
-/// The regular file that a stream goes into, as a shell redirects it.
-fn redirected(path: &Path) -> Option<PathBuf> {
-    path.canonicalize().ok().filter(|place| place.is_file())
-}
-
-/// Where a file really is, or will be; none where its directory is missing.
+/// Where a file really is, or will be; none where its directory is missing. Of a stream, the regular file into which a shell
+/// redirects it, if it does.
 fn place_of(path: &Path) -> Option<PathBuf> {
+    if is_stream(path) {
+        return path.canonicalize().ok().filter(|place| place.is_file());
+    }
     let target = follow_links(path).ok()?;
     let name = target.file_name()?;
     let directory = directory_of(&target).canonicalize().ok()?;

@@ -82,44 +82,35 @@ impl Tracking {
             let turned = unit(sample.orientations.get(tool)).filter(|_| self.turns[tool]);
             turned.unwrap_or_else(Rotation::identity)
         };
-        let fast = |from: &[Vector], turned: &[Rotation], time: f64| {
+        let goes_too_fast = |from: &[Vector], time: f64| {
+            let limit = in_loop.speed_limit?;
             let mut pairs = from.iter().zip(sample.positions);
-            let moved = in_loop.speed_limit.and_then(|limit| {
-                pairs.position(|(from, to)| {
-                    (Vector3::from(*to) - Vector3::from(*from)).norm() > limit * time
-                })
-            });
-            moved.or_else(|| {
-                let limit = in_loop.turning_limit?;
-                let mut each = turned.iter().enumerate();
-                each.position(|(tool, from)| from.angle_to(&turn_of(tool)) > limit * time)
+            pairs.position(|(from, to)| {
+                (Vector3::from(*to) - Vector3::from(*from)).norm() > limit * time
             })
         };
+        let turns_too_fast = |from: &[Rotation], time: f64| {
+            let limit = in_loop.turning_limit?;
+            let mut each = from.iter().enumerate();
+            each.position(|(tool, from)| from.angle_to(&turn_of(tool)) > limit * time)
+        };
         let leaps = if self.is_trusted {
-            fast(&self.trusted, &self.trusted_turn, self.since)
+            goes_too_fast(&self.trusted, self.since)
+                .or_else(|| turns_too_fast(&self.trusted_turn, self.since))
         } else {
             None
         };
-        // Who turns faster than the limit, but as fast as before, really does.
-        let mut spins_on = |tool: usize, limit: f64| {
-            let turned = turn_of(tool) * self.seen_turn[tool].inverse();
-            let spin = turned.scaled_axis() / duration;
-            let before = std::mem::replace(&mut self.spin[tool], spin);
-            was_seen && (spin - before).norm() <= SPIN_KEPT_WITHIN * limit
-        };
-        let spin_limit = in_loop.turning_limit.unwrap_or(f64::INFINITY);
-        let mut spin_on = true;
-        for tool in 0..self.seen_turn.len() {
-            spin_on &= spins_on(tool, spin_limit);
+        // A tool whose angular velocity stays about the same really turns, however fast.
+        let kept_within = SPIN_KEPT_WITHIN * in_loop.turning_limit.unwrap_or(f64::INFINITY);
+        let mut spins_on = true;
+        for (tool, (spin, seen)) in self.spin.iter_mut().zip(&self.seen_turn).enumerate() {
+            let now = (turn_of(tool) * seen.inverse()).scaled_axis() / duration;
+            spins_on &= (now - *spin).norm() <= kept_within;
+            *spin = now;
         }
-        let moves = |tool: usize| {
-            let limit = in_loop.speed_limit.unwrap_or(f64::INFINITY);
-            let way = Vector3::from(sample.positions[tool]) - Vector3::from(self.seen[tool]);
-            way.norm() <= limit * duration
-        };
-        let goes_on = spin_on && (0..self.seen.len()).all(moves);
-        let confirmed =
-            was_seen && (goes_on || fast(&self.seen, &self.seen_turn, duration).is_none());
+        let confirmed = was_seen
+            && goes_too_fast(&self.seen, duration).is_none()
+            && (spins_on || turns_too_fast(&self.seen_turn, duration).is_none());
         let turns = &self.turns;
         for (tool, seen) in self.seen_turn.iter_mut().enumerate() {
             let turned = unit(sample.orientations.get(tool)).filter(|_| turns[tool]);
