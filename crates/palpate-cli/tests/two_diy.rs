@@ -16,7 +16,7 @@ use common::running::{Running, program};
 use common::{Folder, experiment_text, number, parse};
 use palpate_haply::two_diy::{Board, Generation};
 use palpate_haply_emulator::two_diy::{Emulator, Fault, Hand, PortSettings, Settings};
-use palpate_record::recording::{Entry, Flags, Recording, Row};
+use palpate_record::recording::{Entry, Recording};
 
 fn folder() -> Folder {
     let folder = Folder::new();
@@ -267,41 +267,48 @@ fn a_cable_that_is_pulled_is_waited_for() {
 }
 
 /// A board that is silent for less than half of a run, but at its end: a trip that passes by itself, and has not passed.
+///
+/// Such a trip lasts for a second at most: then the board is gone, which ends a run otherwise. A run that was ended
+/// too early or too late for it is made again.
 #[test]
 fn a_run_that_ends_beside_a_silent_board_has_the_exit_code_of_motors_that_are_off() {
+    let begun = Instant::now();
+    let mut codes = Vec::new();
+    while !codes.ends_with(&[Some(5)]) {
+        assert!(begun.elapsed() < PATIENCE, "{codes:?}");
+        codes.push(ends_beside_a_silent_board());
+    }
+}
+
+/// The exit code of a run that is ended when its board has been silent for half a second or longer.
+fn ends_beside_a_silent_board() -> Option<i32> {
     let folder = folder();
     let emulator = emulator(&folder);
     let run = format!("record wall.toml silent.mcap {DEVICE} {WALL} --json --duration inf");
     let run = Told::start(&mut program(&folder, &run));
     presses(&emulator);
-    // The times of the ticks up to now and of those at which the motors were off.
-    let times = || {
-        let recording = Recording::open(&folder.path("silent.mcap.part")).ok()?;
-        let rows: Vec<_> = recording.rows().unwrap().map_while(Result::ok).collect();
-        let time_of = |row: &Row| row.tick.time;
-        let is_off = |row: &&Row| row.tick.flags.has(Flags::SAFETY_TRIPPED);
-        let off: Vec<f64> = rows.iter().filter(is_off).map(time_of).collect();
-        Some((time_of(rows.last()?), off))
-    };
     wait_for("it does not run", || {
-        times().is_some_and(|(now, off)| now > 1.0 && (off.len() as f64) < 100.0 * now)
-    });
-    emulator.suffer(Fault::Stall(Duration::from_secs(60)));
-    wait_for("the motors stay on", || {
-        times().is_some_and(|(now, off)| {
-            off.first()
-                .is_some_and(|_| off.iter().any(|from| *from < now - 0.15))
-                && off.last() == Some(&now)
+        Recording::open(&folder.path("silent.mcap.part")).is_ok_and(|recording| {
+            let mut rows = recording.rows().unwrap();
+            rows.any(|row| row.is_ok_and(|row| row.tick.time > 2.0))
         })
     });
+    emulator.suffer(Fault::Stall(Duration::from_secs(60)));
+    std::thread::sleep(Duration::from_millis(500));
     run.child.signal("TERM");
     let (code, output, said) = run.end();
     let report = parse(&output);
-    assert_eq!(report["trip"], "stale-sample", "{said}");
-    assert_eq!(code, Some(5), "{said}");
-    assert!(said.contains("when it ended: "), "{said}");
-    let [off, all] = ["motors_off_s", "lasted_s"].map(|key| number(&report, key));
-    assert!(off > 0.1 && off < 0.5 * all, "{off} of {all} s");
+    if code == Some(5) {
+        assert_eq!(report["trip"], "stale-sample", "{said}");
+        assert!(said.contains("when it ended: "), "{said}");
+        let [off, all] = ["motors_off_s", "lasted_s"].map(|key| number(&report, key));
+        assert!(off > 0.1 && off < 0.5 * all, "{off} of {all} s");
+    } else if code == Some(1) {
+        assert_eq!(report["trip"], "device-lost", "{said}");
+    } else {
+        assert_eq!(code, Some(0), "{said}");
+    }
+    code
 }
 
 /// Whether the recording `back.mcap` that is being made has the event.
