@@ -22,7 +22,7 @@ use crate::world::rows;
 type GivenShape = (String, Vec<f64>, Vector, Quaternion, Vec<Vector>);
 /// Numbers of a row that says a body: position, orientation, velocity, angular velocity, acceleration, angular
 /// acceleration, and its mobility row by row.
-const BODY: usize = 55;
+pub const BODY: usize = 55;
 
 /// Tools, bodies, their law and the loop, as the Python files hand them over.
 #[derive(FromPyObject)]
@@ -83,7 +83,8 @@ type ContactNow = (usize, usize, &'static str, Vector, Vector, f64, Vector);
 /// Entries of the books of contacts, and of devices.
 type BooksNow = (Vec<[f64; 8]>, Vec<[f64; 2]>);
 
-fn wrong(faults: &[WorldError]) -> PyErr {
+/// All faults, a line for each.
+pub fn wrong(faults: &[WorldError]) -> PyErr {
     let lines: Vec<_> = faults.iter().map(ToString::to_string).collect();
     refused(lines.join("\n"))
 }
@@ -125,7 +126,8 @@ fn shape((kind, lengths, position, orientation, points): GivenShape) -> PyResult
     })
 }
 
-fn body(row: &[f64]) -> BodyNow {
+/// A body by its row of [`BODY`] numbers.
+pub fn body(row: &[f64]) -> BodyNow {
     let three = |from: usize| [row[from], row[from + 1], row[from + 2]];
     let mut mobility = [[0.0; 6]; 6];
     for (numbers, row) in mobility.iter_mut().zip(row[19..].chunks_exact(6)) {

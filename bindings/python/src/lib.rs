@@ -58,7 +58,7 @@ mod _palpate {
     #[pymodule_export]
     use super::real_time::guard;
     #[pymodule_export]
-    use super::real_time::{Hand, HandInWorld, RealTimeLoop};
+    use super::real_time::{Hand, HandInWorld, RealTimeLoop, SlowHost};
     #[pymodule_export]
     use super::recording::{read_recording, recorded_columns};
     #[pymodule_export]

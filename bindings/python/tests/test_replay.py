@@ -195,7 +195,7 @@ def test_what_is_no_recording_is_said(tap: Path, tmp_path: Path) -> None:
         palpate.replay(tmp_path / "text.mcap")
     # Its scene is none.
     plain = ROOT / "crates/palpate-record/tests/recording/golden-v1.mcap"
-    with pytest.raises(ValueError, match=r"golden-v1.mcap \(scene\):1:1: missing field `object`"):
+    with pytest.raises(ValueError, match=r"golden-v1.mcap \(scene\):1:1: the key object is missing"):
         palpate.replay(plain)
     with pytest.raises(TypeError, match="no parameter is called stifness"):
         palpate.replay(tap, stifness=1.0)

@@ -54,6 +54,32 @@ fn compare() {
 }
 
 #[test]
+fn simulate() {
+    let folder = Folder::new();
+    // A table whose last column has no room beside the others, and devices that leave their box.
+    for (scene, flags) in [
+        ("fig2", "--method all"),
+        ("fig5_box", "--method all"),
+        ("experiment1_in_a_hand", ""),
+        ("worlds/pinch", "--method all"),
+    ] {
+        let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../../experiments");
+        let text = folder.succeed(&format!("simulate {root}/{scene}.toml {flags}"));
+        assert_fits(&text, &["E: error of the mean force", FRE]);
+    }
+}
+
+#[test]
+fn a_loop_and_its_machine() {
+    let folder = Folder::new();
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../experiments/live.toml");
+    assert_fits(&folder.succeed("devices"), &[]);
+    assert_fits(&folder.palpate("doctor").stdout, &[]);
+    let ran = folder.palpate(&format!("run {scene} --duration 0.2 --fast"));
+    assert_fits(&ran.stdout, &[]);
+}
+
+#[test]
 fn tune() {
     let folder = Folder::new();
     for scene in ["fig2", "fig2_long", "live", "wall"] {

@@ -7,6 +7,9 @@ use palpate_testbed::hold::DelayedHold;
 use super::parameter::SceneParameter::{self as Of, Rendered};
 use super::{Device, Hand, Intention, Measure, PantographDevice, PointMassDevice, Scene, Wave};
 
+/// Largest number, of either sign and in whatever unit: the squares and products of larger ones may not be finite.
+const LARGEST: f64 = 1e12;
+
 /// Longest delay `[samples]`, that of the bench's hold.
 const MOST_DELAY: usize = DelayedHold::LONGEST_DELAY;
 
@@ -34,10 +37,13 @@ impl Faults {
 
     fn within(&mut self, range: Range, values: &[(Of, Option<f64>)]) {
         for &(parameter, value) in values {
-            if let Some(value) = value
-                && !range.contains(value)
-            {
+            let Some(value) = value else {
+                continue;
+            };
+            if !range.contains(value) {
                 self.add(parameter, value, Allowed::Range(range));
+            } else if value.abs() > LARGEST {
+                self.not(parameter, value, "from -1e12 to 1e12");
             }
         }
     }

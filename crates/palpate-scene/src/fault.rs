@@ -9,6 +9,9 @@ use toml::Spanned;
 
 use crate::method::nearest;
 
+/// A place in the text of a file, in bytes.
+pub(crate) type Span = Range<usize>;
+
 /// A fault in a scene file or in the device file it names, with its place.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{file}:{line}:{column}: {message}")]
@@ -122,6 +125,9 @@ impl<K: Eq + Hash> Places<K> {
 /// ``unknown field `x`, expected one of `a`, `b` ``.
 #[must_use]
 pub fn in_plain_words(message: &str) -> String {
+    if let Some(key) = message.strip_prefix("missing field `") {
+        return format!("the key {} is missing", key.trim_end_matches('`'));
+    }
     let Some(rest) = message.strip_prefix("unknown field `") else {
         // Names of types are ours.
         if let Some((found, _)) = message.split_once("expected struct ") {

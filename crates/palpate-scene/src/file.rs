@@ -326,8 +326,11 @@ impl Reading<'_> {
             return None;
         }
         let left = recover::read::<RawScene>(self.source);
-        for fault in left.faults {
-            self.fault(fault);
+        for (span, mut message) in left.faults {
+            if message == "the key scene_format is missing" {
+                message += "; a scene of one contact has scene_format = 1, and a world of several bodies format = 2";
+            }
+            self.fault((span, message));
         }
         self.damaged = left.damaged;
         let file = self.scene(left.read?, files);

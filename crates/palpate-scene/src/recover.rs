@@ -170,7 +170,7 @@ mod tests {
         assert_eq!(said.len(), 3, "{said:?}");
         assert!(said[0].starts_with("\"x\": invalid type"), "{said:?}");
         assert!(said[1].starts_with("\"y\": invalid type"), "{said:?}");
-        assert!(said[2].ends_with("missing field `a`"), "{said:?}");
+        assert!(said[2].ends_with("the key a is missing"), "{said:?}");
     }
 
     /// A choice that is left without its value is no second fault.
@@ -194,7 +194,7 @@ mod tests {
                 "_shape = { ball = 3 }",
                 "invalid type: integer `3`, expected a table",
             ),
-            ("_shape = { ball = {} }", "missing field `_radius`"),
+            ("_shape = { ball = {} }", "the key _radius is missing"),
             (
                 "_shape = {}",
                 "there is no key, and exactly one is expected",

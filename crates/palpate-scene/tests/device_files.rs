@@ -198,13 +198,13 @@ fn every_fault_of_a_device_file_has_its_place_and_says_what_is_allowed() {
   1:17: device_format is 2, but this version reads 1 only
   2
 device_format = 1\n -> 
-  1:1: missing field `device_format`
+  1:1: the key device_format is missing
   
 base_m = 0.05\n -> 
-  5:1: missing field `base_m`
+  5:1: the key base_m is missing
   [geometry]
 [home]\nangles_deg = [130, 50]\n -> 
-  1:1: missing field `home`
+  1:1: the key home is missing
   
 distal_m -> dstal_m
   7:1: unknown key dstal_m, did you mean distal_m? Known here: proximal_m, distal_m, base_m, assembly, origin

@@ -143,7 +143,7 @@ fn faults_of_joints_have_their_place_and_say_what_is_allowed() {
             "kind = \"screw\"",
             "unknown variant `screw`, expected `hinge` or `slider`",
         ),
-        ("span_m = 0.05\n", "", "missing field `span_m`"),
+        ("span_m = 0.05\n", "", "the key span_m is missing"),
         (
             "name = \"lid\"",
             "name = \"world\"",

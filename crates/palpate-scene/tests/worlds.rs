@@ -119,6 +119,63 @@ fn every_fault_is_said_at_its_place() {
     );
 }
 
+/// Where a key is at fault, what would follow from it is not said to be wrong too.
+#[test]
+fn a_fault_is_said_once() {
+    let mesh = "shape = { mesh = { fil = \"ball.stl\" } }";
+    for (wrong, instead, fault) in [
+        (
+            "shape = { sphere = { radius_m = 0.03 } }",
+            mesh,
+            "unknown key fil,",
+        ),
+        (
+            "mass_kg = [0.25, 0.3, 0.35]",
+            "axes = [\"x\", \"u\"]\nmass_kg = [0.25, 0.25]",
+            "expected one to three of",
+        ),
+        (
+            "stiffness_n_per_m = 4000.0",
+            "stiffness_n_per_m = inf",
+            "stiffness is inf, and has to be finite",
+        ),
+        (
+            "mass_kg = [0.25, 0.3, 0.35]",
+            "mass_kg = [0.25, 0.25, 1e200]",
+            "mass_kg is 1",
+        ),
+        ("name = \"tool\"", "name = \"left, upper\"", "has no comma"),
+    ] {
+        assert!(BALL.contains(wrong), "{wrong}");
+        // The name of the tool stands in contacts too.
+        let text = BALL.replacen(wrong, instead, 1).replace(
+            "[\"tool\", \"*\"]",
+            if instead.starts_with("name") {
+                "[\"left, upper\", \"*\"]"
+            } else {
+                "[\"tool\", \"*\"]"
+            },
+        );
+        let said = said(&text);
+        assert!(
+            said.len() == 1 && said[0].contains(fault),
+            "{instead}: {said:?}"
+        );
+    }
+}
+
+#[test]
+fn a_world_without_contacts_is_said_to_have_none() {
+    let end = BALL.find("[[contact]]").unwrap();
+    let rest = BALL.find("[render]").unwrap();
+    let text = BALL[..end].to_owned() + &BALL[rest..];
+    let file = WorldFile::parse("ball.toml", &text).unwrap();
+    assert_eq!(
+        file.notes(),
+        ["the world has no [[contact]], so nothing in it is felt"]
+    );
+}
+
 #[test]
 fn a_mass_for_all_axes_or_for_each_and_nothing_else() {
     // Only the value at fault is said, not what lacks that value then.
@@ -190,7 +247,7 @@ fn numbers_that_no_world_has_are_refused() {
         (
             "[0.0, 0.0, 0.08]",
             "[0.0, 0.0, inf]",
-            "position_m is inf, and has to be a finite number",
+            "position_m is inf, and has to be finite",
         ),
         (
             "name = \"ball\"",

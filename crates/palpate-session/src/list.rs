@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use palpate_haply::inverse3::{self, Found, SERVICE};
 use palpate_haply::two_diy::{Guess, Port, ports};
+use palpate_study::text::{hanging, wrapped};
 use serde::Serialize;
 
 /// Name and version of the JSON report.
@@ -156,13 +157,14 @@ impl fmt::Display for DeviceList {
             writeln!(f, "  none; `palpate emulate haply-2diy` gives one to try")?;
         }
         for port in &self.serial_ports {
-            writeln!(f, "  {}  {}: {}", port.path, port.description, port.guess)?;
+            let said = format!("  {}  {}: {}", port.path, port.description, port.guess);
+            writeln!(f, "{}", hanging(&said, 4))?;
             if let Some(open) = &port.open {
                 writeln!(f, "             {open}")?;
             }
         }
         if self.serial_ports.iter().any(|port| port.likely_haply_2diy) {
-            writeln!(f, "\nMind that {LATCH_WARNING}.")?;
+            writeln!(f, "\n{}", wrapped(&format!("Mind that {LATCH_WARNING}.")))?;
         }
         let ServiceReport {
             url,
@@ -171,13 +173,14 @@ impl fmt::Display for DeviceList {
         } = &self.inverse_service;
         writeln!(f, "\nInverse3, behind the service at {url}")?;
         if let Some(why) = why_none {
-            writeln!(f, "  {why}")?;
+            writeln!(f, "{}", hanging(&format!("  {why}"), 4))?;
         } else if devices.is_empty() {
             writeln!(f, "  the service has none")?;
         }
         for device in devices {
             let fit = device.why_not.as_deref().unwrap_or("ready");
-            writeln!(f, "  {}  {}: {fit}", device.device_id, device.model)?;
+            let said = format!("  {}  {}: {fit}", device.device_id, device.model);
+            writeln!(f, "{}", hanging(&said, 4))?;
             writeln!(f, "             {}", device.open)?;
         }
         Ok(())

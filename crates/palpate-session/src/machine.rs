@@ -10,7 +10,7 @@ use palpate_devices::trial::try_out;
 use palpate_haply::two_diy::ports;
 use palpate_rt::realtime::{Answer, Finding, machine};
 use palpate_rt::safety::SafetyParams;
-use palpate_study::text::digits;
+use palpate_study::text::{digits, hanging};
 use serde::Serialize;
 
 use crate::bench::Measured;
@@ -189,6 +189,16 @@ impl From<&Finding> for FindingReport {
 
 impl fmt::Display for MachineReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut text = String::new();
+        self.write(&mut text)?;
+        let mut lines = text.lines();
+        lines.try_for_each(|line| writeln!(f, "{}", hanging(line, 6)))
+    }
+}
+
+impl MachineReport {
+    /// All of it, in lines of whatever length.
+    fn write(&self, f: &mut impl fmt::Write) -> fmt::Result {
         writeln!(f, "What a loop asks for")?;
         for asked in &self.asked {
             match (&asked.why_not, asked.remedy) {

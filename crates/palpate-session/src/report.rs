@@ -15,7 +15,7 @@ use serde::Serialize;
 use crate::guardian::GuardianReport;
 use palpate_study::recording::in_a_line;
 use palpate_study::recording::motors_off;
-use palpate_study::text::{counted, digits, lines, number, plain_table};
+use palpate_study::text::{counted, digits, hanging, lines, number, plain_table};
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate run 1";
@@ -313,10 +313,9 @@ impl RunReport {
             }
         }
     }
-}
 
-impl fmt::Display for RunReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    /// All of it, in lines of whatever length.
+    fn write(&self, f: &mut impl fmt::Write) -> fmt::Result {
         writeln!(f, "{}", self.title)?;
         writeln!(
             f,
@@ -377,6 +376,15 @@ impl fmt::Display for RunReport {
             )?;
         }
         Ok(())
+    }
+}
+
+impl fmt::Display for RunReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut text = String::new();
+        self.write(&mut text)?;
+        let mut lines = text.lines();
+        lines.try_for_each(|line| writeln!(f, "{}", hanging(line, 2)))
     }
 }
 

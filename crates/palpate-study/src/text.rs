@@ -65,7 +65,9 @@ fn part(table: &Table, columns: Range<usize>) -> String {
     whole(&part)
 }
 
-fn width(text: &str) -> usize {
+/// Characters of the longest line of a text.
+#[must_use]
+pub fn width(text: &str) -> usize {
     text.lines()
         .map(|line| line.chars().count())
         .max()
@@ -76,6 +78,20 @@ fn width(text: &str) -> usize {
 #[must_use]
 pub fn wrapped(text: &str) -> String {
     within(text, WIDTH - 1).join("\n")
+}
+
+/// The words of one line in lines of less than [`WIDTH`] characters: the first begins with the blanks that it has, the others
+/// with so many.
+#[must_use]
+pub fn hanging(line: &str, blanks: usize) -> String {
+    if line.chars().count() < WIDTH {
+        return line.into();
+    }
+    let words = line.trim_start();
+    let own = line.len() - words.len();
+    let lines = within(words, WIDTH - 1 - own.max(blanks));
+    let below = format!("\n{}", " ".repeat(blanks));
+    " ".repeat(own) + &lines.join(&below)
 }
 
 /// The words of a text in lines of at most so many characters; a longer word stands alone. A number keeps its `%`.
@@ -239,6 +255,15 @@ mod tests {
         let text = lines(&table(&[8, 90, 16]));
         assert_eq!(text.split("\n\n").count(), 2, "{text}");
         assert_eq!(width(&text), 1 + 8 + 2 + 90);
+    }
+
+    #[test]
+    fn a_long_line_goes_on_below_its_own_beginning() {
+        let short = format!("  ok  {}", "a".repeat(73));
+        assert_eq!(hanging(&short, 6), short);
+        let [one, other] = ["a".repeat(60), "b".repeat(20)];
+        let long = format!("  ok  {one} {other}");
+        assert_eq!(hanging(&long, 6), format!("  ok  {one}\n      {other}"));
     }
 
     #[test]

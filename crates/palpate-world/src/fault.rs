@@ -2,14 +2,46 @@
 
 use std::fmt;
 
-/// What is wrong with the `value` of a field that has to be finite and, as in "above 0", `allowed`.
-pub(crate) fn out_of_range(field: &str, value: f64, allowed: &str) -> String {
-    let allowed = if value == f64::INFINITY {
-        "finite"
+use palpate::Range;
+
+/// The largest number, of either sign, that a quantity of a world may have, in whatever unit. The squares and the
+/// products of larger ones may not be finite.
+pub const LARGEST: f64 = 1e12;
+/// The least number, in whatever unit, of a quantity that has to be above 0.
+pub const LEAST: f64 = 1e-20;
+
+/// What is wrong with the `value` of a quantity of a world that has to lie in `range`; `None` where nothing is. The quantity
+/// is called `name` there.
+#[must_use]
+pub fn out_of_range(name: &str, value: f64, range: Range) -> Option<String> {
+    let least = if range == Range::Positive { LEAST } else { 0.0 };
+    let allowed = if value.is_infinite() {
+        "finite".into()
+    } else if !range.contains(value) {
+        match range {
+            Range::Positive => "above 0".into(),
+            Range::NotNegative => "at least 0".into(),
+            Range::Finite => "a finite number".into(),
+        }
+    } else if value.abs() > LARGEST {
+        let sign = if value < 0.0 { "-" } else { "" };
+        format!(
+            "{} {sign}{LARGEST:e}",
+            if value < 0.0 { "at least" } else { "at most" }
+        )
+    } else if value < least && value > 0.0 {
+        format!("at least {LEAST:e}")
     } else {
-        allowed
+        return None;
     };
-    format!("{field} is {value}, and has to be {allowed}")
+    let size = value.abs();
+    let is_plain = value == 0.0 || !value.is_finite() || (1e-5..1e16).contains(&size);
+    let shown = if is_plain {
+        value.to_string()
+    } else {
+        format!("{value:e}")
+    };
+    Some(format!("{name} is {shown}, and has to be {allowed}"))
 }
 
 /// Where in a world a fault is.

@@ -16,6 +16,8 @@
 //! A force may act later than the loop says. With `late` samples the work at the ports is reckoned for each
 //! whole number of samples up to that by which all forces may be late, and the largest counts.
 
+use palpate::Range;
+
 use crate::books::Books;
 use crate::commands::Commands;
 use crate::fault::out_of_range;
@@ -73,14 +75,13 @@ impl WorldGuard {
             ("guard.largest_turning", params.largest_turning),
         ];
         for (field, value) in above_zero {
-            if !(value > 0.0 && value.is_finite()) {
-                fault(field, out_of_range(field, value, "above 0"));
+            if let Some(message) = out_of_range(field, value, Range::Positive) {
+                fault(field, message);
             }
         }
-        let allowance = params.allowance;
-        if !(allowance >= 0.0 && allowance.is_finite()) {
-            let message = out_of_range("guard.allowance", allowance, "at least 0");
-            fault("guard.allowance", message);
+        let field = "guard.allowance";
+        if let Some(message) = out_of_range(field, params.allowance, Range::NotNegative) {
+            fault(field, message);
         }
         if params.late > MOST_LATE {
             let late = params.late;

@@ -46,7 +46,7 @@ pub use body::{Body, Free, Motion, Tool};
 pub use books::{BodyBook, Books, ContactBook, DeviceBook, Gone, JointBook};
 pub use change::Succession;
 pub use contact::{Contact, ContactLaw, Party};
-pub use fault::{Place, WorldError};
+pub use fault::{LARGEST, LEAST, Place, WorldError, out_of_range};
 pub use guard::{MOST_LATE, WorldGuard, WorldGuardParams};
 pub use hull::{Hull, HullError};
 pub use interval::{Effort, SubSteps};

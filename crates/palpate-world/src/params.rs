@@ -1,6 +1,6 @@
 //! The loop in which a world is rendered.
 
-use palpate::Actuation;
+use palpate::{Actuation, Range};
 
 use crate::fault::out_of_range;
 use crate::{Place, SubSteps, WorldError, WorldGuard};
@@ -86,8 +86,8 @@ impl WorldLoop {
             faults.push(WorldError::new(Place::Loop, field, "the loop", message));
         };
         let mut above_zero = |field: &'static str, value: f64| {
-            if !(value > 0.0 && value.is_finite()) {
-                fault(field, out_of_range(field, value, "above 0"));
+            if let Some(message) = out_of_range(field, value, Range::Positive) {
+                fault(field, message);
             }
         };
         above_zero("period", self.period);

@@ -2,6 +2,8 @@
 
 use std::collections::HashSet;
 
+use palpate::Range;
+
 use crate::fault::out_of_range;
 use crate::{
     Body, Contact, ContactLaw, Free, Joint, JointKind, Motion, Party, Place, Shape, Tool, Vector,
@@ -156,24 +158,26 @@ impl<'a> Faults<'a> {
         }
     }
 
-    fn above_zero(&mut self, field: &'static str, value: f64) {
-        if !(value > 0.0 && value.is_finite()) {
-            self.fault(field, out_of_range(field, value, "above 0"));
+    fn within(&mut self, field: &'static str, value: f64, range: Range) {
+        if let Some(message) = out_of_range(field, value, range) {
+            self.fault(field, message);
         }
+    }
+
+    fn above_zero(&mut self, field: &'static str, value: f64) {
+        self.within(field, value, Range::Positive);
     }
 
     fn at_least_zero(&mut self, field: &'static str, value: f64) {
-        if !(value >= 0.0 && value.is_finite()) {
-            self.fault(field, out_of_range(field, value, "at least 0"));
-        }
+        self.within(field, value, Range::NotNegative);
     }
 
     pub(crate) fn finite(&mut self, field: &'static str, values: &[f64]) {
-        if let Some(value) = values.iter().find(|value| !value.is_finite()) {
-            self.fault(
-                field,
-                format!("{field} has {value}, and needs finite numbers"),
-            );
+        let mut faults = values
+            .iter()
+            .filter_map(|value| out_of_range(field, *value, Range::Finite));
+        if let Some(message) = faults.next() {
+            self.fault(field, message);
         }
     }
 

@@ -196,6 +196,26 @@ fn a_device_has_at_least_one_axis() {
 }
 
 #[test]
+fn what_is_too_large_or_too_small_to_reckon_with_is_refused() {
+    let mut world = a_world();
+    world.contacts[0].law.stiffness = 1e300;
+    world.bodies[0].position = [0.0, -1e13, 0.0];
+    let mut said = faults(&world, WorldLoop::new(0.001), BasicParams::default());
+    let in_loop = WorldLoop::new(1e-21);
+    said.extend(faults(&a_world(), in_loop, BasicParams::default()));
+    for words in [
+        "stiffness is 1e300, and has to be at most 1e12",
+        "position is -10000000000000, and has to be at least -1e12",
+        "period is 1e-21, and has to be at least 1e-20",
+    ] {
+        assert!(
+            said.iter().any(|said| said.message == words),
+            "{words}: {said:?}"
+        );
+    }
+}
+
+#[test]
 fn what_is_infinite_and_has_to_be_finite_is_said_so() {
     let in_loop = WorldLoop {
         guard: WorldGuard::Limit(WorldGuardParams {

@@ -123,6 +123,8 @@ class Loop(_palpate.Loop):
         with palpate.Loop(fingers, world) as loop:
             ticks, devices = loop.read(wait=1.0), loop.devices
 
+    What a game or an engine of another rate publishes is rendered by a `palpate.engines.SlowHost`.
+
     Where one device has no good sample, trips, is cut or does not take its force, no device has a force.
 
     The loop ends, and the device is commanded no force, when the `with` block is left by its end, by an exception or by
@@ -131,7 +133,8 @@ class Loop(_palpate.Loop):
 
     Args:
         device: One of `palpate.devices`; of a world with several devices one for each, by its name in the world.
-        renderer: What is rendered: a `Renderer`, or a `World` with devices of three or six axes.
+        renderer: What is rendered: a `Renderer`, a `World` with devices of three or six axes, or a `palpate.engines.SlowHost`, on a
+            device of a `World` or a real one.
         record: A recording (MCAP) to write; a file that is there is not overwritten.
         ring: Ticks that wait for `read`; of more, the oldest make room and are counted.
         largest_speed: Speed of the device above which the motors are off [m/s].
@@ -169,7 +172,7 @@ class Loop(_palpate.Loop):
     def __new__(
         cls,
         device: Device | Mapping[str, Device],
-        renderer: Renderer | World,
+        renderer: Renderer | World | _palpate.SlowHost,
         *,
         record: str | os.PathLike[str] | None = None,
         ring: int = 65536,
@@ -197,13 +200,14 @@ class Loop(_palpate.Loop):
         }
         rendered: Any = renderer
         parameters: dict[str, Any] = {}
-        if isinstance(renderer, World):
-            if range is not None:
-                raise ValueError("range is along the axis of a Renderer's contact, which a World has not")
-        else:
-            if isinstance(device, Mapping):
-                raise ValueError("devices by their names are of a World; a Renderer runs on one device")
-            if record is not None:
+        if not isinstance(renderer, Renderer) and range is not None:
+            kind = "World" if isinstance(renderer, World) else "SlowHost"
+            raise ValueError(f"range is along the axis of a Renderer's contact, which a {kind} has not")
+        if not isinstance(renderer, World) and isinstance(device, Mapping):
+            kind = "Renderer" if isinstance(renderer, Renderer) else "SlowHost"
+            raise ValueError(f"devices by their names are of a World; a {kind} runs on one device")
+        if isinstance(renderer, Renderer):
+            if record is not None and not isinstance(device, Mapping):
                 options["scene"] = _scene(device, renderer)
             parameters = dict(renderer.parameters)
             method, given, soft_start, settings = _split(parameters)
@@ -216,11 +220,13 @@ class Loop(_palpate.Loop):
         made.device_names, made.body_names, made.contact_names = _names(renderer)
         made._parameters = parameters
         made._world = renderer if isinstance(renderer, World) else None
+        made._is_slow = isinstance(renderer, _palpate.SlowHost)
         made._started = made._said = False
         return made
 
     _parameters: dict[str, Any]
     _world: World | None
+    _is_slow: bool
     _started: bool
     _said: bool
 
@@ -325,8 +331,10 @@ class Loop(_palpate.Loop):
         Raises:
             ValueError: A value that is not allowed; the period, the side and the limits of the loop do not change.
             RuntimeError: The loop has ended.
-            TypeError: A world for a loop that renders a contact, or not a world; an argument that there is not.
+            TypeError: A loop of a SlowHost, which publishes what is rendered; a world for a loop that renders a contact, or not a world; an argument that there is not.
         """
+        if self._is_slow:
+            raise TypeError("what a SlowHost publishes is rendered; its next `publish` changes that")
         limits = ("force_limit", "torque_limit", "soft_start")
         if self._world is not None:
             return self._change_world(self._world if world is None else world, changes, limits)
@@ -416,7 +424,7 @@ def _stop_all() -> None:
 atexit.register(_stop_all)
 
 
-def _in_order(device: Device | Mapping[str, Device], renderer: Renderer | World) -> list[dict[str, Any]]:
+def _in_order(device: Device | Mapping[str, Device], renderer: Renderer | World | _palpate.SlowHost) -> list[dict[str, Any]]:
     """What is said of each device, in the order of the world's."""
     names = renderer.names()[0] if isinstance(renderer, World) else []
     listed = " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))
@@ -436,7 +444,9 @@ def _in_order(device: Device | Mapping[str, Device], renderer: Renderer | World)
     return [device[name]._given() for name in names]
 
 
-def _names(renderer: Renderer | World) -> tuple[tuple[str, ...], tuple[str, ...], tuple[tuple[str, str], ...]]:
+def _names(
+    renderer: Renderer | World | _palpate.SlowHost,
+) -> tuple[tuple[str, ...], tuple[str, ...], tuple[tuple[str, str], ...]]:
     """The names of devices, of bodies and of contacts, by their numbers in rows."""
     if not isinstance(renderer, World):
         return (), (), ()

@@ -1,11 +1,11 @@
-//! A loop of one contact or of a world, before and while it runs.
+//! A loop of one contact, of a world or of a slow host, before and while it runs.
 
 use std::io;
 
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
 use palpate_rt::realtime::{Answer, Request};
-use palpate_rt::{ChangingWorld, ControlLoop, LoopThread, Parameters, StopFlag, Tap};
+use palpate_rt::{ChangingWorld, ControlLoop, LocalWorld, LoopThread, Parameters, StopFlag, Tap};
 
 use super::ended::Ended;
 
@@ -13,12 +13,14 @@ use super::ended::Ended;
 pub enum Control {
     Contact(Box<ControlLoop<Box<dyn Device>, MonotonicClock>>),
     World(Box<ControlLoop<Box<dyn Device>, MonotonicClock, ChangingWorld>>),
+    Local(Box<ControlLoop<Box<dyn Device>, MonotonicClock, LocalWorld>>),
 }
 
 /// A loop in its thread.
 pub enum Running {
     Contact(LoopThread<Box<dyn Device>, MonotonicClock>),
     World(LoopThread<Box<dyn Device>, MonotonicClock, ChangingWorld>),
+    Local(LoopThread<Box<dyn Device>, MonotonicClock, LocalWorld>),
 }
 
 impl Control {
@@ -27,14 +29,16 @@ impl Control {
         match self {
             Self::Contact(control) => Self::Contact(Box::new(control.tapped(tap))),
             Self::World(control) => Self::World(Box::new(control.tapped(tap))),
+            Self::Local(control) => Self::Local(Box::new(control.tapped(tap))),
         }
     }
 
-    /// The other end of the parameters of a contact; a world has none.
+    /// The other end of the parameters of a contact; others have none.
     pub fn parameters(&mut self) -> Option<Parameters> {
         match self {
             Self::Contact(control) => control.parameters(),
             Self::World(control) => control.parameters(),
+            Self::Local(control) => control.parameters(),
         }
     }
 
@@ -48,6 +52,9 @@ impl Control {
             Self::World(control) => {
                 Running::World(LoopThread::start(*control, request, &stop, None)?)
             }
+            Self::Local(control) => {
+                Running::Local(LoopThread::start(*control, request, &stop, None)?)
+            }
         })
     }
 }
@@ -58,6 +65,7 @@ impl Running {
         match self {
             Self::Contact(thread) => thread.answers(),
             Self::World(thread) => thread.answers(),
+            Self::Local(thread) => thread.answers(),
         }
     }
 
@@ -66,6 +74,7 @@ impl Running {
         match self {
             Self::Contact(thread) => thread.cuts(),
             Self::World(thread) => thread.cuts(),
+            Self::Local(thread) => thread.cuts(),
         }
     }
 
@@ -74,6 +83,7 @@ impl Running {
         match self {
             Self::Contact(thread) => thread.rearm(),
             Self::World(thread) => thread.rearm(),
+            Self::Local(thread) => thread.rearm(),
         }
     }
 
@@ -87,6 +97,10 @@ impl Running {
                 Ended::of(&thread.join(), names)
             }
             Self::World(thread) => {
+                thread.stop();
+                Ended::of(&thread.join(), names)
+            }
+            Self::Local(thread) => {
                 thread.stop();
                 Ended::of(&thread.join(), names)
             }

@@ -8,11 +8,13 @@ mod held;
 mod in_world;
 mod options;
 mod prepared;
+mod slow_host;
 #[cfg(unix)]
 mod two_diy;
 
 pub use devices::Hand;
 pub use in_world::HandInWorld;
+pub use slow_host::SlowHost;
 #[cfg(unix)]
 pub use two_diy::guard;
 
@@ -38,7 +40,7 @@ use heard::{Events, Heard, Rows, listen};
 use held::Held;
 use in_world::On;
 use options::Options;
-use prepared::{Beside, Prepared, prepare_contact, prepare_world};
+use prepared::{Beside, Prepared, prepare_contact, prepare_slow_host, prepare_world};
 
 /// Ticks that may wait for the thread that listens: 4 s at 4 kHz.
 const ROOM: usize = 1 << 14;
@@ -112,7 +114,7 @@ type Taken<'py> = (
 #[pymethods]
 impl RealTimeLoop {
     /// Opens the devices and prepares the loop; the Python file has the arguments. `devices` are in the order of the world's;
-    /// `rendered` is a world, or method, parameters and settings of a contact.
+    /// `rendered` is a world, a slow host, or method, parameters and settings of a contact.
     #[new]
     fn new(
         py: Python<'_>,
@@ -122,9 +124,12 @@ impl RealTimeLoop {
     ) -> PyResult<Self> {
         let options: Options = options.extract().map_err(|error| named(options, error))?;
         let clock = MonotonicClock::new().with_spin(options.checked_spin()?);
-        let prepared = match rendered.cast::<PyWorld>() {
-            Ok(world) => prepare_world(py, &devices, &world.borrow(), clock, &options)?,
-            Err(_) => prepare_contact(py, &devices, rendered, clock, &options)?,
+        let prepared = if let Ok(world) = rendered.cast::<PyWorld>() {
+            prepare_world(py, &devices, &world.borrow(), clock, &options)?
+        } else if let Ok(host) = rendered.cast::<SlowHost>() {
+            prepare_slow_host(py, &devices, host.get(), clock, &options)?
+        } else {
+            prepare_contact(py, &devices, rendered, clock, &options)?
         };
         let Prepared {
             mut control,

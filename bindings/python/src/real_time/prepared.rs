@@ -17,6 +17,7 @@ use super::ended::Closed;
 use super::held::Held;
 use super::in_world::{self, On, OpenedInWorld};
 use super::options::Options;
+use super::slow_host::SlowHost;
 use crate::names::refused;
 use crate::renderer::rendering;
 use crate::world::PyWorld;
@@ -190,6 +191,53 @@ pub fn prepare_world(
         runs_on: runs_on.collect::<Vec<_>>().join(", "),
         largest_force: most.fold(0.0, f64::max),
         in_world: Some(InWorld { worlds, on }),
+    })
+}
+
+/// A loop of what a slow host publishes, on one device.
+pub fn prepare_slow_host(
+    py: Python<'_>,
+    devices: &[Bound<'_, PyDict>],
+    host: &SlowHost,
+    clock: MonotonicClock,
+    options: &Options,
+) -> PyResult<Prepared> {
+    let [device] = devices else {
+        return Err(refused(format!(
+            "{} devices; a SlowHost has one tool",
+            devices.len()
+        )));
+    };
+    let own = host.device();
+    let period = Duration::try_from_secs_f64(host.period()).map_err(refused)?;
+    let silence = options.patient(SafetyParams::default()).stall_after(period);
+    let OpenedInWorld {
+        device,
+        frame,
+        held,
+        closed,
+        ..
+    } = in_world::open(py, device, (SlowHost::TOOL, &own), clock, (period, silence))?;
+    let capabilities = device.capabilities().clone();
+    let (force_limit, soft_start) = host.limits();
+    let limits = options.limits(&capabilities, force_limit, soft_start);
+    let rendered = host.rendered(frame)?;
+    let control = ControlLoop::of_local_world(device, clock, rendered, limits).map_err(refused)?;
+    let of = ReceiptOf {
+        name: SlowHost::TOOL,
+        capabilities: &capabilities,
+        limits: &limits,
+        frame: &frame,
+    };
+    Ok(Prepared {
+        control: Control::Local(Box::new(control)),
+        period: host.period(),
+        devices: vec![Beside { held, closed }],
+        in_world: None,
+        receipt: receipt_of_devices(VERSION, &[of], &options.request()),
+        names: Vec::new(),
+        runs_on: capabilities.name,
+        largest_force: limits.largest_force,
     })
 }
 

@@ -1,10 +1,11 @@
 //! Devices as a file gives them.
 
+use palpate::Range;
 use palpate_world::{NOT_TURNED, Place, Quaternion, Tool, Vector};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::file::{Least, Reading};
+use super::file::Reading;
 use super::per_axis::{NamedAxes, PerAxis};
 use super::shape::{RawShape, unit};
 use super::{DeviceTurning, Tremor, TurningHand, WorldDevice, WorldHand};
@@ -45,11 +46,11 @@ impl Reading {
         let tremor = match (raw.tremor_n.take(), raw.tremor_hz.take()) {
             (None, Some(frequency)) if tremor_torque.is_some() => Tremor {
                 amplitude: 0.0,
-                frequency_hz: self.number("tremor_hz", frequency, Least::Above0),
+                frequency_hz: self.number("tremor_hz", frequency, Range::Positive),
             },
             (Some(amplitude), Some(frequency)) => Tremor {
-                amplitude: self.number("tremor_n", amplitude, Least::AtLeast0),
-                frequency_hz: self.number("tremor_hz", frequency, Least::Above0),
+                amplitude: self.number("tremor_n", amplitude, Range::NotNegative),
+                frequency_hz: self.number("tremor_hz", frequency, Range::Positive),
             },
             (None, None) => Tremor::default(),
             (Some(key), None) | (None, Some(key)) => {
@@ -58,11 +59,20 @@ impl Reading {
             }
         };
         let turning = self.turning(place, &mut raw, tremor_torque, tremor.frequency_hz);
+        if raw
+            .name
+            .get_ref()
+            .contains(|letter: char| letter.is_control() || "\",".contains(letter))
+        {
+            let message = "a device's name begins names of columns, so it has no comma, quotation mark or control character";
+            self.fault(raw.name.span(), message);
+        }
         let name = self.places.take(place, "name", raw.name);
         let axes = raw.axes.take().map_or([true; 3], |axes| {
             let NamedAxes(axes) = self.places.take(place, "axes", axes);
             axes
         });
+        let known = self.is_whole(index).then_some(axes);
         let tool = Tool {
             shape: self.shape(place, &name, raw.tool),
             name,
@@ -71,7 +81,7 @@ impl Reading {
         };
         let position = self.vector("position_m", raw.position_m, [0.0; 3]);
         let mut at_least_0 = |key: &str, value: Option<Spanned<f64>>| {
-            value.map_or(0.0, |value| self.number(key, value, Least::AtLeast0))
+            value.map_or(0.0, |value| self.number(key, value, Range::NotNegative))
         };
         let stiffness = at_least_0("hand_stiffness_n_per_m", raw.hand_stiffness_n_per_m);
         let damping = at_least_0("hand_damping_n_s_per_m", raw.hand_damping_n_s_per_m);
@@ -96,14 +106,14 @@ impl Reading {
             [1.0; 3]
         } else {
             let elsewhere = f64::INFINITY;
-            self.per_axis("mass_kg", &raw.mass_kg, Least::Above0, (axes, elsewhere))
+            self.per_axis("mass_kg", &raw.mass_kg, Range::Positive, (known, elsewhere))
         };
         let device = WorldDevice {
             mass,
             position,
             velocity: self.vector("velocity_m_per_s", raw.velocity_m_per_s, [0.0; 3]),
             quantum: raw.quantum_m.map_or([0.0; 3], |quantum| {
-                self.per_axis("quantum_m", &quantum, Least::AtLeast0, (axes, 0.0))
+                self.per_axis("quantum_m", &quantum, Range::NotNegative, (known, 0.0))
             }),
             hand,
             turning,
@@ -183,17 +193,17 @@ impl Reading {
             "inertia_kg_m2",
             inertia.span(),
             inertia.get_ref(),
-            Least::Above0,
+            Range::Positive,
         );
         let tremor = tremor.map_or(0.0, |tremor| {
             if frequency_hz == 0.0 {
                 let message = "a tremor needs both tremor_n_m and tremor_hz";
                 self.fault(tremor.span(), message);
             }
-            self.number("tremor_n_m", tremor, Least::AtLeast0)
+            self.number("tremor_n_m", tremor, Range::NotNegative)
         });
         let mut at_least_0 = |key: &str, value: Option<Spanned<f64>>| {
-            value.map_or(0.0, |value| self.number(key, value, Least::AtLeast0))
+            value.map_or(0.0, |value| self.number(key, value, Range::NotNegative))
         };
         let stiffness = at_least_0("hand_rotational_stiffness_n_m_per_rad", stiffness);
         let damping = at_least_0("hand_rotational_damping_n_m_s_per_rad", damping);

@@ -1,12 +1,12 @@
 //! Scene files of format 2.
 
 use std::collections::HashSet;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use palpate::Range;
 use palpate_world::{
     Body, Contact, ContactLaw, Free, Motion, NOT_TURNED, Place, Quaternion, Shape, Vector, World,
-    WorldGuard,
+    WorldGuard, out_of_range,
 };
 use serde::Deserialize;
 use toml::Spanned;
@@ -20,7 +20,7 @@ use super::per_axis::PerAxis;
 use super::place::WorldPlaces;
 use super::shape::{RawShape, unit};
 use super::{Coupling, WorldActuator, WorldDevice, WorldRender, WorldScene, WorldTiming};
-use crate::fault::{SceneError, SceneErrors};
+use crate::fault::{SceneError, SceneErrors, Span};
 use crate::recover;
 
 /// The version of scene files that say a world.
@@ -188,7 +188,8 @@ impl WorldFile {
         }
     }
 
-    /// A line on each mesh that was read from a file of its own: its size, and what was left out of it.
+    /// A line on each mesh that was read from a file of its own: its size, and what was left out of it. One on a world
+    /// without contacts.
     #[must_use]
     pub fn notes(&self) -> &[String] {
         &self.notes
@@ -205,8 +206,8 @@ impl WorldFile {
 /// What has been read so far: where it stands, and what is wrong with it.
 pub(super) struct Reading {
     pub(super) places: WorldPlaces,
-    faults: Vec<(Range<usize>, String)>,
-    /// What is said of meshes.
+    faults: Vec<(Span, String)>,
+    /// What is said of meshes, and of a world without contacts.
     notes: Vec<String>,
     /// Where files of meshes are looked for.
     folder: PathBuf,
@@ -214,49 +215,40 @@ pub(super) struct Reading {
     damaged: HashSet<String>,
 }
 
-/// The least value that a number may have.
-#[derive(Clone, Copy)]
-pub(super) enum Least {
-    Above0,
-    AtLeast0,
-    Any,
-}
-
 impl Reading {
-    pub(super) fn fault(&mut self, span: Range<usize>, message: impl Into<String>) {
+    pub(super) fn fault(&mut self, span: Span, message: impl Into<String>) {
         self.faults.push((span, message.into()));
     }
 
     /// The numbers under a key, which are checked.
-    pub(super) fn numbers(&mut self, key: &str, span: Range<usize>, values: &[f64], least: Least) {
-        for &value in values {
-            let (right, allowed) = match least {
-                Least::Above0 => (value > 0.0, "above 0"),
-                Least::AtLeast0 => (value >= 0.0, "at least 0"),
-                Least::Any => (true, "a finite number"),
-            };
-            if !(right && value.is_finite()) {
-                self.fault(span, format!("{key} is {value}, and has to be {allowed}"));
-                return;
-            }
+    pub(super) fn numbers(&mut self, key: &str, span: Span, values: &[f64], range: Range) {
+        let mut wrong = values
+            .iter()
+            .filter_map(|value| out_of_range(key, *value, range));
+        if let Some(message) = wrong.next() {
+            self.fault(span, message);
         }
     }
 
-    pub(super) fn number(&mut self, key: &str, value: Spanned<f64>, least: Least) -> f64 {
-        self.numbers(key, value.span(), &[*value.get_ref()], least);
+    pub(super) fn number(&mut self, key: &str, value: Spanned<f64>, range: Range) -> f64 {
+        self.numbers(key, value.span(), &[*value.get_ref()], range);
         value.into_inner()
     }
 
-    /// The value under a key along each axis of the world; `otherwise` along those that the device lacks.
+    /// The value under a key along each axis of the world; `otherwise` along those that the device lacks. Without `axes`,
+    /// it is not known which.
     pub(super) fn per_axis(
         &mut self,
         key: &str,
         value: &Spanned<PerAxis>,
-        least: Least,
-        (axes, otherwise): ([bool; 3], f64),
+        range: Range,
+        (axes, otherwise): (Option<[bool; 3]>, f64),
     ) -> Vector {
         let given = value.get_ref().given();
-        self.numbers(key, value.span(), given, least);
+        self.numbers(key, value.span(), given, range);
+        let Some(axes) = axes else {
+            return [1.0; 3];
+        };
         value.get_ref().along(axes, otherwise).unwrap_or_else(|| {
             let count = axes.iter().filter(|has| **has).count();
             let numbers = |count: usize| match count {
@@ -274,6 +266,11 @@ impl Reading {
         })
     }
 
+    /// Whether no key of the device of this number was at fault.
+    pub(super) fn is_whole(&self, number: usize) -> bool {
+        !self.damaged.contains(&format!("device.{number}"))
+    }
+
     pub(super) fn vector(
         &mut self,
         key: &str,
@@ -281,7 +278,7 @@ impl Reading {
         default: Vector,
     ) -> Vector {
         value.map_or(default, |value| {
-            self.numbers(key, value.span(), value.get_ref(), Least::Any);
+            self.numbers(key, value.span(), value.get_ref(), Range::Finite);
             value.into_inner()
         })
     }
@@ -296,7 +293,7 @@ impl Reading {
         }
         self.places
             .take(Place::Loop, "period", raw.r#loop.period_s.clone());
-        let period = self.number("period_s", raw.r#loop.period_s.clone(), Least::Above0);
+        let period = self.number("period_s", raw.r#loop.period_s.clone(), Range::Positive);
         let timed = [
             &raw.told.delay_s,
             &raw.told.lag_s,
@@ -332,7 +329,11 @@ impl Reading {
         let bodies: Vec<Body> = bodies.collect();
         let contacts = raw.contact.into_iter().enumerate();
         let contacts = contacts.map(|(index, contact)| self.contact(index, contact));
-        let contacts = contacts.collect();
+        let contacts: Vec<Contact> = contacts.collect();
+        if contacts.is_empty() {
+            let note = "the world has no [[contact]], so nothing in it is felt".into();
+            self.notes.push(note);
+        }
         let joints = raw.joint.into_iter().enumerate();
         let joints = joints.map(|(index, joint)| self.joint(index, joint, &bodies));
         let joints = joints.collect();
@@ -365,7 +366,7 @@ impl Reading {
             timing: WorldTiming { period, actuator },
             render,
             duration: duration.map_or(DURATION, |duration| {
-                self.number("duration_s", duration, Least::Above0)
+                self.number("duration_s", duration, Range::Positive)
             }),
         }
     }
@@ -376,13 +377,13 @@ impl Reading {
         [delay, lag, gain]: [Option<Spanned<f64>>; 3],
         otherwise: WorldActuator,
     ) -> WorldActuator {
-        let mut or = |key, value: Option<Spanned<f64>>, otherwise, least| {
-            value.map_or(otherwise, |value| self.number(key, value, least))
+        let mut or = |key, value: Option<Spanned<f64>>, otherwise, range| {
+            value.map_or(otherwise, |value| self.number(key, value, range))
         };
         WorldActuator {
-            delay: or("delay_s", delay, otherwise.delay, Least::AtLeast0),
-            lag: or("lag_s", lag, otherwise.lag, Least::AtLeast0),
-            gain: or("gain", gain, otherwise.gain, Least::Above0),
+            delay: or("delay_s", delay, otherwise.delay, Range::NotNegative),
+            lag: or("lag_s", lag, otherwise.lag, Range::NotNegative),
+            gain: or("gain", gain, otherwise.gain, Range::Positive),
         }
     }
 
@@ -402,17 +403,22 @@ impl Reading {
         // Of each device along the axes that it has.
         let told_mass = raw.device_mass_kg.as_ref();
         let mut masses: Vec<_> = devices.iter().map(|device| device.mass).collect();
-        for mass in &mut masses {
+        for (number, mass) in masses.iter_mut().enumerate() {
             if let Some(told) = told_mass {
-                let axes = mass.map(f64::is_finite);
-                *mass = self.per_axis("device_mass_kg", told, Least::Above0, (axes, f64::INFINITY));
+                let axes = self.is_whole(number).then_some(mass.map(f64::is_finite));
+                *mass = self.per_axis(
+                    "device_mass_kg",
+                    told,
+                    Range::Positive,
+                    (axes, f64::INFINITY),
+                );
             }
         }
         let told_inertia = raw.device_inertia_kg_m2.map(|inertia| {
             self.places
                 .take(Place::Method, "device_inertia", inertia.clone());
             let key = "device_inertia_kg_m2";
-            self.numbers(key, inertia.span(), inertia.get_ref(), Least::Above0);
+            self.numbers(key, inertia.span(), inertia.get_ref(), Range::Positive);
             inertia.into_inner()
         });
         let inertia = devices.iter().map(|device| {
@@ -427,31 +433,35 @@ impl Reading {
             device_mass: masses,
             damping: raw
                 .damping_n_s_per_m
-                .map(|damping| self.number("damping_n_s_per_m", damping, Least::AtLeast0)),
+                .map(|damping| self.number("damping_n_s_per_m", damping, Range::NotNegative)),
             device_inertia: inertia.collect(),
             rotational_damping: raw.rotational_damping_n_m_s_per_rad.map(|damping| {
-                self.number("rotational_damping_n_m_s_per_rad", damping, Least::AtLeast0)
+                self.number(
+                    "rotational_damping_n_m_s_per_rad",
+                    damping,
+                    Range::NotNegative,
+                )
             }),
             torque_limit: raw
                 .torque_limit_n_m
-                .map(|limit| self.number("torque_limit_n_m", limit, Least::Above0)),
+                .map(|limit| self.number("torque_limit_n_m", limit, Range::Positive)),
             force_limit: raw
                 .force_limit_n
-                .map(|limit| self.number("force_limit_n", limit, Least::Above0)),
+                .map(|limit| self.number("force_limit_n", limit, Range::Positive)),
             coupling: Coupling {
                 stiffness: raw
                     .coupling_stiffness_n_per_m
-                    .map(|value| self.number("coupling_stiffness_n_per_m", value, Least::Above0)),
+                    .map(|value| self.number("coupling_stiffness_n_per_m", value, Range::Positive)),
                 mass: raw
                     .coupling_mass_kg
-                    .map(|value| self.number("coupling_mass_kg", value, Least::Above0)),
+                    .map(|value| self.number("coupling_mass_kg", value, Range::Positive)),
                 rotational_stiffness: raw.coupling_rotational_stiffness_n_m_per_rad.map(|value| {
                     let key = "coupling_rotational_stiffness_n_m_per_rad";
-                    self.number(key, value, Least::Above0)
+                    self.number(key, value, Range::Positive)
                 }),
                 inertia: raw
                     .coupling_inertia_kg_m2
-                    .map(|value| self.number("coupling_inertia_kg_m2", value, Least::Above0)),
+                    .map(|value| self.number("coupling_inertia_kg_m2", value, Range::Positive)),
             },
             actuator: self.actuator([told.delay_s, told.lag_s, told.gain], actuator),
             guard: raw.guard.map_or(WorldGuard::Off, |guard| self.guard(guard)),
@@ -463,11 +473,13 @@ impl Reading {
         self.places.take(place, "shape", raw.clone());
         for (key, length) in raw.get_ref().lengths() {
             // A tool may be a point, or have points.
-            let least = match (place, raw.get_ref()) {
-                (Place::Tool(_), RawShape::Sphere { .. } | RawShape::Spheres(_)) => Least::AtLeast0,
-                _ => Least::Above0,
+            let range = match (place, raw.get_ref()) {
+                (Place::Tool(_), RawShape::Sphere { .. } | RawShape::Spheres(_)) => {
+                    Range::NotNegative
+                }
+                _ => Range::Positive,
             };
-            self.numbers(key, raw.span(), &[length], least);
+            self.numbers(key, raw.span(), &[length], range);
         }
         let fields = [
             "radius",
@@ -489,7 +501,19 @@ impl Reading {
                 read.shape
             }
             Err(message) => {
-                self.fault(span, message);
+                // A shape that a key was taken out of has been said to be at fault.
+                let table = match place {
+                    Place::Tool(number) => format!("device.{number}.tool"),
+                    Place::Body(number) => format!("body.{number}.shape"),
+                    _ => String::new(),
+                };
+                if !self
+                    .damaged
+                    .iter()
+                    .any(|damaged| damaged.starts_with(&table))
+                {
+                    self.fault(span, message);
+                }
                 // For what else there is to find; the file is refused.
                 Shape::Sphere { radius: 1.0 }
             }
@@ -577,7 +601,8 @@ impl Reading {
         let Pair(between) = self.places.take(place, "between", raw.between);
         let stiffness = self.places.take(place, "stiffness", raw.stiffness_n_per_m);
         // What is wrong with the stiffness is said once.
-        let usual = if stiffness > 0.0 { stiffness } else { 1.0 };
+        let is_wrong = out_of_range("", stiffness, Range::Positive).is_some();
+        let usual = if is_wrong { 1.0 } else { stiffness };
         let mut or = |field, value: Option<Spanned<f64>>, default: f64| {
             value.map_or(default, |value| self.places.take(place, field, value))
         };

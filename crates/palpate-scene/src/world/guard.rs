@@ -1,10 +1,11 @@
 //! The bound on the energy that the forces of a world give out, as a file says it.
 
+use palpate::Range;
 use palpate_world::{Place, WorldGuard, WorldGuardParams};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::file::{Least, Reading};
+use super::file::Reading;
 use crate::file::{GUARD_SPEED, GuardMode};
 
 /// Turning of a device that a guard reckons with where none is stated `[rad/s]`: that of a brisk wrist.
@@ -61,21 +62,21 @@ impl Reading {
                 "guard.largest_speed",
                 raw.speed_m_per_s,
                 usual.largest_speed,
-                Least::Above0,
+                Range::Positive,
             ),
             largest_turning: or(
                 "turning_rad_per_s",
                 "guard.largest_turning",
                 raw.turning_rad_per_s,
                 usual.largest_turning,
-                Least::Above0,
+                Range::Positive,
             ),
             allowance: or(
                 "allowance_j",
                 "guard.allowance",
                 raw.allowance_j,
                 usual.allowance,
-                Least::AtLeast0,
+                Range::NotNegative,
             ),
             late: raw.late_samples.map_or(usual.late, |late| {
                 self.places.take(Place::Loop, "guard.late", late)

@@ -59,19 +59,19 @@ damping_cap_n_s_per_m -> damping_cap
 fn a_missing_key_is_named_where_it_should_stand() {
     assert_faults(
         r#"scene_format = 1\n -> 
-  1:1: missing field `scene_format`
+  1:1: the key scene_format is missing; a scene of one contact has scene_format = 1, and a world of several bodies format = 2
   
 title = "a block"\n -> 
-  1:1: missing field `title`
+  1:1: the key title is missing
   
 mass_kg = 0.1\n -> 
-  4:1: missing field `mass_kg`
+  4:1: the key mass_kg is missing
   [object]
 period_s = 0.02\n -> 
-  23:1: missing field `period_s`
+  23:1: the key period_s is missing
   [loop]
 [measure]\ncollisions = 3\n -> 
-  1:1: missing field `measure`
+  1:1: the key measure is missing
   
 collisions = 3 -> collisions = 3\nduration_s = 1
   27:1: [measure] needs either collisions or duration_s, one of them
@@ -452,7 +452,7 @@ delay_samples = 0 -> collapse = { from_s = nan, until_s = 2, period_s = 0.01 }
   25:23: loop.collapse.from_s is NaN s, but must be finite [s]
   nan
 delay_samples = 0 -> collapse = { from_s = 1, until_s = 2 }
-  25:12: missing field `period_s`
+  25:12: the key period_s is missing
   { from_s = 1, until_s = 2 }
 delay_samples = 0 -> seed = -1
   25:8: invalid value: integer `-1`, expected a whole number from 0 up

@@ -6,7 +6,10 @@ use comfy_table::CellAlignment;
 use serde::Serialize;
 
 use super::{Claim, Found};
-use crate::text::{digits, lines, number, plain_table};
+use crate::text::{digits, hanging, number, plain_table, whole, within};
+
+/// Characters of a line that says what a number is: what the number, its unit and `does not fit` leave of 80.
+const FOUND: usize = 50;
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate claims 1";
@@ -102,21 +105,20 @@ impl fmt::Display for ClaimReport {
         let mut table = plain_table(CellAlignment::Left, &["found", "", "", ""]);
         for found in &self.found {
             table.add_row([
-                found.what.clone().into(),
+                within(&found.what, FOUND).join("\n").into(),
                 number(found.value, digits),
                 found.unit.into(),
                 found.in_words().into(),
             ]);
         }
-        writeln!(
-            f,
-            "{}: {}\n  The paper: {}.\n  To hold here: {}.\n\n{}",
-            self.name,
-            self.holds,
-            self.paper,
-            self.takes,
-            lines(&table)
-        )
+        writeln!(f, "{}: {}", self.name, self.holds)?;
+        for said in [
+            format!("  The paper: {}.", self.paper),
+            format!("  To hold here: {}.", self.takes),
+        ] {
+            writeln!(f, "{}", hanging(&said, 4))?;
+        }
+        writeln!(f, "\n{}", whole(&table))
     }
 }
 
@@ -168,6 +170,19 @@ mod tests {
         assert!(line("one").contains("0.340") && line("one").ends_with(" fits"));
         assert!(line("other").contains(" - ") && line("other").ends_with("does not fit"));
         assert!(line("beside").ends_with(" s"), "{text}");
+        // In a terminal of 80 columns, each number stands once.
+        let long = "Fig. 2, hfcr-mod-st: sum of their absolute values, original over remaining";
+        let claim = Claim {
+            name: "leak",
+            paper: "on Fig. 2 the leak that remains is at least ten times smaller than the original leak",
+            takes: "the same here".into(),
+            found: vec![found(long, Some(481.0), Some(false))],
+            holds: Holds::No,
+        };
+        let text = ClaimsReport::new(vec![claim]).to_string();
+        assert!(crate::text::width(&text) <= crate::text::WIDTH, "{text}");
+        assert_eq!(text.matches("481").count(), 1, "{text}");
+        assert_eq!(text.matches("Fig. 2, hfcr").count(), 1, "{text}");
         let json = serde_json::to_value(&report).unwrap();
         assert_eq!(
             json["claims"][0]["found"][1]["value"],

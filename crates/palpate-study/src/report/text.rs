@@ -6,7 +6,10 @@ use comfy_table::{Cell, CellAlignment, Table};
 use palpate::Mass;
 
 use super::{CollisionReport, MethodReport, Report};
-use crate::text::{E, FRE, counted, digits, legend, number, percent, plain_table, short, whole};
+use crate::text::{
+    E, FRE, WIDTH, counted, digits, hanging, legend, lines, number, percent, plain_table, short,
+    whole, width, wrapped,
+};
 
 /// What the columns of leaks are.
 const LEAKS: &str = "Leak: energy that the held force created; |leak|: the same with every part counted as \
@@ -14,27 +17,35 @@ const LEAKS: &str = "Leak: energy that the held force created; |leak|: the same 
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}", self.title)?;
+        writeln!(f, "{}", wrapped(&self.title))?;
         if let Some(recording) = &self.recording {
-            writeln!(f, "{recording}")?;
+            writeln!(f, "{}", wrapped(&recording.to_string()))?;
         }
-        writeln!(f, "{}", self.conditions())?;
+        writeln!(f, "{}", wrapped(&self.conditions()))?;
         if let Some(replayed) = &self.replay {
-            writeln!(f, "{}", replayed.in_words())?;
+            writeln!(f, "{}", wrapped(&replayed.in_words()))?;
         }
         if !self.actuator.is_empty() {
             let values = self.actuator.iter();
             let values: Vec<String> = values
                 .map(|(key, value)| format!("{key} {value}"))
                 .collect();
-            writeln!(f, "actuator: {}", values.join(", "))?;
+            writeln!(
+                f,
+                "{}",
+                hanging(&format!("actuator: {}", values.join(", ")), 2)
+            )?;
         }
         if !self.timing_in_words.is_empty() {
             let samples = counted(self.samples, "sample");
-            writeln!(f, "{}: {samples}", self.timing_in_words)?;
+            writeln!(
+                f,
+                "{}",
+                wrapped(&format!("{}: {samples}", self.timing_in_words))
+            )?;
         }
-        writeln!(f, "{}\n", self.window())?;
-        writeln!(f, "{}\n", whole(&self.method_table()))?;
+        writeln!(f, "{}\n", wrapped(&self.window()))?;
+        writeln!(f, "{}\n", self.methods_in_words())?;
         if self.says_what_columns_are && self.hold_floor_percent.is_some() {
             writeln!(f, "{}\n", legend(&[E, FRE, LEAKS]))?;
         }
@@ -43,7 +54,7 @@ impl fmt::Display for Report {
         {
             const MOST_COLLISIONS: usize = 12;
             writeln!(f, "Collision by collision\n")?;
-            writeln!(f, "{}\n", whole(&collision_table(method, MOST_COLLISIONS)))?;
+            writeln!(f, "{}\n", lines(&collision_table(method, MOST_COLLISIONS)))?;
             if method.collisions.len() > MOST_COLLISIONS {
                 writeln!(
                     f,
@@ -52,7 +63,7 @@ impl fmt::Display for Report {
                 )?;
             }
             if let Some(words) = self.out_of_step(method) {
-                writeln!(f, "{words}")?;
+                writeln!(f, "{}", wrapped(&words))?;
             }
         }
         for file in &self.files {
@@ -153,7 +164,26 @@ impl Report {
         })
     }
 
-    fn method_table(&self) -> Table {
+    /// The numbers of each method, and what is remarkable: behind them where there is room, else below.
+    fn methods_in_words(&self) -> String {
+        let text = whole(&self.method_table(true));
+        if width(&text) <= WIDTH {
+            return text;
+        }
+        let mut text = lines(&self.method_table(false));
+        let remarks = self
+            .methods
+            .iter()
+            .map(|method| (method.method, method.remarks()));
+        let remarks = remarks.filter(|(_, remarks)| !remarks.is_empty());
+        for (place, (method, remarks)) in remarks.enumerate() {
+            text += if place == 0 { "\n\n" } else { "\n" };
+            text += &hanging(&format!(" {method}: {remarks}"), 3);
+        }
+        text
+    }
+
+    fn method_table(&self, with_remarks: bool) -> Table {
         let lossless = self
             .methods
             .iter()
@@ -171,10 +201,11 @@ impl Report {
         if lossless {
             header.push("drift %");
         }
-        let remarkable = self
-            .methods
-            .iter()
-            .any(|method| !method.remarks().is_empty());
+        let remarkable = with_remarks
+            && self
+                .methods
+                .iter()
+                .any(|method| !method.remarks().is_empty());
         if remarkable {
             header.push("");
         }

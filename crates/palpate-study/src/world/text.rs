@@ -6,7 +6,7 @@ use comfy_table::{Cell, CellAlignment, Table};
 
 use super::{FidelityReport, WorldReport};
 use crate::text::{
-    E, FRE, counted, digits, legend, number, percent, plain_table, short, whole, wrapped,
+    E, FRE, counted, digits, legend, lines, number, percent, plain_table, short, wrapped,
 };
 
 /// What the column of the leak is.
@@ -18,11 +18,11 @@ impl fmt::Display for WorldReport {
             writeln!(f, "{}", wrapped(&self.title))?;
         }
         writeln!(f, "{}\n", wrapped(&self.conditions()))?;
-        writeln!(f, "{}\n", whole(&self.method_table()))?;
+        writeln!(f, "{}\n", lines(&self.method_table()))?;
         if self.methods.iter().any(|method| method.sum.is_some()) {
-            writeln!(f, "{}", whole(&self.axis_table()))?;
+            writeln!(f, "{}", lines(&self.axis_table()))?;
             if let Some(table) = self.torque_table() {
-                writeln!(f, "\n{}", whole(&table))?;
+                writeln!(f, "\n{}", lines(&table))?;
             }
             writeln!(f, "\n{}", legend(&[E, FRE, LEAK]))?;
         } else {

@@ -61,7 +61,7 @@ impl CheckedIdeal {
         let errors = errors(scene, &ideal, &other);
         let agree = errors
             .iter()
-            .position(|error| *error >= LARGEST_ERROR)
+            .position(|error| error.is_nan() || *error >= LARGEST_ERROR)
             .unwrap_or(errors.len());
         if agree == errors.len() {
             return Ok(Self {

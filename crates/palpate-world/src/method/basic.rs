@@ -1,5 +1,7 @@
 //! The usual way: the spring force at the sample.
 
+use palpate::Range;
+
 use super::one_per_tool;
 use crate::fault::out_of_range;
 use crate::interval::advance;
@@ -33,8 +35,7 @@ impl BasicParams {
         for (field, list) in lists {
             faults.extend(one_per_tool(field, list.len(), tools).err());
             for damping in list {
-                if !(*damping >= 0.0 && damping.is_finite()) {
-                    let message = out_of_range(field, *damping, "at least 0");
+                if let Some(message) = out_of_range(field, *damping, Range::NotNegative) {
                     faults.push(WorldError::new(Place::Method, field, "the method", message));
                 }
             }

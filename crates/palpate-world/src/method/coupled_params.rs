@@ -1,5 +1,7 @@
 //! The parameters of coupled rendering, and their checks.
 
+use palpate::Range;
+
 use super::coupled::Coupled;
 use crate::axes::Axes;
 use crate::fault::out_of_range;
@@ -180,8 +182,8 @@ impl CoupledParams {
             ("prior.angular_jerk", angular_jerk),
         ];
         for (field, value) in not_negative {
-            if !(value >= 0.0 && value.is_finite()) {
-                fault(field, out_of_range(field, value, "at least 0"));
+            if let Some(message) = out_of_range(field, value, Range::NotNegative) {
+                fault(field, message);
             }
         }
         if !faults.is_empty() {

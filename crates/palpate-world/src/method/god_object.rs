@@ -3,7 +3,10 @@
 //! Zilles and Salisbury, "A constraint-based god-object method for haptic display", IROS 1995; Ruspini, Kolarov and
 //! Khatib, SIGGRAPH 1997, for a proxy with a radius.
 
+use palpate::Range;
+
 use super::god_object_proxy::{Constraint, Proxy, limit_slip, nearest_allowed};
+use crate::fault::out_of_range;
 use crate::interval::advance;
 use crate::moving::Held;
 use crate::pairs::Point;
@@ -57,9 +60,9 @@ impl GodObjectParams {
 
     pub(super) fn check(self, tools: &[Tool]) -> Result<GodObject, Vec<WorldError>> {
         let mut faults = Vec::new();
-        for (field, list, above_zero) in [
-            ("stiffness", &self.stiffness, true),
-            ("damping", &self.damping, false),
+        for (field, list, range) in [
+            ("stiffness", &self.stiffness, Range::Positive),
+            ("damping", &self.damping, Range::NotNegative),
         ] {
             let mut fault = |message: String| {
                 faults.push(WorldError::new(Place::Method, field, "the method", message));
@@ -70,13 +73,10 @@ impl GodObjectParams {
                     "{field} has {given} entries for {tools} tools; give one for each"
                 ));
             }
-            for value in list {
-                let allowed = *value > 0.0 || (*value == 0.0 && !above_zero);
-                if !(allowed && value.is_finite()) {
-                    let range = if above_zero { "above 0" } else { "at least 0" };
-                    fault(format!("{field} is {value}, and has to be {range}"));
-                }
-            }
+            let wrong = list
+                .iter()
+                .filter_map(|value| out_of_range(field, *value, range));
+            wrong.for_each(&mut fault);
         }
         faults.extend(tools.iter().filter_map(|tool| Self::can_render(tool).err()));
         if faults.is_empty() {

@@ -1,5 +1,8 @@
 //! The classic virtual coupling: a spring and a damper between device and avatar, which the world meets.
 
+use palpate::Range;
+
+use crate::fault::out_of_range;
 use crate::interval::advance;
 use crate::part::Drive;
 use crate::rigid::{Rotation, Vector3};
@@ -46,24 +49,24 @@ impl VirtualCouplingParams {
             0
         };
         let lists = [
-            ("stiffness", &self.stiffness, true, tools),
-            ("damping", &self.damping, false, tools),
-            ("mass", &self.mass, true, tools),
+            ("stiffness", &self.stiffness, Range::Positive, tools),
+            ("damping", &self.damping, Range::NotNegative, tools),
+            ("mass", &self.mass, Range::Positive, tools),
             (
                 "rotational_stiffness",
                 &self.rotational_stiffness,
-                true,
+                Range::Positive,
                 turning,
             ),
             (
                 "rotational_damping",
                 &self.rotational_damping,
-                false,
+                Range::NotNegative,
                 turning,
             ),
-            ("inertia", &self.inertia, true, turning),
+            ("inertia", &self.inertia, Range::Positive, turning),
         ];
-        for (field, list, above_zero, asked) in lists {
+        for (field, list, range, asked) in lists {
             let mut fault = |message: String| {
                 faults.push(WorldError::new(Place::Method, field, "the method", message));
             };
@@ -77,17 +80,10 @@ impl VirtualCouplingParams {
                     "{field} has {count} entries, and no tool turns; give none"
                 ));
             }
-            for value in list {
-                let allowed = if above_zero {
-                    *value > 0.0
-                } else {
-                    *value >= 0.0
-                };
-                if !(allowed && value.is_finite()) {
-                    let range = if above_zero { "above 0" } else { "at least 0" };
-                    fault(format!("{field} is {value}, and has to be {range}"));
-                }
-            }
+            let wrong = list
+                .iter()
+                .filter_map(|value| out_of_range(field, *value, range));
+            wrong.for_each(&mut fault);
         }
         if !faults.is_empty() {
             return Err(faults);

@@ -116,6 +116,13 @@ pub(super) fn read_scene(path: &Path) -> Result<SceneFile, Failure> {
 
 fn read_text(path: &Path) -> Result<String, Failure> {
     let name = path.display().to_string();
+    let ending = path.extension().and_then(|ending| ending.to_str());
+    let ending = ending.map(str::to_ascii_lowercase).unwrap_or_default();
+    if ["csv", "mcap", "parquet", "jsonl"].contains(&ending.as_str()) {
+        return Err(Failure::Arguments(format!(
+            "{name}: a scene is a TOML file, and .{ending} is of a recording, for `palpate render` or `palpate replay`"
+        )));
+    }
     let bytes = SCENE
         .bytes(path)
         .map_err(|error| Failure::System(format!("{name}: {error}")))?;

@@ -1,9 +1,11 @@
 //! What a host publishes, and what is checked of it.
 
 use nalgebra::UnitVector3;
+use palpate::Range;
 
 use super::params::LocalParams;
 use crate::engine::body::BodyNow;
+use crate::fault::out_of_range;
 use crate::rigid::Vector3;
 use crate::{ContactLaw, Place, Tool, Vector, WorldError};
 
@@ -281,23 +283,14 @@ impl LocalContact {
             friction,
             friction_stiffness,
         } = self.law;
-        for (field, value, is_allowed, allowed) in [
-            ("stiffness", stiffness, stiffness > 0.0, "above 0"),
-            ("damping", damping, damping >= 0.0, "at least 0"),
-            ("friction", friction, friction >= 0.0, "at least 0"),
-            (
-                "friction_stiffness",
-                friction_stiffness,
-                friction_stiffness > 0.0,
-                "above 0",
-            ),
+        for (field, value, range) in [
+            ("stiffness", stiffness, Range::Positive),
+            ("damping", damping, Range::NotNegative),
+            ("friction", friction, Range::NotNegative),
+            ("friction_stiffness", friction_stiffness, Range::Positive),
         ] {
-            if !(is_allowed && value.is_finite()) {
-                faults.push((
-                    field,
-                    format!("{field} is {value}, and has to be {allowed}"),
-                ));
-            }
+            let fault = out_of_range(field, value, range);
+            faults.extend(fault.map(|message| (field, message)));
         }
         faults
     }

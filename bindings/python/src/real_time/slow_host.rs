@@ -1,0 +1,247 @@
+//! `SlowHost`: what a slow host publishes to a loop in real time, and how far the loop says that it has come.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use numpy::{PyReadonlyArray2, PyUntypedArrayMethods as _};
+use palpate::Actuation;
+use palpate_device::Vector;
+use palpate_rt::{LocalWorld, WorldFrame, local_world};
+use palpate_scene::world::{Tremor, WorldDevice, WorldHand};
+use palpate_world::engine::local::{LocalContact, LocalParams, LocalRenderer, ModelRefusal};
+use palpate_world::{ContactLaw, CoupledParams, Shape, Tool, WorldLoop};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+
+use crate::arrays;
+use crate::engine::{BODY, body, wrong};
+use crate::names::refused;
+
+/// The tool, room for models, and the loop, as the Python files hand them over.
+#[derive(Clone, Copy, FromPyObject)]
+#[pyo3(from_item_all)]
+struct Given {
+    tool_radius: f64,
+    bodies: usize,
+    contacts: usize,
+    period: f64,
+    device_mass: Vector,
+    position: Vector,
+    stale_after: f64,
+    fade: f64,
+    settle: f64,
+    return_time: f64,
+    encoder_quantum: f64,
+    delay: f64,
+    lag: f64,
+    gain: f64,
+    force_limit: f64,
+    soft_start: f64,
+}
+
+/// Numbers of bodies that it is of, of the body whose surface it is, place, normal, curvature; centre and radius of a body's sphere;
+/// stiffness, damping, friction and its stiffness.
+type GivenContact = (
+    (Option<usize>, Option<usize>),
+    (Vector, Vector, f64),
+    (Vector, f64),
+    [f64; 4],
+);
+
+/// Tick and period, whether the contacts fade, the last model's tick and why the last was not taken; position and velocity of the
+/// tool; impulse, its moment, and place of the copy of each body.
+type ToldProgress = (
+    (u64, f64, bool, Option<u64>, Option<&'static str>),
+    (Vector, Vector),
+    Vec<(Vector, Vector, Vector)>,
+);
+
+/// The end of a local model that Python has.
+#[pyclass(frozen, subclass, name = "SlowHost", module = "palpate._palpate")]
+pub struct SlowHost {
+    given: Given,
+    /// None before a loop is made with it.
+    end: Mutex<Option<palpate_rt::SlowHost>>,
+}
+
+#[pymethods]
+impl SlowHost {
+    /// A host that is described by a dictionary; the Python file has its keys.
+    #[new]
+    fn new(given: Given) -> PyResult<Self> {
+        given.renderer([true; 3])?;
+        Ok(Self {
+            given,
+            end: Mutex::new(None),
+        })
+    }
+
+    /// How far the loop has come, as of its last tick.
+    fn progress_now(&self) -> PyResult<ToldProgress> {
+        let mut end = self.end();
+        let progress = taken(&mut end)?.progress();
+        let first = |vectors: &[Vector]| vectors.first().copied().unwrap_or_default();
+        let bodies = progress.impulses.iter().zip(&progress.copies);
+        Ok((
+            (
+                progress.tick,
+                progress.period,
+                progress.is_stale,
+                progress.model_tick,
+                progress.refusal.map(in_words),
+            ),
+            (first(&progress.positions), first(&progress.velocities)),
+            bodies
+                .map(|(impulse, copy)| (impulse.linear, impulse.angular, *copy))
+                .collect(),
+        ))
+    }
+
+    /// Publishes bodies, a row for each, and contacts as of a tick.
+    fn publish_model(
+        &self,
+        tick: u64,
+        bodies: PyReadonlyArray2<'_, f64>,
+        contacts: Vec<Option<GivenContact>>,
+    ) -> PyResult<()> {
+        let rows = arrays::rows("bodies", &bodies)?;
+        if bodies.shape()[1] != BODY {
+            return Err(refused(format!(
+                "bodies has rows of {} numbers, but must have {BODY}: a palpate.engines.body_row for each",
+                bodies.shape()[1]
+            )));
+        }
+        let rows: Vec<Vec<f64>> = rows.outer_iter().map(|row| row.to_vec()).collect();
+        let bodies: Vec<_> = rows.iter().map(|row| body(row)).collect();
+        let contacts = contacts.into_iter().map(|contact| contact.map(local));
+        let contacts: Vec<_> = contacts.collect();
+        let mut end = self.end();
+        taken(&mut end)?
+            .publish(tick, &bodies, &contacts)
+            .map_err(|faults| wrong(&faults))
+    }
+
+    /// Time from sample to sample of its loop `[s]`.
+    #[getter]
+    pub fn period(&self) -> f64 {
+        self.given.period
+    }
+}
+
+impl SlowHost {
+    /// The name of its tool in messages and recordings.
+    pub const TOOL: &'static str = "tool";
+
+    /// The device as it begins.
+    pub fn device(&self) -> WorldDevice {
+        WorldDevice {
+            mass: self.given.device_mass,
+            position: self.given.position,
+            velocity: [0.0; 3],
+            quantum: [self.given.encoder_quantum; 3],
+            hand: WorldHand {
+                force: [0.0; 3],
+                stiffness: 0.0,
+                damping: 0.0,
+                rest: self.given.position,
+                tremor: Tremor::default(),
+            },
+            turning: None,
+        }
+    }
+
+    /// The largest force `[N]`, if there is one, and the soft start `[s]`.
+    pub fn limits(&self) -> (Option<f64>, f64) {
+        (finite(self.given.force_limit), self.given.soft_start)
+    }
+
+    /// What a loop renders of it on a device that stands so. Once: both ends belong to that loop.
+    pub fn rendered(&self, frame: WorldFrame) -> PyResult<LocalWorld> {
+        let mut end = self.end();
+        if end.is_some() {
+            return Err(PyRuntimeError::new_err(
+                "the SlowHost belongs to another Loop; make another SlowHost",
+            ));
+        }
+        let axes = [0, 1, 2].map(|axis| frame.has(axis));
+        let (host, world) = local_world(self.given.renderer(axes)?, frame).map_err(refused)?;
+        *end = Some(host);
+        Ok(world)
+    }
+
+    fn end(&self) -> MutexGuard<'_, Option<palpate_rt::SlowHost>> {
+        self.end.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Given {
+    fn renderer(&self, axes: [bool; 3]) -> PyResult<LocalRenderer> {
+        let shape = Shape::Sphere {
+            radius: self.tool_radius,
+        };
+        let mut tool = Tool::new(SlowHost::TOOL, shape);
+        tool.axes = axes;
+        let params = LocalParams {
+            stale_after: self.stale_after,
+            fade: self.fade,
+            settle: self.settle,
+            return_time: self.return_time,
+            ..LocalParams::new(self.bodies, self.contacts)
+        };
+        let in_loop = WorldLoop::new(self.period).with_actuation(Actuation {
+            delay: self.delay,
+            lag: self.lag,
+            gain: self.gain,
+            ..Actuation::default()
+        });
+        let in_loop = match finite(self.force_limit) {
+            Some(limit) => in_loop.with_force_limits(vec![limit]),
+            None => in_loop,
+        };
+        let mass = [0, 1, 2].map(|axis| {
+            if axes[axis] {
+                self.device_mass[axis]
+            } else {
+                f64::INFINITY
+            }
+        });
+        let coupled = CoupledParams::new(vec![mass]).with_encoder_quantum(self.encoder_quantum);
+        LocalRenderer::new(&[tool], params, in_loop, coupled).map_err(|faults| wrong(&faults))
+    }
+}
+
+fn finite(limit: f64) -> Option<f64> {
+    (limit != f64::INFINITY).then_some(limit)
+}
+
+fn taken(end: &mut Option<palpate_rt::SlowHost>) -> PyResult<&mut palpate_rt::SlowHost> {
+    end.as_mut().ok_or_else(|| {
+        PyRuntimeError::new_err("the SlowHost is in no Loop; make one with it first")
+    })
+}
+
+fn local(given: GivenContact) -> LocalContact {
+    let (numbers, surface, (centre, radius), law) = given;
+    let (of, on) = numbers;
+    let (place, normal, curvature) = surface;
+    let [stiffness, damping, friction, friction_stiffness] = law;
+    let law = ContactLaw {
+        stiffness,
+        damping,
+        friction,
+        friction_stiffness,
+    };
+    let contact = match of {
+        None => LocalContact::of_tool(0, on, place, normal, law),
+        Some(body) => LocalContact::of_body((body, centre, radius), on, place, normal, law),
+    };
+    contact.curved(curvature)
+}
+
+fn in_words(refusal: ModelRefusal) -> &'static str {
+    match refusal {
+        ModelRefusal::NotYet => "of a tick that has not been",
+        ModelRefusal::OutOfOrder => "of a tick before that of the model before",
+        ModelRefusal::TooOld => "older than stale_after",
+        ModelRefusal::OtherRoom => "of another host",
+    }
+}

@@ -1,0 +1,181 @@
+"""A slow host: what it publishes is rendered by a loop in real time, which goes on by itself between two models."""
+
+from __future__ import annotations
+
+import math
+import pickle
+import runpy
+from pathlib import Path
+from typing import Any, Callable
+
+import numpy as np
+import palpate
+import pytest
+from palpate.engines import SlowContact, SlowHost, SlowProgress, body_row
+
+from conftest import ROOT
+from test_loop import NONE, PATIENCE, loop, read_until, until
+
+UP = (0.0, 0.0, 1.0)
+RADIUS = 0.01
+STIFFNESS = 300.0
+
+
+def device(start: tuple[float, float, float] = (0.0, 0.0, 0.005)) -> palpate.devices.PointerInWorld:
+    """A device in a hand of 400 N/m, which holds it where it begins."""
+    tool = {"name": "tool", "mass_kg": 0.25, "position_m": list(start), "tool": {"sphere": {"radius_m": RADIUS}}}
+    floor = {"name": "floor", "fixed": True, "shape": {"half_space": {"normal": list(UP)}}}
+    contact = {"between": ["tool", "floor"], "stiffness_n_per_m": 300.0}
+    world = palpate.World(loop={"period_s": 0.002}, devices=[tool], bodies=[floor], contacts=[contact])
+    return palpate.devices.PointerInWorld(world)
+
+
+def host(**changes: Any) -> SlowHost:
+    # A machine that stands still for a while is not what is tested.
+    given = {"period": 0.002, "device_mass": 0.25, "tool_radius": RADIUS, "bodies": 0, "contacts": 2, "stale_after": 2.0}
+    return SlowHost(**{**given, "soft_start": 0.0, **changes})
+
+
+def floor(**changes: Any) -> SlowContact:
+    return SlowContact(**{"place": NONE, "normal": UP, "stiffness": STIFFNESS, **changes})
+
+
+def until_taken(slow: SlowHost, publish: Callable[[SlowProgress], None]) -> SlowProgress:
+    """Publishes until the loop has taken a model."""
+
+    def is_taken() -> bool:
+        publish(slow.progress)
+        return slow.progress.model_tick is not None
+
+    until("a model to be taken", is_taken)
+    return slow.progress
+
+
+def test_a_published_floor_pushes_as_its_stiffness_says_and_fades_where_nothing_more_comes(tmp_path: Path) -> None:
+    slow = host(position=(0.0, 0.0, 0.005), stale_after=0.5)
+    made = loop(device(), slow, record=tmp_path / "floor.mcap")
+    assert slow.period == 0.002 and made.period == 0.002
+    assert (made.body_names, made.contact_names, made.parameters, made.world) == ((), (), {}, None)
+    with made:
+        until("the first tick", lambda: slow.progress.tick > 0)
+        first = slow.progress
+        assert (first.model_tick, first.refusal, first.impulses, first.copies) == (None, None, (), ())
+        taken = until_taken(slow, lambda progress: slow.publish(progress, [], [floor()]))
+        assert taken.time_since(first) == pytest.approx((taken.tick - first.tick) * 0.002)
+
+        def is_pressed(ticks: np.ndarray) -> bool:
+            slow.publish(slow.progress, [], [floor()])
+            return bool((ticks["contact_force_3_n"] > 1.0).sum() > 100)
+
+        ticks = read_until(made, "a floor that pushes", is_pressed)
+        until("a floor that fades", lambda: slow.progress.is_stale)
+        until("no force", lambda: made.status.force == NONE)
+    # The hand gives way until its spring and that of the floor are in balance.
+    pressed = ticks[ticks["contact_force_3_n"] > 1.0][-20:]
+    assert np.allclose(pressed["contact_force_3_n"], STIFFNESS * pressed["penetration_m"], rtol=0.02)
+    # What is commanded is the mean over the period that comes, which a late tick makes another one.
+    assert np.median(pressed["commanded_force_3_n"]) == pytest.approx(np.median(pressed["contact_force_3_n"]), rel=0.05)
+    assert (pressed["pair"] == 0).all()
+    report = made.report
+    assert report is not None and report.failure is None and report.recorded == report.ticks and report.unrecorded == 0
+
+
+EXAMPLE = runpy.run_path(str(ROOT / "bindings/python/examples/slow_host.py"))
+Ball = EXAMPLE["Ball"]
+
+
+def test_the_example_pushes_its_ball_away(capsys: pytest.CaptureFixture[str]) -> None:
+    ball = EXAMPLE["main"]()
+    assert ball.place[0] > 0.1 and ball.velocity[0] > 0.01
+    assert "the ball has got" in capsys.readouterr().out
+
+
+def test_a_ball_of_the_host_gets_the_impulse_that_the_hand_gave() -> None:
+    ball, slow = Ball(), host(bodies=1, contacts=1)
+    pointer = device((0.0, 0.0, 0.0))
+    with loop(pointer, slow) as running:
+        before = until_taken(slow, lambda progress: slow.publish(progress, [ball.row()], [ball.contact(progress.position)]))
+        pointer.move_to([0.03, 0.0, 0.0])
+
+        def steps_and_is_away() -> bool:
+            nonlocal before
+            now = slow.progress
+            ball.step(now.wrench_since(before, 0), now.time_since(before))
+            slow.publish(now, [ball.row()], [ball.contact(now.position)])
+            before = now
+            return bool(ball.place[0] > 0.09)
+
+        until("the ball to be pushed away", steps_and_is_away)
+        assert slow.progress.refusal is None
+        ticks = running.read(wait=PATIENCE)
+    impulse = before.impulses[0].linear
+    assert impulse == pytest.approx(ball.MASS * ball.velocity, rel=1e-9, abs=1e-12)
+    assert impulse[0] > 0.01 and np.abs(before.copies[0] - ball.place).max() < 0.01
+    # What the device was given is what the ball got, but for what the machine missed of it.
+    assert ticks["contact_force_1_n"][ticks["penetration_m"] > 0].max() < 0.0
+    assert -np.nansum(np.where(ticks["pair"] == 0, ticks["commanded_force_1_n"], 0.0)) * 0.002 == pytest.approx(impulse[0], rel=0.2)
+
+
+def test_a_model_of_a_tick_that_has_not_been_is_refused_by_name() -> None:
+    slow = host()
+    with loop(device(), slow):
+        until_taken(slow, lambda progress: slow.publish(progress, [], [floor()]))
+        slow.publish(slow.progress._replace(tick=10**9), [], [floor()])
+        until("a refusal", lambda: slow.progress.refusal == "of a tick that has not been")
+
+
+def test_a_host_belongs_to_one_loop_and_says_so() -> None:
+    slow = host()
+    with pytest.raises(RuntimeError, match="the SlowHost is in no Loop; make one with it first"):
+        slow.progress
+    with pytest.raises(TypeError, match="not pickled"):
+        pickle.dumps(slow)
+    for wrong, what in [
+        ({"range": (-1.0, 1.0)}, "range is along the axis of a Renderer's contact, which a SlowHost has not"),
+    ]:
+        with pytest.raises(ValueError, match=what):
+            loop(device(), slow, **wrong)
+    with pytest.raises(ValueError, match="devices by their names are of a World; a SlowHost runs on one device"):
+        palpate.Loop({"tool": device()}, slow)
+    with pytest.raises(ValueError, match="device moves along one axis"):
+        loop(palpate.devices.Pointer(), slow)
+    with loop(device(), slow) as running:
+        with pytest.raises(TypeError, match="its next `publish` changes that"):
+            running.change(stiffness=300.0)
+        with pytest.raises(RuntimeError, match="the SlowHost belongs to another Loop"):
+            loop(device(), slow)
+
+
+def test_what_is_wrong_is_said_by_name_and_nothing_of_it_is_published() -> None:
+    for wrong, what in [
+        ({"device_mass": -1.0}, "device_mass is -1, and has to be above 0"),
+        ({"device_mass": [1.0, 2.0]}, r"device_mass has the shape \(2,\), but must be one number, or have \(3,\)"),
+        ({"tool_radius": -0.01}, "radius is -0.01, and has to be at least 0"),
+        ({"bodies": 17}, "bodies is 17, and at most 16 are allowed"),
+        ({"bodies": -1}, "bodies is -1, but must not be below 0"),
+        ({"contacts": 0}, "contacts is 0, and has to be 1 to 64"),
+        ({"stale_after": 0.001}, "stale_after is 0.001 s, and has to be 0.002 to 2 s"),
+        ({"position": [0.0, 1.0]}, "position has 2 numbers, but must have three: x, y, z"),
+        ({"period": math.nan}, "period is NaN, and has to be above 0"),
+    ]:
+        with pytest.raises(ValueError, match=what):
+            host(**wrong)
+    slow = host(bodies=1)
+    with loop(device(), slow):
+        until("the first tick", lambda: slow.progress.tick > 0)
+        row = Ball().row()
+        for bodies, contacts, what in [
+            ([], [], "there are 0 bodies, and the loop has room for exactly 1"),
+            ([row[:50]], [], r"bodies\[0\] has 50 numbers, but must have 55: palpate.engines.body_row"),
+            ([row * math.nan], [], "body 0: position, orientation, motion"),
+            ([row], [floor()] * 3, "there are 3 contacts, and at most 2 are allowed"),
+            ([row], [floor(on=1)], "contact 0: it is on body 1, and there are 1 bodies"),
+            ([row], [None, floor(normal=(0.0, 0.0, 2.0))], "contact 1: normal has the length 2"),
+            ([row], [floor(stiffness=-1.0)], "contact 0: stiffness is -1, and has to be above 0"),
+            ([row], [floor(place=(0.0, 0.0))], "place has 2 numbers, but must have three"),
+        ]:
+            with pytest.raises(ValueError, match=what):
+                slow.publish(slow.progress, bodies, contacts)
+        ticks = slow.progress.tick
+        until("ten more ticks", lambda: slow.progress.tick > ticks + 10)
+        assert slow.progress.model_tick is None
