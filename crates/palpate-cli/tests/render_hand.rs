@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Folder, METHODS, number, of_method, taps, trace_text};
+use common::{Folder, METHODS, in_a_line, number, of_method, taps, trace_text};
 
 const CONTACT: &str = "--stiffness 400 --mass 0.1 --period 0.01 --force -0.981";
 const HAND: &str = "--replay hand --device-mass 0.25 --hand-stiffness 300 --hand-damping 5";
@@ -55,7 +55,10 @@ fn every_method_gets_a_hand_and_the_report_says_how_well_it_is_known() {
         "the device leaves the recorded motion, which spans",
         "by up to: basic ",
     ] {
-        assert!(table.contains(words), "no {words:?} in:\n{table}");
+        assert!(
+            in_a_line(&table).contains(words),
+            "no {words:?} in:\n{table}"
+        );
     }
     let run = folder.run_file("run.csv");
     let entry = |key: &str| run.receipt().iter().find(|(name, _)| name == key).cloned();
@@ -219,7 +222,7 @@ fn a_hand_of_which_nothing_is_said_holds_on_to_its_motion() {
         "it holds on to its motion with 60 N/m and 2 N s/m (assumed; --hand-stiffness and",
         "mm, by up to: coupled ",
     ] {
-        assert!(words.contains(said), "no {said:?} in:\n{words}");
+        assert!(in_a_line(&words).contains(said), "no {said:?} in:\n{words}");
     }
     let stated = folder.json(&format!("{render} --hand-stiffness 60 --hand-damping 2"));
     assert_eq!(stated["replay"]["hand_is_assumed"], false);

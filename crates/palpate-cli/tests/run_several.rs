@@ -107,7 +107,8 @@ fn a_pinch_is_run_recorded_read_back_and_replayed() {
         "{table:.80}"
     );
 
-    let replayed = folder.json("replay pinch.mcap --method basic,coupled --out replayed.csv");
+    let replayed =
+        folder.json_of_a_loop("replay pinch.mcap --method basic,coupled --out replayed.csv");
     let samples = replayed["samples"].as_u64().unwrap();
     assert!((490..500).contains(&samples), "{samples}");
     // Two methods on two devices.

@@ -280,7 +280,7 @@ fn a_2diy_lacks_the_third_axis_whatever_its_file_says() {
             assert!(tick.commanded_force[2] == 0.0);
         }
     }
-    let replayed = folder.json("replay block.mcap --method coupled");
+    let replayed = folder.json_of_a_loop("replay block.mcap --method coupled");
     let tool = &replayed["methods"][0]["devices"][0];
     assert_eq!(tool["axes"][2], serde_json::Value::Null, "{tool}");
 }
@@ -293,7 +293,8 @@ fn the_motion_of_a_recording_is_replayed_in_its_world() {
         experiment_text("worlds-on-devices/ball-on-table"),
     );
     folder.succeed("record ball.toml ball.mcap --fast --duration 1");
-    let replayed = folder.json("replay ball.mcap --method basic,coupled --out replayed.csv");
+    let replayed =
+        folder.json_of_a_loop("replay ball.mcap --method basic,coupled --out replayed.csv");
     assert_eq!(replayed["format"], "palpate world 1");
     let samples = replayed["samples"].as_u64().unwrap();
     assert!((990..1000).contains(&samples), "{samples}");
@@ -348,7 +349,8 @@ fn a_device_of_six_axes_is_run_and_its_turns_and_torques_are_recorded() {
     assert!(turned > 0.05, "{turned}");
     assert!(avatar > 0.0 && avatar < 0.15, "{avatar}");
     // Its motion, under another method; the first samples have the same torques.
-    let replayed = folder.json("replay box.mcap --method basic,coupled --out replayed.csv");
+    let replayed =
+        folder.json_of_a_loop("replay box.mcap --method basic,coupled --out replayed.csv");
     let methods = replayed["methods"].as_array().unwrap();
     let error = |place: usize| number(&methods[place]["sum"], "mean_force_error_percent");
     assert!(error(1) < 0.5 * error(0), "{} {}", error(1), error(0));

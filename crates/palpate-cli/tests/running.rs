@@ -10,7 +10,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use common::running::{Running, program};
-use common::{Folder, experiment_text, number, parse};
+use common::{Folder, experiment_text, in_a_line, number, parse};
 use palpate_record::recording::{Entry, Recording, Row};
 use serde_json::Value;
 
@@ -400,8 +400,7 @@ fn a_run_whose_motors_were_off_says_so_and_has_an_exit_code() {
     }
     let text = folder.palpate(&run.replace(" --json", "").replace("off.mcap", "again.mcap"));
     assert!(
-        text.stdout
-            .contains(&format!("its time was over, but {words}")),
+        in_a_line(&text.stdout).contains(&format!("its time was over, but {words}")),
         "{}",
         text.stdout
     );

@@ -27,6 +27,11 @@ pub const METHODS: [&str; 9] = [
 /// A folder of its own for each test, gone when the test ends.
 pub struct Folder(tempfile::TempDir);
 
+/// A text without its ends of lines, which are where a terminal of 80 columns has them.
+pub fn in_a_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 /// What a run of the program gave.
 #[derive(Debug)]
 pub struct Answer {
@@ -103,6 +108,19 @@ impl Folder {
     /// Runs the program with `--json`, which must succeed; its report, which is as its schema says.
     pub fn json(&self, arguments: &str) -> Value {
         let report = parse(&self.succeed(&format!("{arguments} --json")));
+        schema::check(&report);
+        report
+    }
+
+    /// The same on what a loop in real time has recorded: standard error may say that the machine missed some of it.
+    pub fn json_of_a_loop(&self, arguments: &str) -> Value {
+        let answer = self.palpate(&format!("{arguments} --json"));
+        // 4 where the recorder lost ticks.
+        assert!(
+            matches!(answer.code, 0 | 4),
+            "palpate {arguments}: {answer:?}"
+        );
+        let report = parse(&answer.stdout);
         schema::check(&report);
         report
     }

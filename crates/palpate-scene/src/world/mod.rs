@@ -6,6 +6,7 @@ mod guard;
 mod joint;
 mod mesh;
 mod mesh_contact;
+mod numbers;
 mod pair;
 mod per_axis;
 mod place;

@@ -44,7 +44,8 @@ impl fmt::Display for Report {
                 wrapped(&format!("{}: {samples}", self.timing_in_words))
             )?;
         }
-        writeln!(f, "{}\n", wrapped(&self.window()))?;
+        let [window, floor] = self.window();
+        writeln!(f, "{}\n{}\n", wrapped(&window), wrapped(&floor))?;
         writeln!(f, "{}\n", self.methods_in_words())?;
         if self.says_what_columns_are && self.hold_floor_percent.is_some() {
             writeln!(f, "{}\n", legend(&[E, FRE, LEAKS]))?;
@@ -55,6 +56,11 @@ impl fmt::Display for Report {
             const MOST_COLLISIONS: usize = 12;
             writeln!(f, "Collision by collision\n")?;
             writeln!(f, "{}\n", lines(&collision_table(method, MOST_COLLISIONS)))?;
+            let has_energies =
+                |collision: &CollisionReport| collision.rebound_energy_error_percent.is_some();
+            if method.collisions.iter().any(has_energies) {
+                writeln!(f, "Energy: error of the kinetic energy of the rebound.\n")?;
+            }
             if method.collisions.len() > MOST_COLLISIONS {
                 writeln!(
                     f,
@@ -126,7 +132,8 @@ impl Report {
         )
     }
 
-    fn window(&self) -> String {
+    /// What is judged, and what no method can do better than.
+    fn window(&self) -> [String; 2] {
         let floor = match self.hold_floor_percent {
             Some(floor) => format!("no held force can be nearer to the ideal than {floor:.2} %"),
             None => "the ideal has no contact, so there is no force error".into(),
@@ -142,11 +149,12 @@ impl Report {
         let outside = self.ideal_leaves_box_at_s.map_or_else(String::new, |time| {
             format!(". The ideal itself leaves the safety box at {time:.2} s")
         });
-        format!(
-            "{}, {}{integrated}; {floor}{outside}",
+        let window = format!(
+            "{}, {}{integrated};",
             counted(self.window_periods, "period"),
             counted(self.ideal_collisions, "ideal collision")
-        )
+        );
+        [window, floor + &outside]
     }
 
     /// Says that the rows of the collisions do not all compare like with like.
@@ -268,7 +276,7 @@ fn collision_table(method: &MethodReport, most: usize) -> Table {
         header.extend(["rebound m/s", "error %"]);
     }
     if energies {
-        header.push("energy error %");
+        header.push("energy %");
     }
     let mut table = plain_table(CellAlignment::Right, &header);
     for collision in method.collisions.iter().take(most) {

@@ -1,0 +1,74 @@
+//! The numbers of a world's file, which are checked where they are read.
+
+use palpate::Range;
+use palpate_world::{Vector, out_of_range};
+use toml::Spanned;
+
+use super::file::Reading;
+use super::per_axis::PerAxis;
+use crate::fault::Span;
+
+impl Reading {
+    /// The numbers under a key, which are checked.
+    pub(super) fn numbers(&mut self, key: &str, span: Span, values: &[f64], range: Range) {
+        let mut wrong = values
+            .iter()
+            .filter_map(|value| out_of_range(key, *value, range));
+        if let Some(message) = wrong.next() {
+            self.fault(span, message);
+        }
+    }
+
+    pub(super) fn number(&mut self, key: &str, value: Spanned<f64>, range: Range) -> f64 {
+        self.numbers(key, value.span(), &[*value.get_ref()], range);
+        value.into_inner()
+    }
+
+    /// The value under a key along each axis of the world; `otherwise` along those that the device lacks. Without `axes`,
+    /// it is not known which.
+    pub(super) fn per_axis(
+        &mut self,
+        key: &str,
+        value: &Spanned<PerAxis>,
+        range: Range,
+        (axes, otherwise): (Option<[bool; 3]>, f64),
+    ) -> Vector {
+        let given = value.get_ref().given();
+        self.numbers(key, value.span(), given, range);
+        let Some(axes) = axes else {
+            return [1.0; 3];
+        };
+        value.get_ref().along(axes, otherwise).unwrap_or_else(|| {
+            let count = axes.iter().filter(|has| **has).count();
+            let numbers = |count: usize| match count {
+                1 => "1 number".to_owned(),
+                many => format!("{many} numbers"),
+            };
+            let message = format!(
+                "{key} has {}, and the device has {count} ax{}s; give one number for all axes, or {} in the order x, y, z",
+                numbers(given.len()),
+                if count == 1 { "i" } else { "e" },
+                numbers(count)
+            );
+            self.fault(value.span(), message);
+            axes.map(|has| if has { 1.0 } else { otherwise })
+        })
+    }
+
+    /// Whether no key of the device of this number was at fault.
+    pub(super) fn is_whole(&self, number: usize) -> bool {
+        !self.damaged.contains(&format!("device.{number}"))
+    }
+
+    pub(super) fn vector(
+        &mut self,
+        key: &str,
+        value: Option<Spanned<Vector>>,
+        default: Vector,
+    ) -> Vector {
+        value.map_or(default, |value| {
+            self.numbers(key, value.span(), value.get_ref(), Range::Finite);
+            value.into_inner()
+        })
+    }
+}
