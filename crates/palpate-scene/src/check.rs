@@ -42,8 +42,10 @@ impl Faults {
             };
             if !range.contains(value) {
                 self.add(parameter, value, Allowed::Range(range));
-            } else if value.abs() > LARGEST {
-                self.not(parameter, value, "from -1e12 to 1e12");
+            } else if value > LARGEST {
+                self.not(parameter, value, "at most 1e12");
+            } else if value < -LARGEST {
+                self.not(parameter, value, "at least -1e12");
             }
         }
     }

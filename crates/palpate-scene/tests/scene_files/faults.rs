@@ -4,8 +4,7 @@ use palpate_scene::{Intention, SceneFile};
 
 use crate::edited;
 
-/// Checks a table of edits of the good file, three lines each: the edit, the message with its line
-/// and column, and what is at fault.
+/// Checks a table of edits of the good file, three lines each: the edit, the message with its place, what is at fault.
 #[track_caller]
 fn assert_faults(table: &str, rows: usize) {
     let lines: Vec<&str> = table.lines().collect();
@@ -479,6 +478,9 @@ delay_samples = 0 -> command_jitter_s = -1
 delay_samples = 0 -> lag_s = -1e-4
   25:9: loop.lag_s is -0.0001 s, but must be finite and not below 0
   -1e-4
+delay_samples = 0 -> lag_s = 1e13
+  25:9: loop.lag_s is 10000000000000 s, but must be at most 1e12
+  1e13
 delay_samples = 0 -> gain = 0
   25:8: loop.gain is 0, but must be finite and greater than 0
   0
@@ -512,7 +514,7 @@ delay_samples = 0 -> [told]\nresonance_hz = 9\nresonance_damping_ratio = 0.1\nfl
 delay_samples = 0 -> [told]\nresonance_hz = 150
   26:16: a transmission is told by resonance_hz, resonance_damping_ratio and flexible_mass_fraction, all three
   150"#,
-        15,
+        16,
     );
 }
 
