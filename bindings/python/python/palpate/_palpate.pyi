@@ -14,6 +14,7 @@ __all__ = [
     "Loop",
     "Renderer",
     "Scene",
+    "SlowHost",
     "World",
     "__version__",
     "advice_figure",
