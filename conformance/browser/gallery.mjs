@@ -46,7 +46,7 @@ for (const file of readdirSync(WORLDS).filter((name) => name.endsWith(".toml")).
     left.push({ name, title, why });
     continue;
   }
-  const live = await startLive(`${WORLDS}/${file}`, "--device", "pointer", "--method", "coupled", "--priority", "0", "--stall-after", "50");
+  const live = await startLive(`${WORLDS}/${file}`, "--device", "pointer", "--method", "coupled", "--priority", "0");
   const open = await visit(live.url, { viewport: SIZE });
   await open.until("it has begun", () => palpate.model.run !== null);
   const run = await open.get(() => {

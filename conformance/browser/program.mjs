@@ -27,7 +27,9 @@ export function endAll() {
 export async function startLive(...args) {
   const folder = mkdtempSync(join(tmpdir(), "palpate-browser-"));
   const listen = args.includes("--listen") ? [] : ["--listen", "127.0.0.1:0"];
-  const child = spawn(PROGRAM, ["live", ...listen, ...args], { cwd: folder, stdio: ["ignore", "pipe", "pipe"] });
+  // A machine that others keep busy lets a loop wait for long, which ends it unless it may.
+  const patient = args.includes("--stall-after") ? [] : ["--stall-after", "1000"];
+  const child = spawn(PROGRAM, ["live", ...listen, ...patient, ...args], { cwd: folder, stdio: ["ignore", "pipe", "pipe"] });
   running.add(child);
   child.on("exit", () => running.delete(child));
   let said = "";

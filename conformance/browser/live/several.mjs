@@ -9,7 +9,7 @@ import { startLive } from "../program.mjs";
 import { NARROW, visit } from "../visit.mjs";
 
 const PINCH = fileURLToPath(new URL("../../../experiments/worlds/pinch.toml", import.meta.url));
-const ARGUMENTS = [PINCH, "--method", "coupled", "--priority", "0", "--stall-after", "50"];
+const ARGUMENTS = [PINCH, "--method", "coupled", "--priority", "0"];
 
 /** Keeps a picture, where pictures are asked for. */
 async function picture(open, name) {
@@ -172,7 +172,7 @@ test("two fingers hold the cube, one mouse after the other, and both forces are 
 });
 
 test("a finger chooses on a narrow screen, and two methods each have both tools", async () => {
-  const live = await startLive(PINCH, "--method", "basic,coupled", "--priority", "0", "--stall-after", "50");
+  const live = await startLive(PINCH, "--method", "basic,coupled", "--priority", "0");
   const open = await visit(live.url, { viewport: NARROW });
   await open.until("both lanes have come", () => palpate.space.lanes.length === 2 && palpate.model.newest(1, "force_on_device_n right") >= 0);
   assert.equal(await open.get(() => document.querySelectorAll("#tools span").length), 4);

@@ -28,7 +28,7 @@ const drawn = () => {
 };
 
 test("a world is drawn, and a tool that is dragged pushes its block", async () => {
-  const live = await startLive(BLOCK, "--method", "coupled", "--priority", "0", "--stall-after", "50");
+  const live = await startLive(BLOCK, "--method", "coupled", "--priority", "0");
   const open = await visit(live.url);
   await open.until("the block has come", () => palpate.space.lanes.length === 1 && palpate.space.lanes[0].arrows.shown > 0);
   assert.ok((await open.get(drawn)) > 2000, "there is something on the canvas");
@@ -77,7 +77,7 @@ test("a world is drawn, and a tool that is dragged pushes its block", async () =
 });
 
 test("the tool of a device of six axes is turned by the mouse and by keys", async () => {
-  const live = await startLive(PLUG, "--method", "coupled", "--priority", "0", "--stall-after", "50");
+  const live = await startLive(PLUG, "--method", "coupled", "--priority", "0");
   const open = await visit(live.url);
   const turnedAt = () => palpate.space.lanes[0].tools[0].quaternion.toArray();
   await open.until("the world has come", () => palpate.space.lanes.length === 1 && palpate.model.newestS > 0);
@@ -130,7 +130,7 @@ test("the tool of a device of six axes is turned by the mouse and by keys", asyn
 });
 
 test("two methods stand side by side, and begin anew", async () => {
-  const live = await startLive(BLOCK, "--method", "basic,coupled", "--priority", "0", "--stall-after", "50");
+  const live = await startLive(BLOCK, "--method", "basic,coupled", "--priority", "0");
   const open = await visit(live.url);
   await open.until("both lanes have come", () => palpate.space.lanes.length === 2 && palpate.model.newest(1, "force_on_device_n") >= 0);
   const names = await open.get(() => [...document.querySelectorAll("#names span")].map((name) => name.textContent));
