@@ -124,21 +124,23 @@ def test_a_model_of_a_tick_that_has_not_been_is_refused_by_name() -> None:
         until("a refusal", lambda: slow.progress.refusal == "of a tick that has not been")
 
 
-def test_a_host_belongs_to_one_loop_and_says_so() -> None:
+def test_a_host_belongs_to_one_loop_and_says_so(tmp_path: Path) -> None:
     slow = host()
     with pytest.raises(RuntimeError, match="the SlowHost is in no Loop; make one with it first"):
         slow.progress
     with pytest.raises(TypeError, match="not pickled"):
         pickle.dumps(slow)
-    for wrong, what in [
-        ({"range": (-1.0, 1.0)}, "range is along the axis of a Renderer's contact, which a SlowHost has not"),
-    ]:
-        with pytest.raises(ValueError, match=what):
-            loop(device(), slow, **wrong)
+    with pytest.raises(ValueError, match="range is along the axis of a Renderer's contact, which a SlowHost has not"):
+        loop(device(), slow, range=(-1.0, 1.0))
     with pytest.raises(ValueError, match="devices by their names are of a World; a SlowHost runs on one device"):
         palpate.Loop({"tool": device()}, slow)
     with pytest.raises(ValueError, match="device moves along one axis"):
         loop(palpate.devices.Pointer(), slow)
+    # A loop that could not be made leaves the host as it was.
+    (tmp_path / "there.mcap").write_text("")
+    for wrong, kind in [({"record": tmp_path / "there.mcap"}, OSError), ({"largest_speed": -1.0}, ValueError)]:
+        with pytest.raises(kind):
+            loop(device(), slow, **wrong)
     with loop(device(), slow) as running:
         with pytest.raises(TypeError, match="its next `publish` changes that"):
             running.change(stiffness=300.0)
@@ -153,6 +155,7 @@ def test_what_is_wrong_is_said_by_name_and_nothing_of_it_is_published() -> None:
         ({"tool_radius": -0.01}, "radius is -0.01, and has to be at least 0"),
         ({"bodies": 17}, "bodies is 17, and at most 16 are allowed"),
         ({"bodies": -1}, "bodies is -1, but must not be below 0"),
+        ({"soft_start": -1.0}, "soft_start is -1, but must be a finite number of at least 0"),
         ({"contacts": 0}, "contacts is 0, and has to be 1 to 64"),
         ({"stale_after": 0.001}, "stale_after is 0.001 s, and has to be 0.002 to 2 s"),
         ({"position": [0.0, 1.0]}, "position has 2 numbers, but must have three: x, y, z"),
@@ -168,6 +171,8 @@ def test_what_is_wrong_is_said_by_name_and_nothing_of_it_is_published() -> None:
             ([], [], "there are 0 bodies, and the loop has room for exactly 1"),
             ([row[:50]], [], r"bodies\[0\] has 50 numbers, but must have 55: palpate.engines.body_row"),
             ([row * math.nan], [], "body 0: position, orientation, motion"),
+            ([row], [floor(), floor(on=-1)], "contact 1: on is -1, but must be the number of a body, from 0, or None"),
+            ([row], [floor(place=(0.0, 0.0))], "contact 0: place has 2 numbers, but must have three: x, y, z"),
             ([row], [floor()] * 3, "there are 3 contacts, and at most 2 are allowed"),
             ([row], [floor(on=1)], "contact 0: it is on body 1, and there are 1 bodies"),
             ([row], [None, floor(normal=(0.0, 0.0, 2.0))], "contact 1: normal has the length 2"),

@@ -104,6 +104,18 @@ fn a_pipe_ends_by_itself_with_no_force_and_writes_what_it_found() {
     assert!(figure.contains("measured") && figure.contains("fitted"));
 }
 
+/// The mass follows from the square of the period, which only the times of the samples could confirm.
+#[test]
+fn without_times_it_is_said_that_the_period_is_not_checked() {
+    let folder = Folder::new();
+    let mut child = child(&folder, "--seconds 3");
+    moved(&mut child, 10_000);
+    let (code, said) = end(child);
+    assert_eq!(code, Some(0), "{said}");
+    let what = "Not checked: that the samples came every 0.001 s (--period)";
+    assert!(said.contains(what), "{said}");
+}
+
 #[test]
 fn an_input_that_ends_early_takes_the_force_off_and_writes_nothing() {
     let folder = Folder::new();

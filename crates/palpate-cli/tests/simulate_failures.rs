@@ -260,17 +260,24 @@ fn the_scene_is_never_overwritten_by_its_run() {
 fn a_scene_that_flags_make_impossible_is_not_blamed_on_the_file() {
     let folder = Folder::new();
     let scene = experiment("fig2").display().to_string();
-    for flags in [
-        "--object-position 1e9",
-        "--side negative",
-        "--force 5",
-        "--stiffness 1e300",
-    ] {
+    for flags in ["--object-position 1e9", "--side negative", "--force 5"] {
         folder.fail(
             &format!("simulate {scene} {flags}"),
             2,
             &["with these flags, "],
         );
+    }
+    let words = "--stiffness is 10000000000000 N/m, but must be at most 1e12";
+    folder.fail(&format!("simulate {scene} --stiffness 1e13"), 2, &[words]);
+}
+
+#[test]
+fn a_recording_in_place_of_a_scene_is_said_to_be_one() {
+    let folder = Folder::new();
+    for file in ["motion.csv", "motion.MCAP"] {
+        folder.write(file, "t_s,position_m\n0,0\n");
+        let words = "a scene is a TOML file, and .";
+        folder.fail(&format!("simulate {file}"), 2, &[words, "of a recording"]);
     }
 }
 

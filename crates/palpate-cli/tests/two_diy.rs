@@ -307,6 +307,7 @@ fn ends_beside_a_silent_board() -> Option<i32> {
         assert_eq!(report["trip"], "device-lost", "{said}");
     } else {
         assert_eq!(code, Some(0), "{said}");
+        assert!(!said.contains("when it ended: "), "{said}");
     }
     code
 }

@@ -64,6 +64,7 @@ impl Scene {
     #[must_use]
     pub fn faults(&self) -> Vec<SceneParameterError> {
         let mut faults = Faults::default();
+        self.check_size(&mut faults);
         self.check_object(&mut faults);
         self.check_device(&mut faults);
         self.check_actuator(&mut faults);
@@ -86,6 +87,23 @@ impl Scene {
             }
         }
         faults.0
+    }
+
+    /// What is too large of the contact and the loop; whether it is a number and has the right sign these say themselves.
+    fn check_size(&self, faults: &mut Faults) {
+        let mass = match self.contact.object_mass {
+            Mass::Finite(mass) => mass,
+            Mass::Infinite => 0.0,
+        };
+        for (parameter, value) in [
+            (Parameter::Stiffness, self.contact.stiffness),
+            (Parameter::ObjectMass, mass),
+            (Parameter::Period, self.loop_params.period),
+        ] {
+            if value.is_finite() && value > LARGEST {
+                faults.not(Rendered(parameter), value, "at most 1e12");
+            }
+        }
     }
 
     fn check_object(&self, faults: &mut Faults) {

@@ -21,6 +21,8 @@ pub(super) struct Recovered<T> {
     pub faults: Vec<Fault>,
     /// The tables that something was taken out of; the file itself is the empty name.
     pub damaged: HashSet<String>,
+    /// The keys that were taken out, with those of their tables.
+    pub removed: HashSet<String>,
 }
 
 /// What `source` says, without the keys that are at fault.
@@ -37,10 +39,11 @@ pub(super) fn read<T: DeserializeOwned>(source: &str) -> Recovered<T> {
                 read: None,
                 faults: vec![fault(&error.into())],
                 damaged: HashSet::new(),
+                removed: HashSet::new(),
             };
         }
     };
-    let mut damaged = HashSet::new();
+    let (mut damaged, mut removed) = (HashSet::new(), HashSet::new());
     loop {
         let error = match from_table::<T>(&left) {
             Ok(read) => {
@@ -48,6 +51,7 @@ pub(super) fn read<T: DeserializeOwned>(source: &str) -> Recovered<T> {
                     read: Some(read),
                     faults,
                     damaged,
+                    removed,
                 };
             }
             Err(error) => error,
@@ -69,10 +73,12 @@ pub(super) fn read<T: DeserializeOwned>(source: &str) -> Recovered<T> {
                 read: None,
                 faults,
                 damaged,
+                removed,
             };
         };
         let table = key.rsplit_once('.').map_or("", |(table, _)| table);
         damaged.insert(table.to_owned());
+        removed.insert(key);
     }
 }
 

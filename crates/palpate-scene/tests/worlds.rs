@@ -164,6 +164,24 @@ fn a_fault_is_said_once() {
     }
 }
 
+/// A key at fault that has nothing to do with the axes does not hide that there are too few masses for them.
+#[test]
+fn two_faults_of_a_device_are_both_said() {
+    let text = BALL.replacen(
+        "mass_kg = [0.25, 0.3, 0.35]",
+        "colour = 1\nmass_kg = [0.25, 0.3]",
+        1,
+    );
+    let said = said(&text);
+    for fault in [
+        "unknown key colour",
+        "mass_kg has 2 numbers, and the device has 3 axes",
+    ] {
+        let of_it = said.iter().filter(|line| line.contains(fault));
+        assert_eq!(of_it.count(), 1, "{fault}: {said:?}");
+    }
+}
+
 #[test]
 fn a_world_without_contacts_is_said_to_have_none() {
     let end = BALL.find("[[contact]]").unwrap();

@@ -136,6 +136,7 @@ impl RealTimeLoop {
             period,
             devices,
             in_world,
+            slow_host,
             receipt,
             names,
             runs_on,
@@ -150,6 +151,9 @@ impl RealTimeLoop {
             }
             None => (None, None),
         };
+        if let (Some(own), Ok(host)) = (slow_host, rendered.cast::<SlowHost>()) {
+            host.get().belong(own)?;
+        }
         let (tap, listener) = tap(ROOM);
         let parameters = control.parameters();
         let (held, closed) = devices

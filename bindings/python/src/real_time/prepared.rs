@@ -32,6 +32,8 @@ pub struct Prepared {
     pub devices: Vec<Beside>,
     /// The other end of its world, and its devices there.
     pub in_world: Option<InWorld>,
+    /// The host's end of its local world.
+    pub slow_host: Option<palpate_rt::SlowHost>,
     /// What a recording's receipt has of it.
     pub receipt: Receipt,
     /// What the devices are called in the world, where there are several.
@@ -91,6 +93,7 @@ pub fn prepare_contact(
         period: seconds,
         devices: vec![Beside { held, closed }],
         in_world: None,
+        slow_host: None,
         receipt: match &options.scene {
             Some(text) => receipt.with("scene", text),
             None => receipt,
@@ -191,6 +194,7 @@ pub fn prepare_world(
         runs_on: runs_on.collect::<Vec<_>>().join(", "),
         largest_force: most.fold(0.0, f64::max),
         in_world: Some(InWorld { worlds, on }),
+        slow_host: None,
     })
 }
 
@@ -221,7 +225,7 @@ pub fn prepare_slow_host(
     let capabilities = device.capabilities().clone();
     let (force_limit, soft_start) = host.limits();
     let limits = options.limits(&capabilities, force_limit, soft_start);
-    let rendered = host.rendered(frame)?;
+    let (slow_host, rendered) = host.ends(frame)?;
     let control = ControlLoop::of_local_world(device, clock, rendered, limits).map_err(refused)?;
     let of = ReceiptOf {
         name: SlowHost::TOOL,
@@ -234,6 +238,7 @@ pub fn prepare_slow_host(
         period: host.period(),
         devices: vec![Beside { held, closed }],
         in_world: None,
+        slow_host: Some(slow_host),
         receipt: receipt_of_devices(VERSION, &[of], &options.request()),
         names: Vec::new(),
         runs_on: capabilities.name,

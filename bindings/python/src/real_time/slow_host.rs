@@ -69,6 +69,12 @@ impl SlowHost {
     #[new]
     fn new(given: Given) -> PyResult<Self> {
         given.renderer([true; 3])?;
+        if !(given.soft_start.is_finite() && given.soft_start >= 0.0) {
+            return Err(refused(format!(
+                "soft_start is {}, but must be a finite number of at least 0",
+                given.soft_start
+            )));
+        }
         Ok(Self {
             given,
             end: Mutex::new(None),
@@ -154,18 +160,20 @@ impl SlowHost {
         (finite(self.given.force_limit), self.given.soft_start)
     }
 
-    /// What a loop renders of it on a device that stands so. Once: both ends belong to that loop.
-    pub fn rendered(&self, frame: WorldFrame) -> PyResult<LocalWorld> {
-        let mut end = self.end();
-        if end.is_some() {
-            return Err(PyRuntimeError::new_err(
-                "the SlowHost belongs to another Loop; make another SlowHost",
-            ));
-        }
+    /// Both ends of what a loop renders on a device that stands so; the host's is for [`Self::belong`].
+    pub fn ends(&self, frame: WorldFrame) -> PyResult<(palpate_rt::SlowHost, LocalWorld)> {
+        free(&self.end())?;
         let axes = [0, 1, 2].map(|axis| frame.has(axis));
-        let (host, world) = local_world(self.given.renderer(axes)?, frame).map_err(refused)?;
-        *end = Some(host);
-        Ok(world)
+        local_world(self.given.renderer(axes)?, frame).map_err(refused)
+    }
+
+    /// From here on it belongs to the loop that has the other end, and to no other one. Last of all that a loop needs: a loop
+    /// that could not be made leaves the host as it was.
+    pub fn belong(&self, own: palpate_rt::SlowHost) -> PyResult<()> {
+        let mut end = self.end();
+        free(&end)?;
+        *end = Some(own);
+        Ok(())
     }
 
     fn end(&self) -> MutexGuard<'_, Option<palpate_rt::SlowHost>> {
@@ -207,6 +215,15 @@ impl Given {
         let coupled = CoupledParams::new(vec![mass]).with_encoder_quantum(self.encoder_quantum);
         LocalRenderer::new(&[tool], params, in_loop, coupled).map_err(|faults| wrong(&faults))
     }
+}
+
+fn free(end: &Option<palpate_rt::SlowHost>) -> PyResult<()> {
+    if end.is_some() {
+        return Err(PyRuntimeError::new_err(
+            "the SlowHost belongs to another Loop; make another SlowHost",
+        ));
+    }
+    Ok(())
 }
 
 fn finite(limit: f64) -> Option<f64> {

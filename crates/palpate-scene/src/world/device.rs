@@ -72,7 +72,7 @@ impl Reading {
             let NamedAxes(axes) = self.places.take(place, "axes", axes);
             axes
         });
-        let known = self.is_whole(index).then_some(axes);
+        let known = self.has_its_axes(index).then_some(axes);
         let tool = Tool {
             shape: self.shape(place, &name, raw.tool),
             name,

@@ -169,6 +169,7 @@ impl WorldFile {
             notes: Vec::new(),
             folder: Path::new(name).parent().unwrap_or(Path::new("")).into(),
             damaged: left.damaged,
+            removed: left.removed,
         };
         let scene = left.read.map(|raw| reading.scene(raw));
         let at = |(span, message)| SceneError::at(name, source, span, message);
@@ -213,6 +214,8 @@ pub(super) struct Reading {
     folder: PathBuf,
     /// Tables that keys at fault were taken out of.
     pub(super) damaged: HashSet<String>,
+    /// Keys that were at fault, with those of their tables.
+    pub(super) removed: HashSet<String>,
 }
 
 impl Reading {
@@ -342,7 +345,9 @@ impl Reading {
         let mut masses: Vec<_> = devices.iter().map(|device| device.mass).collect();
         for (number, mass) in masses.iter_mut().enumerate() {
             if let Some(told) = told_mass {
-                let axes = self.is_whole(number).then_some(mass.map(f64::is_finite));
+                let axes = self
+                    .has_its_axes(number)
+                    .then_some(mass.map(f64::is_finite));
                 *mass = self.per_axis(
                     "device_mass_kg",
                     told,

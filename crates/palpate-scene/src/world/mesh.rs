@@ -78,7 +78,7 @@ impl Unit {
 /// A mesh, and what a user may want to know of it.
 pub(super) struct ReadMesh {
     pub shape: Shape,
-    /// Of a mesh from a file: its size, and what was left out of it.
+    /// Of a mesh from a file its size, of one that somebody made what was left out of it and whether it is open.
     pub note: Option<String>,
 }
 
@@ -102,7 +102,11 @@ impl RawMesh {
         let mut mesh = self.surface(folder)?;
         let mut words = Vec::new();
         if self.file.is_some() {
-            words.push(in_words(&mesh));
+            words.push(extent_in_words(&mesh));
+        }
+        // A formula gives no triangle to leave out, and says itself whether it closes.
+        if self.file.is_some() || self.vertices_m.is_some() {
+            words.extend(unusual(&mesh));
         }
         if let Some(shell) = &self.shell {
             let (with_shell, said) = shell.onto(mesh)?;
@@ -114,7 +118,7 @@ impl RawMesh {
             mesh = with_grid;
             words.push(said);
         }
-        let name = self.file.as_deref().unwrap_or("a mesh");
+        let name = self.file.as_deref().unwrap_or("its mesh");
         Ok(ReadMesh {
             note: (!words.is_empty()).then(|| format!("{name}: {}", words.join("; "))),
             shape: Shape::Mesh(Arc::new(mesh)),
@@ -317,20 +321,27 @@ fn size_in_words(points: &[Vector]) -> String {
     format!("{x:.4} x {y:.4} x {z:.4} mm")
 }
 
-/// A mesh's size in words, and what is unusual about it.
-fn in_words(mesh: &Mesh) -> String {
+/// A mesh's number of triangles and its size, in words.
+fn extent_in_words(mesh: &Mesh) -> String {
     let size = size_in_words(&mesh.vertices());
     let count = mesh.faces().len();
     let plural = if count == 1 { "" } else { "s" };
-    let mut words = format!("{count} triangle{plural}, {size}");
+    format!("{count} triangle{plural}, {size}")
+}
+
+/// What is unusual about a mesh that somebody made.
+fn unusual(mesh: &Mesh) -> Vec<String> {
+    let mut words = Vec::new();
     if mesh.dropped() > 0 {
-        words += &format!(
-            "; {} that have no area or are there twice were left out",
+        words.push(format!(
+            "{} that have no area or are there twice were left out",
             mesh.dropped()
-        );
+        ));
     }
     if !mesh.is_closed() {
-        words += "; it has open edges, so that it is touched from the front of its triangles only";
+        words.push(
+            "it has open edges, so that it is touched from the front of its triangles only".into(),
+        );
     }
     words
 }

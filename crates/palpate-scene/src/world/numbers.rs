@@ -55,9 +55,11 @@ impl Reading {
         })
     }
 
-    /// Whether no key of the device of this number was at fault.
-    pub(super) fn is_whole(&self, number: usize) -> bool {
-        !self.damaged.contains(&format!("device.{number}"))
+    /// Whether the axes of the device of this number are what its file says: neither they nor what they may have been
+    /// misspelt as was at fault.
+    pub(super) fn has_its_axes(&self, number: usize) -> bool {
+        let ax = format!("device.{number}.ax");
+        !self.removed.iter().any(|key| key.starts_with(&ax))
     }
 
     pub(super) fn vector(

@@ -146,6 +146,12 @@ stiffness_n_per_m = 400 -> stiffness_n_per_m = -400
 stiffness_n_per_m = 400 -> stiffness_n_per_m = inf
   6:21: object.stiffness_n_per_m is inf N/m, but must be finite and greater than 0
   inf
+stiffness_n_per_m = 400 -> stiffness_n_per_m = 1e13
+  6:21: object.stiffness_n_per_m is 10000000000000 N/m, but must be at most 1e12
+  1e13
+position_m = 0.05 -> position_m = -1e13
+  7:14: object.position_m is -10000000000000 m, but must be at least -1e12
+  -1e13
 position_m = 0.05 -> position_m = inf
   7:14: object.position_m is inf m, but must be finite
   inf
@@ -206,7 +212,7 @@ speed_limit_m_per_s = 10 -> speed_limit_m_per_s = nan
 unilateral = false -> device_mass_kg = 0
   32:18: renderer.device_mass_kg is 0 kg, but must be finite and greater than 0
   0"#,
-        26,
+        28,
     );
 }
 

@@ -43,11 +43,15 @@ class SlowContact(NamedTuple):
     radius: float = 0.0
     """Of a body's sphere: its radius [m]; 0 for a corner."""
 
-    def _told(self) -> tuple[Any, ...]:
+    def _told(self, number: int) -> tuple[Any, ...]:
+        for name, body in (("on", self.on), ("body", self.body)):
+            if body is not None and body < 0:
+                raise ValueError(f"contact {number}: {name} is {body}, but must be the number of a body, from 0, or None")
         bristle = self.stiffness if self.friction_stiffness is None else self.friction_stiffness
         law = [float(number) for number in (self.stiffness, self.damping, self.friction, bristle)]
-        surface = (_three("place", self.place), _three("normal", self.normal), float(self.curvature))
-        return (self.body, self.on), surface, (_three("centre", self.centre), float(self.radius)), law
+        of = f"contact {number}: "
+        surface = (_three(of + "place", self.place), _three(of + "normal", self.normal), float(self.curvature))
+        return (self.body, self.on), surface, (_three(of + "centre", self.centre), float(self.radius)), law
 
 
 class BodyImpulse(NamedTuple):
@@ -116,7 +120,7 @@ class SlowHost(_palpate.SlowHost):
         tool_radius: Radius of the tool [m]: a sphere, or a point of radius 0.
         bodies: How many bodies each model has, at most 16. They are called by their numbers, from 0.
         contacts: How many contacts a model has at most, 1 to 64.
-        position: Where in the host's world the device begins [m].
+        position: Where in the host's world a real device begins [m]; a pointer and a simulated one begin where their `World` says.
         stale_after: Age of a model from which the contacts fade [s]: 1 to 1000 periods.
         fade: Time in which they do [s].
         settle: Time in which a changed contact comes in [s].
@@ -210,7 +214,7 @@ class SlowHost(_palpate.SlowHost):
                     f"bodies[{number}] has {given_row.size} numbers, but must have {BODY_COLUMNS}: palpate.engines.body_row"
                 )
         given = np.array(rows, float) if rows else np.empty((0, BODY_COLUMNS))
-        told = [None if contact is None else contact._told() for contact in contacts]
+        told = [None if contact is None else contact._told(number) for number, contact in enumerate(contacts)]
         self.publish_model(progress.tick, np.require(given, float, ["C", "A"]), told)
 
     def __reduce__(self) -> NoReturn:

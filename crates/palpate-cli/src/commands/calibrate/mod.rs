@@ -116,6 +116,13 @@ fn deliver(
     // Standard output of a pipe has forces only.
     if arguments.pipe {
         tell(text.trim_end());
+        if !arguments.time && !arguments.results.json {
+            tell(format!(
+                "Not checked: that the samples came every {} s (--period), since no line\n\
+                 has a time (--time). A period that is 1 % wrong makes the mass 2 % wrong.",
+                arguments.period
+            ));
+        }
         return Ok(());
     }
     print(&text)

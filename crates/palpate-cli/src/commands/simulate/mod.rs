@@ -118,7 +118,7 @@ fn read_text(path: &Path) -> Result<String, Failure> {
     let name = path.display().to_string();
     let ending = path.extension().and_then(|ending| ending.to_str());
     let ending = ending.map(str::to_ascii_lowercase).unwrap_or_default();
-    if ["csv", "mcap", "parquet", "jsonl"].contains(&ending.as_str()) {
+    if ["csv", "mcap"].contains(&ending.as_str()) {
         return Err(Failure::Arguments(format!(
             "{name}: a scene is a TOML file, and .{ending} is of a recording, for `palpate render` or `palpate replay`"
         )));
