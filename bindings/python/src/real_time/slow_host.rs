@@ -167,8 +167,8 @@ impl SlowHost {
         local_world(self.given.renderer(axes)?, frame).map_err(refused)
     }
 
-    /// From here on it belongs to the loop that has the other end, and to no other one. Last of all that a loop needs: a loop
-    /// that could not be made leaves the host as it was.
+    /// Gives this host to the loop that has the other end. A loop calls this when nothing else can fail: a loop that could not
+    /// be made leaves the host free.
     pub fn belong(&self, own: palpate_rt::SlowHost) -> PyResult<()> {
         let mut end = self.end();
         free(&end)?;

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod faults;
+mod loop_faults;
 mod settings_table;
 mod several;
 mod written;
