@@ -205,6 +205,43 @@ typedef uint32_t palpate_fault;
 #endif // __cplusplus
 
 /*
+ Why a model was not taken; the one before goes on.
+ */
+enum palpate_model_refusal
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /*
+   It was taken, or none has come.
+   */
+  PALPATE_MODEL_REFUSAL_NONE = 0,
+  /*
+   It is of a tick that has not been.
+   */
+  PALPATE_MODEL_REFUSAL_NOT_YET = 1,
+  /*
+   It is of a tick before that of the model before.
+   */
+  PALPATE_MODEL_REFUSAL_OUT_OF_ORDER = 2,
+  /*
+   It is older than stale_after.
+   */
+  PALPATE_MODEL_REFUSAL_TOO_OLD = 3,
+  /*
+   It is of another host.
+   */
+  PALPATE_MODEL_REFUSAL_OTHER_HOST = 4,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum palpate_model_refusal palpate_model_refusal;
+#else
+typedef uint32_t palpate_model_refusal;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
  Whether two surfaces touch at a point, and how.
  */
 enum palpate_touch
@@ -481,6 +518,11 @@ typedef struct palpate_contact_f32 palpate_contact_f32;
 typedef struct palpate_contact palpate_contact;
 
 /*
+ What a slow host publishes, as the fast loop renders it: the loop's end. One thread at a time may use it.
+ */
+typedef struct palpate_local_world palpate_local_world;
+
+/*
  A recording that is being written. One thread at a time may use it.
  */
 typedef struct palpate_recorder palpate_recorder;
@@ -490,6 +532,14 @@ typedef struct palpate_recorder palpate_recorder;
  or changed to it, and knows nothing of it afterwards. One thread at a time may use it.
  */
 typedef struct palpate_scene palpate_scene;
+
+/*
+ A slow host, such as a physics engine of 60 Hz: the host's end of a local model. One thread at a time may use it.
+
+ The host repeats: take the progress; step over the time since the progress before under palpate_mean_wrench() on each body;
+ look for contacts near the avatar; publish its bodies and contacts as of the progress's tick.
+ */
+typedef struct palpate_slow_host palpate_slow_host;
 
 /*
  A world that is rendered. One thread at a time may use it.
@@ -925,48 +975,75 @@ typedef struct palpate_ledger_f32 {
 } palpate_ledger_f32;
 
 /*
- What a recording is to have. palpate_recorder_params_default() makes one with every default.
+ The loop, its device, and room for what a slow host publishes. palpate_local_params_default() fills it.
  */
-typedef struct palpate_recorder_params {
+typedef struct palpate_local_params {
   /*
-   Size of this struct; palpate_recorder_params_default() sets it.
+   Size of this struct; palpate_local_params_default() sets it.
    */
   size_t struct_size;
   /*
-   Name of the device, in UTF-8; NULL: not said.
+   Nominal time from sample to sample of the loop, above 0 [s]. It has no default.
    */
-  const char *device;
+  double period;
   /*
-   Text of a scene file of what is rendered, in UTF-8, which `palpate replay` of a contact needs; NULL: none.
+   Effective mass of the device along each axis of the world, above 0 [kg]; a factor of 2 is near enough. INFINITY: the device
+   lacks this axis. It has no default.
    */
-  const char *scene;
+  double device_mass[3];
   /*
-   Ticks of one contact that may wait for the disk, 1 to 2^24; each takes about 1 KiB. 0: 65536.
+   Radius of the tool, a sphere, not below 0 [m]. Default: 0, a point.
    */
-  size_t room;
-} palpate_recorder_params;
-
-/*
- What a recording had in the end. palpate_recorded_empty() makes one to be filled.
- */
-typedef struct palpate_recorded {
+  double tool_radius;
   /*
-   Size of this struct; palpate_recorded_empty() sets it.
+   Age of the newest model beyond which its contacts fade [s]: 1 to 1000 periods of the loop. Default: 0.2.
    */
-  size_t struct_size;
+  double stale_after;
   /*
-   Ticks that the loop made.
+   Time in which they fade, and come back, above 0 [s]. Default: 0.1.
    */
-  uint64_t ticks_made;
+  double fade;
   /*
-   Ticks that the file has; 0 where the system refused to write it to its end.
+   Time in which a change of a contact that touches comes in, above 0 [s]. Default: 0.01.
    */
-  uint64_t ticks;
+  double settle;
   /*
-   Ticks that found no room on their way to the disk. The file says which.
+   Time in which the loop's copy of a body goes back to the host's body, above 0 [s]. Default: 1.
    */
-  uint64_t lost;
-} palpate_recorded;
+  double return_time;
+  /*
+   Quantum of the position sensor, not below 0 [m]. Default: 0.
+   */
+  double quantum;
+  /*
+   Time from a sample to the moment at which its command begins to act, not below 0 [s]. Default: 0.
+   */
+  double delay;
+  /*
+   Time constant of a first-order lag after it, not below 0 [s]. Default: 0.
+   */
+  double lag;
+  /*
+   Delivered over commanded force, above 0. Default: 1.
+   */
+  double gain;
+  /*
+   Largest force on the device, by its norm, above 0 [N]. INFINITY: no limit. Default: 20.
+   */
+  double force_limit;
+  /*
+   Time over which a force comes in where a start or a recovery finds contact, not below 0 [s]. Default: 0.2.
+   */
+  double soft_start;
+  /*
+   Number of the host's bodies, at most 16; 0, the default: contacts with what never moves only.
+   */
+  uint32_t bodies;
+  /*
+   Most contacts of a model, 1 to 64. Default: 8.
+   */
+  uint32_t contacts;
+} palpate_local_params;
 
 /*
  Where a device is. It stands in arrays, so it has no struct_size and stays as it is.
@@ -1014,6 +1091,262 @@ typedef struct palpate_world_sample {
 } palpate_world_sample;
 
 /*
+ What a device is to give to the hand, and to hold until the next sample. It stands in arrays, so it has no struct_size
+ and stays as it is.
+ */
+typedef struct palpate_wrench {
+  /*
+   Force along the world's axes [N].
+   */
+  double force[3];
+  /*
+   Torque about the tool's centre of mass along the world's axes [N m]; 0 for a device of three axes.
+   */
+  double torque[3];
+} palpate_wrench;
+
+/*
+ What a tick by a local model says beside the force. palpate_local_output_empty() makes one to be filled.
+ */
+typedef struct palpate_local_output {
+  /*
+   Size of this struct; palpate_local_output_empty() sets it.
+   */
+  size_t struct_size;
+  /*
+   Age of the newest model [s]; INFINITY where there is none.
+   */
+  double age;
+  /*
+   Why the sample was refused. The force is then 0.
+   */
+  palpate_fault fault;
+  /*
+   Limits that changed the force: bits of palpate_limit.
+   */
+  uint32_t limited;
+  /*
+   1: the contacts fade, or have faded, because there is no model or it is too old.
+   */
+  uint32_t is_stale;
+  /*
+   Why the model that has come since the last tick was not taken.
+   */
+  palpate_model_refusal refusal;
+  /*
+   Sub-steps of the tick, with those that were replaced by finer ones.
+   */
+  uint32_t sub_steps;
+  /*
+   Sub-steps that were replaced by finer ones, where contacts begin, end, or begin to slip.
+   */
+  uint32_t refined;
+  /*
+   Such sub-steps that were not: there were too many of them.
+   */
+  uint32_t unrefined;
+  /*
+   1: the fastest contact asked for more sub-steps than a tick may have. A smaller stiffness or a shorter period helps.
+   */
+  uint32_t too_fast;
+} palpate_local_output;
+
+/*
+ How far the loop has come: what a host needs for its next step. palpate_progress_empty() makes one to be filled.
+ */
+typedef struct palpate_progress {
+  /*
+   Size of this struct; palpate_progress_empty() sets it.
+   */
+  size_t struct_size;
+  /*
+   Periods that the loop has rendered. A model that has all impulses of this progress in it is of this tick.
+   */
+  uint64_t tick;
+  /*
+   Time from sample to sample of the loop [s].
+   */
+  double period;
+  /*
+   Where the avatar of the tool is at the end of the last period [m]: where the host looks for what the tool may touch.
+   */
+  double position[3];
+  /*
+   Its velocity [m/s].
+   */
+  double velocity[3];
+  /*
+   Tick of the newest model, where `has_model` is not 0.
+   */
+  uint64_t model_tick;
+  /*
+   1: a model has been taken.
+   */
+  uint32_t has_model;
+  /*
+   1: the contacts fade, or have faded, because there is no model or it is too old.
+   */
+  uint32_t is_stale;
+  /*
+   Why the last model that came was not taken.
+   */
+  palpate_model_refusal refusal;
+  /*
+   0.
+   */
+  uint32_t reserved;
+} palpate_progress;
+
+/*
+ What the tool has given to a body of the host. It stands in arrays, so it has no struct_size and stays as it is.
+ */
+typedef struct palpate_body_progress {
+  /*
+   Impulse of the tool on the body since the start [N s].
+   */
+  double impulse[3];
+  /*
+   Its moment about the body's reference point [N m s].
+   */
+  double moment[3];
+  /*
+   Where the loop's copy of the body is [m].
+   */
+  double copy[3];
+} palpate_body_progress;
+
+/*
+ A body of a slow host as of a tick, along the world's axes. Its reference point is where the host takes torques about, as a
+ rule the centre of mass. It stands in arrays, so it has no struct_size and stays as it is. palpate_host_body_fixed() makes one
+ that does not move.
+ */
+typedef struct palpate_host_body {
+  /*
+   Where the reference point is, and how the body is turned.
+   */
+  struct palpate_pose pose;
+  /*
+   Velocity of the reference point [m/s].
+   */
+  double velocity[3];
+  /*
+   Angular velocity [rad/s].
+   */
+  double angular_velocity[3];
+  /*
+   Acceleration of the reference point by everything but the tool, over the host's step [m/s^2].
+   */
+  double acceleration[3];
+  /*
+   Angular acceleration by everything but the tool [rad/s^2].
+   */
+  double angular_acceleration[3];
+  /*
+   What a wrench does to these six: rows are accelerations, columns force [N] and torque about the reference point [N m]. Of a
+   free body of mass m, 1/m in the first three places of the diagonal, and the inverse of its inertia in the last three rows
+   and columns; of a body that does not move, 0.
+   */
+  double mobility[6][6];
+} palpate_host_body;
+
+/*
+ A place where a sphere, the tool or a part of a body, may touch a surface, along the world's axes, with the bodies where the
+ model says that they are. The surface is a plane or, with a curvature, a sphere; it is fixed to its body, and has no end. It
+ stands in arrays, so it has no struct_size and stays as it is. palpate_host_contact_at_gap() makes one for the tool,
+ palpate_host_contact_none() an empty place.
+ */
+typedef struct palpate_host_contact {
+  /*
+   A point of the surface: as a rule the one that is nearest to the sphere [m].
+   */
+  double place[3];
+  /*
+   Unit vector out of the surface there.
+   */
+  double normal[3];
+  /*
+   Curvature of the surface [1/m]: 1/r of a ball of radius r, -1/r of the inside of one, 0 of a plane.
+   */
+  double curvature;
+  /*
+   Stiffness, above 0 [N/m]. 0: there is no contact in this place of the array.
+   */
+  double stiffness;
+  /*
+   Damping, not below 0 [N s/m].
+   */
+  double damping;
+  /*
+   Coefficient of friction, not below 0.
+   */
+  double friction;
+  /*
+   Stiffness of friction, above 0 [N/m]; 0: as `stiffness`.
+   */
+  double friction_stiffness;
+  /*
+   Of a sphere of a body, its centre [m]. Not looked at for the tool.
+   */
+  double centre[3];
+  /*
+   Of a sphere of a body, its radius, not below 0 [m]. Not looked at for the tool.
+   */
+  double radius;
+  /*
+   Place of the body whose surface is touched; PALPATE_NO_BODY: something that never moves.
+   */
+  uint32_t on;
+  /*
+   Place of the body whose sphere touches; PALPATE_NO_BODY: the tool.
+   */
+  uint32_t of;
+} palpate_host_contact;
+
+/*
+ What a recording is to have. palpate_recorder_params_default() makes one with every default.
+ */
+typedef struct palpate_recorder_params {
+  /*
+   Size of this struct; palpate_recorder_params_default() sets it.
+   */
+  size_t struct_size;
+  /*
+   Name of the device, in UTF-8; NULL: not said.
+   */
+  const char *device;
+  /*
+   Text of a scene file of what is rendered, in UTF-8, which `palpate replay` of a contact needs; NULL: none.
+   */
+  const char *scene;
+  /*
+   Ticks of one contact that may wait for the disk, 1 to 2^24; each takes about 1 KiB. 0: 65536.
+   */
+  size_t room;
+} palpate_recorder_params;
+
+/*
+ What a recording had in the end. palpate_recorded_empty() makes one to be filled.
+ */
+typedef struct palpate_recorded {
+  /*
+   Size of this struct; palpate_recorded_empty() sets it.
+   */
+  size_t struct_size;
+  /*
+   Ticks that the loop made.
+   */
+  uint64_t ticks_made;
+  /*
+   Ticks that the file has; 0 where the system refused to write it to its end.
+   */
+  uint64_t ticks;
+  /*
+   Ticks that found no room on their way to the disk. The file says which.
+   */
+  uint64_t lost;
+} palpate_recorded;
+
+/*
  What a tick of a world says beside the wrenches. palpate_world_output_empty() makes one to be filled.
  */
 typedef struct palpate_world_output {
@@ -1054,21 +1387,6 @@ typedef struct palpate_world_output {
    */
   uint32_t left_out;
 } palpate_world_output;
-
-/*
- What a device is to give to the hand, and to hold until the next sample. It stands in arrays, so it has no struct_size
- and stays as it is.
- */
-typedef struct palpate_wrench {
-  /*
-   Force along the world's axes [N].
-   */
-  double force[3];
-  /*
-   Torque about the tool's centre of mass along the world's axes [N m]; 0 for a device of three axes.
-   */
-  double torque[3];
-} palpate_wrench;
 
 /*
  The loop of a scene, and what methods have for settings. palpate_scene_params_default() fills it.
@@ -1734,6 +2052,95 @@ palpate_status palpate_contact_params_init(struct palpate_contact_params *params
  program. The text is there until the next call that fails, at most as long as its thread.
  */
 const char *palpate_last_error(void);
+
+/*
+ Makes both ends of a local model, and puts them into `*world` and `*host`; NULL on an error. The loop's end belongs to the
+ thread that samples the device, the host's end to the thread of the host; neither ever waits for the other one. Each is to be
+ freed, in any order, by palpate_local_world_free and palpate_slow_host_free.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_local_world_new(const struct palpate_local_params *params,
+                                       struct palpate_local_world **world,
+                                       struct palpate_slow_host **host);
+
+/*
+ Frees the loop's end of a local model. NULL is allowed.
+
+ # Safety
+ `world` is NULL or such an end, and is not used afterwards.
+ */
+void palpate_local_world_free(struct palpate_local_world *world);
+
+/*
+ One tick: takes a sample of the device, with one pose, and puts what it is to hold until the next one into `*wrench`, by the
+ newest model that the host has published. The orientation is not looked at, and the torque is 0.
+
+ It cannot fail: the wrench has finite numbers for any input, and is all 0 where a sample is refused or an argument is wrong;
+ what it gives says why. It does not allocate, lock, wait, or loop without bound. `output` may be NULL.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_fault palpate_local_world_step(struct palpate_local_world *world,
+                                       const struct palpate_world_sample *sample,
+                                       struct palpate_wrench *wrench,
+                                       struct palpate_local_output *output);
+
+/*
+ Says what was really sent to the device for the last tick, where it is another force than the tick has given: something
+ between has limited it.
+
+ # Safety
+ Each pointer is NULL or to what its type says.
+ */
+palpate_status palpate_local_world_report_sent(struct palpate_local_world *world,
+                                               const struct palpate_wrench *sent);
+
+/*
+ Frees the host's end of a local model. NULL is allowed. What it has published fades in the loop.
+
+ # Safety
+ `host` is NULL or such an end, and is not used afterwards.
+ */
+void palpate_slow_host_free(struct palpate_slow_host *host);
+
+/*
+ Puts how far the loop has come, as of its last tick, into `*progress`, and what the tool has given to each body into `bodies`,
+ of which there are `body_count`: as many as the local model has. Both are of the same tick.
+
+ # Safety
+ Each pointer is NULL or to what its type says, `bodies` to `body_count` of them; structs have the sizes that they begin with.
+ */
+palpate_status palpate_slow_host_progress(struct palpate_slow_host *host,
+                                          struct palpate_progress *progress,
+                                          struct palpate_body_progress *bodies,
+                                          size_t body_count);
+
+/*
+ Publishes the host's bodies and contacts as of a tick: that of the progress whose impulses the bodies have in them. The loop
+ renders by them from its next tick on. A contact is known by its place in `contacts`: the one in the same place of the next
+ model is the same contact, which has moved. On an error, which says everything that is wrong, the model before stays. What the
+ loop does not take, the next progress says.
+
+ # Safety
+ Each pointer is NULL or to what its type says, `bodies` and `contacts` to as many as are said.
+ */
+palpate_status palpate_slow_host_publish(struct palpate_slow_host *host,
+                                         uint64_t tick,
+                                         const struct palpate_host_body *bodies,
+                                         size_t body_count,
+                                         const struct palpate_host_contact *contacts,
+                                         size_t contact_count);
+
+/*
+ Fills parameters of a local model with the defaults. `struct_size` is sizeof(palpate_local_params).
+
+ # Safety
+ `params` is NULL, or `struct_size` bytes can be written there.
+ */
+palpate_status palpate_local_params_init(struct palpate_local_params *params, size_t struct_size);
 
 /*
  Fills parameters of a loop with the defaults. `struct_size` is sizeof(palpate_loop_params).
@@ -2473,6 +2880,79 @@ static inline palpate_device_state palpate_device_state_empty(void) {
                                 {0.0, 0.0, 0.0},
                                 {0.0, 0.0, 0.0}};
   return state;
+}
+
+/* Parameters of a local model with every default: no period and no mass of the device yet. */
+static inline palpate_local_params palpate_local_params_default(void) {
+  palpate_local_params params;
+  palpate_local_params_init(&params, sizeof params);
+  return params;
+}
+
+/* An output to be filled by palpate_local_world_step. */
+static inline palpate_local_output palpate_local_output_empty(void) {
+  palpate_local_output output = {
+      sizeof(palpate_local_output), 0.0, PALPATE_FAULT_NONE, 0, 0, PALPATE_MODEL_REFUSAL_NONE, 0, 0, 0, 0};
+  return output;
+}
+
+/* A progress to be filled by palpate_slow_host_progress. */
+static inline palpate_progress palpate_progress_empty(void) {
+  palpate_progress progress = {sizeof(palpate_progress), 0, 0.0, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0, 0, 0,
+                               PALPATE_MODEL_REFUSAL_NONE, 0};
+  return progress;
+}
+
+/* The mean wrench of the tool on a body over `time` [s], between two progresses: what the host holds over its step. None where no
+   time has passed. */
+static inline palpate_wrench palpate_mean_wrench(const palpate_body_progress *then, const palpate_body_progress *now,
+                                                 double time) {
+  palpate_wrench wrench = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+  int axis;
+  for (axis = 0; axis < 3 && time > 0.0; axis++) {
+    wrench.force[axis] = (now->impulse[axis] - then->impulse[axis]) / time;
+    wrench.torque[axis] = (now->moment[axis] - then->moment[axis]) / time;
+  }
+  return wrench;
+}
+
+/* A body of a slow host that is at rest at x, y, z [m], not turned, and that nothing moves. */
+static inline palpate_host_body palpate_host_body_fixed(double x, double y, double z) {
+  palpate_host_body body = {{{x, y, z}, {1.0, 0.0, 0.0, 0.0}},
+                            {0.0, 0.0, 0.0},
+                            {0.0, 0.0, 0.0},
+                            {0.0, 0.0, 0.0},
+                            {0.0, 0.0, 0.0},
+                            {{0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
+                             {0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
+                             {0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
+                             {0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
+                             {0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
+                             {0.0, 0.0, 0.0, 0.0, 0.0, 0.0}}};
+  return body;
+}
+
+/* No contact in this place of the array. */
+static inline palpate_host_contact palpate_host_contact_none(void) {
+  palpate_host_contact contact = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0.0, 0.0, 0.0,
+                                  {0.0, 0.0, 0.0}, 0.0, PALPATE_NO_BODY, PALPATE_NO_BODY};
+  return contact;
+}
+
+/* A contact of the tool with a flat surface of the body at place `on`, or of PALPATE_NO_BODY: by the signed `gap` [m] between the
+   surface and the tool, a sphere of `radius` [m], when the tool's centre is at `centre` [m], which is what most engines answer to
+   a query. Below 0 they overlap. `normal` is a unit vector out of the surface. There is no damping and no friction yet. */
+static inline palpate_host_contact palpate_host_contact_at_gap(const double centre[3], double radius, uint32_t on, double gap,
+                                                               const double normal[3], double stiffness) {
+  palpate_host_contact contact = palpate_host_contact_none();
+  int axis;
+  for (axis = 0; axis < 3; axis++) {
+    contact.place[axis] = centre[axis] - normal[axis] * (gap + radius);
+    contact.normal[axis] = normal[axis];
+  }
+  contact.stiffness = stiffness;
+  contact.on = on;
+  return contact;
 }
 
 /* Books to be filled by palpate_world_ledger_of. */

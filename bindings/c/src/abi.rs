@@ -35,7 +35,8 @@ mod worlds {
     use core::mem::offset_of;
 
     use crate::{
-        BodyParams, BodyState, ContactState, DeviceParams, DeviceState, JointParams, Law, Pose,
+        BodyParams, BodyProgress, BodyState, ContactState, DeviceParams, DeviceState, HostBody,
+        HostContact, JointParams, Law, LocalOutput, LocalParams, ModelRefusal, Pose, Progress,
         SceneParams, Shape, Touch, WorldLedger, WorldOutput, WorldParams, WorldSample, Wrench,
     };
 
@@ -54,5 +55,12 @@ mod worlds {
     has!(JointParams, 128, 8, kind at 8, point at 16, stiffness at 64, limits at 112);
     has!(ContactState, 112, 8, touch at 24, point at 32, penetration at 104);
     has!(DeviceState, 168, 8, avatar at 64, velocity at 120);
+    has!(LocalParams, 136, 8, device_mass at 16, stale_after at 48, quantum at 80, force_limit at 112, bodies at 128);
+    has!(LocalOutput, 48, 8, fault at 16, refusal at 28, too_fast at 44);
+    has!(Progress, 96, 8, position at 24, model_tick at 72, refusal at 88);
+    const _: () = assert!(size_of::<HostBody>() == 440 && offset_of!(HostBody, mobility) == 152);
+    const _: () = assert!(size_of::<HostContact>() == 128 && offset_of!(HostContact, on) == 120);
+    const _: () = assert!(size_of::<BodyProgress>() == 72 && offset_of!(BodyProgress, copy) == 48);
+    const _: () = assert!(size_of::<ModelRefusal>() == 4);
     const _: () = assert!(size_of::<Touch>() == 4);
 }

@@ -10,6 +10,8 @@ mod contact;
 mod contact_params;
 mod edge;
 mod last_error;
+#[cfg(feature = "worlds")]
+mod local;
 mod loop_params;
 mod methods;
 mod number;
@@ -28,6 +30,8 @@ mod world;
 pub use contact::*;
 pub use contact_params::*;
 pub use last_error::palpate_last_error;
+#[cfg(feature = "worlds")]
+pub use local::*;
 pub use loop_params::*;
 pub use methods::*;
 pub use output::*;

@@ -77,6 +77,9 @@ pub enum Refusal<'a> {
     /// What a world that runs cannot change to, in words.
     #[cfg(feature = "worlds")]
     WorldChange(std::string::String),
+    /// What is wrong with a local model, in words.
+    #[cfg(feature = "worlds")]
+    LocalModel(std::string::String),
     /// What is wrong with a recording, in words.
     #[cfg(feature = "worlds")]
     Recording(std::string::String),
@@ -125,7 +128,7 @@ impl Refusal<'_> {
             #[cfg(feature = "worlds")]
             Self::Recording(_) => Status::Recording,
             #[cfg(feature = "worlds")]
-            Self::WorldNumber { .. } => Status::Parameter,
+            Self::WorldNumber { .. } | Self::LocalModel(_) => Status::Parameter,
             #[cfg(feature = "worlds")]
             Self::Count { .. } | Self::Index { .. } => Status::Count,
         }
@@ -186,9 +189,10 @@ impl fmt::Display for Refusal<'_> {
                 write!(f, "the memory must begin at a multiple of {needed} bytes")
             }
             #[cfg(feature = "worlds")]
-            Self::Scene(words) | Self::WorldChange(words) | Self::Recording(words) => {
-                f.write_str(words)
-            }
+            Self::Scene(words)
+            | Self::WorldChange(words)
+            | Self::LocalModel(words)
+            | Self::Recording(words) => f.write_str(words),
             #[cfg(feature = "worlds")]
             Self::WorldNumber {
                 name,

@@ -16,17 +16,23 @@ pytestmark = pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="/
 MEGABYTE = 2**20
 
 
-def resident() -> int:
-    """Memory that this process occupies [B]."""
-    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGESIZE")
+def occupied() -> int:
+    """Memory of its own that this process occupies, in place or swapped out [B]. What is read from files comes and goes."""
+    said = dict(line.split(":", 1) for line in Path("/proc/self/status").read_text().splitlines())
+    return sum(1024 * int(said[name].split()[0]) for name in ("RssAnon", "VmSwap"))
 
 
 def grown(work: Callable[[], None]) -> int:
-    """By how much more memory is occupied after the work than before it [B], once everything is warm."""
+    """By how much more memory is occupied after the work than before it [B], once everything is warm: the least of three times,
+    since an allocator gives memory back when it likes, and what is left behind is left each time."""
     work()
-    before = resident()
-    work()
-    return resident() - before
+    least = None
+    for _ in range(3):
+        before = occupied()
+        work()
+        more = occupied() - before
+        least = more if least is None else min(least, more)
+    return least
 
 
 def test_a_long_loop_of_python_does_not_grow() -> None:
@@ -73,11 +79,11 @@ def test_a_loop_in_real_time_does_not_grow_whether_it_is_read_or_not() -> None:
     with loop(pressing(), wall(period=0.00025), ring=200) as running:
         # The way from the loop to its listener has room for 16384 ticks, which the system gives when it is first used.
         until("the ring to be full, and the way to it used once", lambda: running.status.ticks > 20_000)
-        before, began = resident(), running.status.ticks
+        before, began = occupied(), running.status.ticks
         until("5000 ticks that nobody read", lambda: running.status.ticks > began + 5000)
-        assert resident() - before < 1.5 * MEGABYTE
+        assert occupied() - before < 1.5 * MEGABYTE
         running.read()
-        before, began = resident(), running.status.ticks
+        before, began = occupied(), running.status.ticks
 
         def read_on() -> bool:
             running.read(wait=60.0)
@@ -85,4 +91,4 @@ def test_a_loop_in_real_time_does_not_grow_whether_it_is_read_or_not() -> None:
             return running.status.ticks > began + 5000
 
         until("5000 ticks that were read", read_on)
-        assert resident() - before < 1.5 * MEGABYTE
+        assert occupied() - before < 1.5 * MEGABYTE

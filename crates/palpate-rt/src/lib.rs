@@ -45,6 +45,7 @@
 )]
 
 mod atomics;
+mod bounded_local_world;
 mod bounded_world;
 mod control_loop;
 mod deadlines;
@@ -87,6 +88,7 @@ mod tap;
 mod thread;
 mod wire;
 
+pub use bounded_local_world::{BoundedLocalWorld, HeldLocal, bounded_local_world};
 pub use bounded_world::{Answered, BoundedWorld, Held, WorldSafety};
 pub use control_loop::ControlLoop;
 pub use note::{Ending, Note, Noted};

@@ -1,7 +1,10 @@
 //! What comes out of a tick of a world, beside the wrenches.
 
 use palpate_rt::Held;
+use palpate_rt::safety::Bounded;
+use palpate_world::Limited;
 
+use super::TickOutput;
 use crate::output::{Fault, Limit};
 use crate::sized::SizedStruct;
 
@@ -37,9 +40,8 @@ unsafe impl SizedStruct for WorldOutput {
     const NAME: &'static str = "palpate_world_output";
 }
 
-impl WorldOutput {
-    /// Nothing but why there is no force.
-    pub(crate) fn refused(fault: Fault) -> Self {
+impl TickOutput for WorldOutput {
+    fn refused(fault: Fault) -> Self {
         Self {
             struct_size: size_of::<Self>(),
             fault,
@@ -52,23 +54,32 @@ impl WorldOutput {
             left_out: 0,
         }
     }
+
+    fn fault(&self) -> Fault {
+        self.fault
+    }
+}
+
+/// Limits that changed a wrench, as bits of palpate_limit.
+pub(crate) fn limits(limited: Limited, bounded: Bounded) -> u32 {
+    let bit = |set: bool, limit: Limit| if set { limit as u32 } else { 0 };
+    bit(limited.force || bounded.force, Limit::Force)
+        | bit(limited.torque, Limit::Torque)
+        | bit(limited.offset, Limit::Offset)
+        | bit(limited.guard, Limit::Guard)
+        | bit(bounded.slew, Limit::Slew)
+        | bit(bounded.soft_start, Limit::SoftStart)
 }
 
 impl From<&Held<'_>> for WorldOutput {
     fn from(held: &Held<'_>) -> Self {
-        let bit = |set: bool, limit: Limit| if set { limit as u32 } else { 0 };
         let device = held.fault.and_then(|fault| fault.tool);
         Self {
             fault: Fault::of(held.fault.map(|fault| fault.fault)),
             fault_device: device
                 .and_then(|device| u32::try_from(device).ok())
                 .unwrap_or(PALPATE_NO_DEVICE),
-            limited: bit(held.limited.force || held.bounded.force, Limit::Force)
-                | bit(held.limited.torque, Limit::Torque)
-                | bit(held.limited.offset, Limit::Offset)
-                | bit(held.limited.guard, Limit::Guard)
-                | bit(held.bounded.slew, Limit::Slew)
-                | bit(held.bounded.soft_start, Limit::SoftStart),
+            limited: limits(held.limited, held.bounded),
             sub_steps: held.effort.sub_steps,
             refined: held.effort.refined,
             unrefined: held.effort.unrefined,

@@ -9,7 +9,7 @@ use super::{Pose, World, WorldOutput, WorldSample, Wrench};
 use crate::edge::{caught, status};
 use crate::last_error;
 use crate::output::Fault;
-use crate::sized;
+use crate::sized::{self, SizedStruct};
 use crate::status::{Refusal, Status};
 
 const NONE: Wrench = Wrench {
@@ -34,26 +34,49 @@ pub unsafe extern "C" fn palpate_world_step(
     wrench_count: usize,
     output: *mut WorldOutput,
 ) -> Fault {
+    // SAFETY: as the caller says.
+    unsafe {
+        answer(wrenches, wrench_count, output, |out| {
+            tick(world, sample, out)
+        })
+    }
+}
+
+/// What a tick says beside the wrenches.
+pub(crate) trait TickOutput: SizedStruct {
+    /// Nothing but why there is no force.
+    fn refused(fault: Fault) -> Self;
+
+    /// Why the sample was refused.
+    fn fault(&self) -> Fault;
+}
+
+/// The answer of a tick that may go wrong: whatever happens, nothing of an earlier one stays in the wrenches.
+///
+/// # Safety
+/// `wrenches` is NULL or to `wrench_count` of them, `output` NULL or to a struct of the size that it begins with.
+pub(crate) unsafe fn answer<O: TickOutput>(
+    wrenches: *mut Wrench,
+    wrench_count: usize,
+    output: *mut O,
+    tick: impl FnOnce(&mut [Wrench]) -> Result<O, Refusal<'static>>,
+) -> Fault {
     let out: &mut [Wrench] = if wrenches.is_null() {
         &mut []
     } else {
         // SAFETY: as the caller says.
         unsafe { slice::from_raw_parts_mut(wrenches, wrench_count) }
     };
-    // Whatever happens below, nothing of an earlier tick stays.
     out.fill(NONE);
-    let said = caught(|| {
-        // SAFETY: as the caller says.
-        match unsafe { tick(world, sample, out) } {
-            Ok(said) => said,
-            Err(refusal) => {
-                last_error::set(&refusal);
-                WorldOutput::refused(Fault::Argument)
-            }
+    let said = caught(|| match tick(out) {
+        Ok(said) => said,
+        Err(refusal) => {
+            last_error::set(&refusal);
+            O::refused(Fault::Argument)
         }
     })
-    .unwrap_or(WorldOutput::refused(Fault::Internal));
-    if said.fault == Fault::Internal {
+    .unwrap_or(O::refused(Fault::Internal));
+    if said.fault() == Fault::Internal {
         // What was put there before a defect came up.
         out.fill(NONE);
     }
@@ -66,7 +89,7 @@ pub unsafe extern "C" fn palpate_world_step(
             return Fault::Argument;
         }
     }
-    said.fault
+    said.fault()
 }
 
 /// The tick of arguments that may be wrong.

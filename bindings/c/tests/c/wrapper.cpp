@@ -153,7 +153,46 @@ static void recordings(const std::string &folder) {
   }
 }
 
+static void slow_hosts() {
+  auto params = palpate_local_params_default();
+  try {
+    palpate::local_world(params);
+    EXPECT(!"a loop without a period was made");
+  } catch (const palpate::Error &error) {
+    EXPECT(error.status() == PALPATE_STATUS_PARAMETER);
+  }
+  params.period = 0.001;
+  params.soft_start = 0.0;
+  params.device_mass[0] = params.device_mass[1] = params.device_mass[2] = 0.2;
+  params.bodies = 1;
+  auto ends = palpate::local_world(params);
+  palpate::LocalWorld world(std::move(ends.first));
+  palpate::SlowHost host(std::move(ends.second));
+  const double point[3] = {0.0, 0.0, 0.0}, up[3] = {0.0, 0.0, 1.0};
+  const palpate_host_body fixed = palpate_host_body_fixed(0.0, 0.0, 0.0);
+  const palpate_host_contact floor = palpate_host_contact_at_gap(point, 0.0, 0, 0.0, up, 1000.0);
+  palpate_body_progress given;
+  palpate_wrench wrench;
+  for (int tick = 0; tick < 200; tick++) {
+    const auto progress = host.progress(palpate::span<palpate_body_progress>(&given, 1));
+    host.publish(progress.tick, palpate::span<const palpate_host_body>(&fixed, 1),
+                 palpate::span<const palpate_host_contact>(&floor, 1));
+    EXPECT(world.step({{0.0, 0.0, -0.001}, {1.0, 0.0, 0.0, 0.0}}, wrench) == PALPATE_FAULT_NONE);
+  }
+  EXPECT(wrench.force[2] > 0.9 && wrench.force[2] < 1.1 && given.impulse[2] < -0.05);
+  world.report_sent(wrench);
+  EXPECT(ends.first.step({{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}}, wrench) == PALPATE_FAULT_ARGUMENT);
+  EXPECT(wrench.force[2] == 0.0);
+  try {
+    host.publish(0, {}, {});
+    EXPECT(!"a model without its body was taken");
+  } catch (const palpate::Error &error) {
+    EXPECT(error.what() == std::string("body_count is 0, but the local model has 1 bodies"));
+  }
+}
+
 int main(int argc, char **argv) {
+  slow_hosts();
   if (argc > 1) worlds(argv[1]);
   built();
   if (argc > 2) recordings(argv[2]);

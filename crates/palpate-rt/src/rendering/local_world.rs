@@ -30,8 +30,7 @@ pub struct LocalWorld {
     renderer: LocalRenderer,
     state: LocalState,
     frame: WorldFrame,
-    coming: triple_buffer::Output<Option<LocalModel>>,
-    back: triple_buffer::Input<LocalProgress>,
+    host: FromHost,
     /// Whether what was held is what acted: the renderer is told of no delay and no lag.
     acts_at_once: bool,
     limited: Limited,
@@ -42,6 +41,42 @@ pub struct LocalWorld {
     /// Whether the last sample was refused, or there was none: what a sample then changes is from outside.
     is_new: bool,
     contacts: Vec<ContactTick>,
+}
+
+/// The loop's side of what passes between the two, without either side ever waiting.
+#[derive(Debug)]
+pub(crate) struct FromHost {
+    coming: triple_buffer::Output<Option<LocalModel>>,
+    back: triple_buffer::Input<LocalProgress>,
+}
+
+impl FromHost {
+    /// The newest model, if one has come since the last call.
+    pub fn newest(&mut self) -> Option<&LocalModel> {
+        if self.coming.update() {
+            self.coming.output_buffer().as_ref()
+        } else {
+            None
+        }
+    }
+
+    /// Tells the host how far the loop has come. It does not allocate.
+    pub fn tell(&mut self, progress: &LocalProgress) {
+        self.back.input_buffer_mut().copy_from(progress);
+        self.back.publish();
+    }
+}
+
+/// Both sides of what passes between a host and the `renderer` of a loop.
+pub(crate) fn sides(renderer: &LocalRenderer) -> (SlowHost, FromHost) {
+    let (out, coming) = triple_buffer::triple_buffer(&None);
+    let (back, progress) = triple_buffer::triple_buffer(renderer.start().progress());
+    let host = SlowHost {
+        renderer: renderer.clone(),
+        out,
+        progress,
+    };
+    (host, FromHost { coming, back })
 }
 
 /// Both ends of a local model of one tool, with a device that stands in the host's world as `frame` says.
@@ -64,13 +99,7 @@ pub fn local_world(
             given: 1,
         });
     }
-    let (out, coming) = triple_buffer::triple_buffer(&None);
-    let (back, progress) = triple_buffer::triple_buffer(state.progress());
-    let host = SlowHost {
-        renderer: renderer.clone(),
-        out,
-        progress,
-    };
+    let (host, from_host) = sides(&renderer);
     let actuation = renderer.in_loop().actuation;
     let world = LocalWorld {
         acts_at_once: actuation.delay == 0.0 && actuation.lag == 0.0,
@@ -82,8 +111,7 @@ pub fn local_world(
         renderer,
         state,
         frame,
-        coming,
-        back,
+        host: from_host,
     };
     Ok((host, world))
 }
@@ -142,11 +170,7 @@ impl Renders for LocalWorld {
         {
             self.report(held);
         }
-        let model = if self.coming.update() {
-            self.coming.output_buffer().as_ref()
-        } else {
-            None
-        };
+        let model = self.host.newest();
         let positions = [self.frame.in_world(device.position)];
         let fresh = Sample {
             elapsed: sample.elapsed,
@@ -156,10 +180,7 @@ impl Renders for LocalWorld {
         let force = output.forces.first().copied().unwrap_or_default();
         let fault = output.fault.map(|fault| fault.fault);
         self.limited = output.limited;
-        self.back
-            .input_buffer_mut()
-            .copy_from(self.state.progress());
-        self.back.publish();
+        self.host.tell(self.state.progress());
         let booked = self.state.books().created();
         let is_from_outside = sample.was_off || self.is_new || fault.is_some();
         if !is_from_outside {

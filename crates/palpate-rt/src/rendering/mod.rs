@@ -13,6 +13,7 @@ use palpate::{ParameterError, Running};
 
 pub use changing_world::{ChangingWorld, WorldChangeError, Worlds, changing_world};
 pub use frame::{FrameError, WorldAxis, WorldFrame};
+pub(crate) use local_world::{FromHost, sides};
 pub use local_world::{LocalWorld, SlowHost, local_world};
 pub use one_contact::OneContact;
 pub use palpate::{CHANGE_DURATION, ChangeError};

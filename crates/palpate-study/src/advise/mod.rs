@@ -6,6 +6,7 @@ use crate::map::{Bounce, BounceError, Class, Entry, Limit, Plant, Stay, bounds, 
 use crate::tune::tunable;
 use palpate_scene::Delay;
 use palpate_scene::method::{MethodName, SettingKey, Settings};
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// Name and version of the JSON report.
@@ -13,6 +14,9 @@ const FORMAT: &str = "palpate advise 2";
 
 /// Largest mean-force error of a faithful rendering, E `[%]`.
 pub const FAITHFUL_PERCENT: f64 = 20.0;
+
+/// A method with the settings that it is tried with, and the damping among them where one is set.
+type Trial = (MethodName, Settings, Option<f64>);
 
 /// Dampings that are tried for each method that has one.
 const TRIED: usize = 24;
@@ -234,12 +238,12 @@ impl Advice {
     }
 
     /// Finds out what `methods` can do on the device of `bounce`, and at its own stiffness if that
-    /// is `asked`; `done` hears of each method.
+    /// is `asked`, on all processors; `done` hears of each method.
     pub fn on(
         bounce: &Bounce,
         asked: bool,
         methods: &[MethodName],
-        done: impl Fn(),
+        done: impl Fn() + Sync,
     ) -> Result<Self, BounceError> {
         let device = &bounce.device;
         let (m, t) = (device.mass, bounce.period);
@@ -266,21 +270,22 @@ impl Advice {
             bounds: Bounds::of(bounce),
             files: Vec::new(),
         };
-        for method in methods {
+        let limits = |method: &MethodName| -> Result<MethodAdvice, BounceError> {
             let settings = default_settings(*method);
-            advice.methods.push(MethodAdvice {
+            let (stiffest, lightest) = rayon::join(
+                || bounce.stiffest(*method, settings),
+                || asked.then(|| bounce.lightest(*method, settings)),
+            );
+            done();
+            Ok(MethodAdvice {
                 method: method.name(),
                 by_itself: None,
                 tuned: None,
-                stiffest_n_per_m: bounce.stiffest(*method, settings)?.into(),
-                lightest_kg: if asked {
-                    Some(bounce.lightest(*method, settings)?.into())
-                } else {
-                    None
-                },
-            });
-            done();
-        }
+                stiffest_n_per_m: stiffest?.into(),
+                lightest_kg: lightest.transpose()?.map(Reach::from),
+            })
+        };
+        advice.methods = methods.par_iter().map(limits).collect::<Result<_, _>>()?;
         if asked {
             advice.judge(bounce, methods)?;
         }
@@ -290,7 +295,7 @@ impl Advice {
     /// Judges the contact that is asked for.
     fn judge(&mut self, bounce: &Bounce, methods: &[MethodName]) -> Result<(), BounceError> {
         let impedance = bounce.stiffness * bounce.period;
-        let mut trials = Vec::new();
+        let mut trials: Vec<Trial> = Vec::new();
         for method in methods {
             trials.push((*method, default_settings(*method), None));
             for (settings, damping) in dampings(*method, impedance) {
@@ -299,16 +304,16 @@ impl Advice {
         }
         let settings: Vec<_> = trials.iter().map(|(m, s, _)| (*m, *s)).collect();
         let (entries, _) = bounce.judge(Plant::Damped, &settings)?;
-        let mut judged: Vec<(MethodName, Judged)> = Vec::with_capacity(trials.len());
-        for ((method, settings, damping), entry) in trials.iter().zip(&entries) {
+        let judge = |((method, settings, damping), entry): (&Trial, &Entry)| {
             // What gains energy from bounce to bounce is no answer, whatever it does at rest.
-            let stay = if entry.class() == Class::Stable {
-                Some(bounce.stay(*method, *settings)?.0)
-            } else {
-                None
+            let stay = match entry.class() {
+                Class::Stable => Some(bounce.stay(*method, *settings)?.0),
+                Class::Growing | Class::Diverged => None,
             };
-            judged.push((*method, Judged::of(entry, *damping, stay)));
-        }
+            Ok((*method, Judged::of(entry, *damping, stay)))
+        };
+        let trials = trials.par_iter().zip(&entries).map(judge);
+        let judged: Vec<(MethodName, Judged)> = trials.collect::<Result<_, BounceError>>()?;
         for advice in &mut self.methods {
             let of_method = judged.iter().filter(|(m, _)| m.name() == advice.method);
             let (tuned, by_itself): (Vec<Judged>, Vec<Judged>) = of_method

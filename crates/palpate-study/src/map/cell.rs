@@ -10,6 +10,7 @@ use super::growth::{Class, classify};
 use super::stay::Stay;
 use super::trial::{Course, Judged, Outcome};
 use palpate_scene::method::{MethodName, Settings};
+use rayon::prelude::*;
 
 /// Median and worst over the start heights.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,19 +108,23 @@ impl Bounce {
             .iter()
             .map(|(method, settings)| self.renderer(*method, *settings))
             .collect::<Result<_, _>>()?;
-        let mut outcomes: Vec<Vec<Outcome>> = vec![Vec::with_capacity(PHASES); methods.len()];
-        for phase in 0..PHASES {
+        let from = |phase| -> Result<Vec<Outcome>, BounceError> {
             let course = Course::new(self, phase, Judged::Force)?;
-            for (renderer, outcomes) in renderers.iter().zip(&mut outcomes) {
-                outcomes.push(course.run(self, renderer)?);
-            }
-        }
-        let ticks = outcomes.iter().flatten().map(|outcome| outcome.ticks).sum();
-        let entries = methods
-            .iter()
-            .zip(&outcomes)
-            .map(|((method, _), outcomes)| Entry::new(plant, *method, outcomes))
-            .collect();
+            let renderers = renderers.iter();
+            renderers
+                .map(|renderer| course.run(self, renderer))
+                .collect()
+        };
+        let by_phase: Vec<Vec<Outcome>> = (0..PHASES)
+            .into_par_iter()
+            .map(from)
+            .collect::<Result<_, _>>()?;
+        let ticks = by_phase.iter().flatten().map(|outcome| outcome.ticks).sum();
+        let entry = |(at, (method, _)): (usize, &(MethodName, Settings))| {
+            let outcomes: Vec<Outcome> = by_phase.iter().map(|outcomes| outcomes[at]).collect();
+            Entry::new(plant, *method, &outcomes)
+        };
+        let entries = methods.iter().enumerate().map(entry).collect();
         Ok((entries, ticks))
     }
 

@@ -1,0 +1,211 @@
+//! The local model of a slow host between its renderer and whoever holds its forces: rendered, and bounded by the safety of
+//! each device.
+//!
+//! It is for a loop of somebody else's, as [`BoundedWorld`](crate::BoundedWorld) is.
+
+use palpate_device::Wrench;
+use palpate_world::engine::local::{LocalRenderer, LocalState, ModelRefusal};
+use palpate_world::{Effort, Limited, Sample, WorldFault};
+
+use crate::bounded_world::{Answered, WorldSafety};
+use crate::rendering::{FromHost, SlowHost, sides};
+use crate::safety::{Bounded, SafetyError, SafetyParams};
+
+/// What a slow host publishes, rendered for any number of tools, and what may reach their devices.
+#[derive(Debug)]
+pub struct BoundedLocalWorld {
+    renderer: LocalRenderer,
+    state: LocalState,
+    host: FromHost,
+    safety: WorldSafety,
+    /// What is to be held, for each tool.
+    wrenches: Vec<Wrench>,
+}
+
+/// The answer to one sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeldLocal<'a> {
+    /// What each device is to give to the hand, and to hold until the next sample; finite for any sample. No torque.
+    pub wrenches: &'a [Wrench],
+    /// Limits of the renderer that acted.
+    pub limited: Limited,
+    /// Limits of the safety that acted.
+    pub bounded: Bounded,
+    /// What the tick has cost, and what did not fit in it.
+    pub effort: Effort,
+    /// Why the sample was refused, if it was: every wrench is then none.
+    pub fault: Option<WorldFault>,
+    /// Age of the newest model `[s]`; `None` where there is none.
+    pub age: Option<f64>,
+    /// Whether the contacts fade, or have faded, because there is no model or it is too old.
+    pub is_stale: bool,
+    /// Why the model that came with this sample was not taken, if it was not. The one before goes on.
+    pub refusal: Option<ModelRefusal>,
+}
+
+/// Both ends of a local model: the host's, and that of a loop of somebody else's, with the same limits for each device. The two
+/// may be used in two threads.
+///
+/// # Errors
+/// The first limit outside its range, by name, with what is allowed.
+pub fn bounded_local_world(
+    renderer: LocalRenderer,
+    limits: SafetyParams,
+) -> Result<(SlowHost, BoundedLocalWorld), SafetyError> {
+    let state = renderer.start();
+    let tools = state.tools().len();
+    let safety = WorldSafety::new(tools, limits, renderer.in_loop().period)?;
+    let (host, from_host) = sides(&renderer);
+    let world = BoundedLocalWorld {
+        host: from_host,
+        safety,
+        wrenches: vec![Wrench::NONE; tools],
+        state,
+        renderer,
+    };
+    Ok((host, world))
+}
+
+impl BoundedLocalWorld {
+    /// One tick: a sample of all tools in, what each device is to hold out, by the newest model that has come. It does not
+    /// allocate, lock or wait. The renderer knows of what its limits and those of the safety have taken.
+    pub fn step(&mut self, sample: &Sample<'_>) -> HeldLocal<'_> {
+        let output = self
+            .renderer
+            .step(&mut self.state, sample, self.host.newest());
+        let (limited, effort, fault) = (output.limited, output.effort, output.fault);
+        let (age, is_stale, refusal) = (output.age, output.is_stale, output.refusal);
+        for (wrench, &force) in self.wrenches.iter_mut().zip(output.forces) {
+            *wrench = Wrench {
+                force,
+                torque: [0.0; 3],
+            };
+        }
+        let answered = Answered {
+            elapsed: sample.elapsed,
+            positions: sample.positions,
+            refused: fault.is_some(),
+        };
+        let bounded = self.safety.bound(&answered, &mut self.wrenches);
+        self.host.tell(self.state.progress());
+        for (tool, wrench) in self.wrenches.iter().enumerate() {
+            let state = &mut self.state;
+            self.renderer.report_sent(state, tool, wrench.force);
+        }
+        HeldLocal {
+            wrenches: &self.wrenches,
+            limited,
+            bounded,
+            effort,
+            fault,
+            age,
+            is_stale,
+            refusal,
+        }
+    }
+
+    /// Says what was really sent to a device for the last sample, where something between has limited it.
+    pub fn report_sent(&mut self, tool: usize, sent: Wrench) {
+        self.renderer.report_sent(&mut self.state, tool, sent.force);
+    }
+
+    /// The local model at the last sample.
+    #[must_use]
+    pub fn state(&self) -> &LocalState {
+        &self.state
+    }
+
+    /// What renders it.
+    #[must_use]
+    pub fn renderer(&self) -> &LocalRenderer {
+        &self.renderer
+    }
+
+    /// The limits of each device.
+    #[must_use]
+    pub fn limits(&self) -> &SafetyParams {
+        self.safety.params()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_world::engine::local::{LocalContact, LocalParams};
+    use palpate_world::{ContactLaw, CoupledParams, Shape, Tool, WorldLoop};
+
+    const PERIOD: f64 = 1e-3;
+
+    /// A sphere of 5 mm over whatever a host publishes, and a floor whose surface is at 0.
+    fn ends(limits: SafetyParams) -> (SlowHost, BoundedLocalWorld, LocalContact) {
+        let tool = Tool::new("tool", Shape::Sphere { radius: 5e-3 });
+        let renderer = LocalRenderer::new(
+            &[tool],
+            LocalParams::new(0, 1),
+            WorldLoop::new(PERIOD),
+            CoupledParams::new(vec![[0.1; 3]]),
+        );
+        let (host, world) =
+            bounded_local_world(renderer.expect("right"), limits).expect("limits in their range");
+        let law = ContactLaw::spring(1000.0);
+        let floor = LocalContact::of_tool(0, None, [0.0; 3], [0.0, 0.0, 1.0], law);
+        (host, world, floor)
+    }
+
+    fn held(world: &mut BoundedLocalWorld, depth: f64) -> HeldLocal<'_> {
+        world.step(&Sample::at(&[[0.0, 0.0, 5e-3 - depth]]))
+    }
+
+    #[test]
+    fn a_floor_of_the_host_holds_within_the_limits_and_fades_when_the_host_is_gone() {
+        let (mut host, mut world, floor) = ends(SafetyParams {
+            largest_force: 2.0,
+            soft_start: 0.0,
+            ..SafetyParams::default()
+        });
+        let first = held(&mut world, 1e-3);
+        assert!(first.is_stale && first.age.is_none());
+        assert_eq!(first.wrenches, [Wrench::NONE]);
+        // For longer than a model may be old.
+        for _ in 0..400 {
+            let tick = host.progress().tick;
+            host.publish(tick, &[], &[Some(floor)]).expect("right");
+            held(&mut world, 1e-3);
+        }
+        let answer = held(&mut world, 1e-3);
+        assert!(!answer.is_stale && answer.refusal.is_none() && answer.fault.is_none());
+        assert_eq!(answer.age, Some(2.0 * PERIOD));
+        let force = answer.wrenches[0].force[2];
+        assert!((force - 1.0).abs() < 0.05, "{force}");
+        let answer = held(&mut world, 5e-3);
+        assert_eq!(answer.wrenches[0].force[2], 2.0);
+        assert!(answer.bounded.force || answer.limited.force);
+        for _ in 0..400 {
+            held(&mut world, 1e-3);
+        }
+        let answer = held(&mut world, 1e-3);
+        assert!(answer.is_stale);
+        assert_eq!(answer.wrenches[0].force, [0.0; 3]);
+        assert!(host.progress().is_stale);
+    }
+
+    #[test]
+    fn a_force_comes_in_softly_and_a_sample_that_is_refused_gets_none() {
+        let (mut host, mut world, floor) = ends(SafetyParams {
+            soft_start: 20.0 * PERIOD,
+            ..SafetyParams::default()
+        });
+        let tick = host.progress().tick;
+        host.publish(tick, &[], &[Some(floor)]).expect("right");
+        let answer = held(&mut world, 1e-3);
+        assert!(answer.bounded.soft_start && answer.wrenches[0].force[2] < 0.2);
+        for _ in 0..150 {
+            held(&mut world, 1e-3);
+        }
+        assert!(held(&mut world, 1e-3).wrenches[0].force[2] > 0.9);
+        let refused = held(&mut world, f64::NAN);
+        assert!(refused.fault.is_some());
+        assert_eq!(refused.wrenches, [Wrench::NONE]);
+        assert!(held(&mut world, 1e-3).wrenches[0].force[2] < 0.2);
+    }
+}
