@@ -1,0 +1,51 @@
+/*
+ * What palpate.h answers, as exceptions of C++17; a part of palpate.hpp.
+ *
+ * License: MIT OR Apache-2.0
+ */
+#pragma once
+
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+
+#include "palpate.h"
+
+namespace palpate {
+
+/* A parameter that cannot be: what() says which, its value, and what is allowed. */
+class Error : public std::runtime_error {
+ public:
+  Error(palpate_status status, const std::string &words) : std::runtime_error(words), status_(status) {}
+
+  palpate_status status() const noexcept { return status_; }
+
+ private:
+  palpate_status status_;
+};
+
+namespace detail {
+
+inline void check(palpate_status status) {
+  if (status != PALPATE_STATUS_OK) {
+    throw Error(status, palpate_last_error());
+  }
+}
+
+inline void check_version() {
+  if (palpate_abi_version() != PALPATE_ABI_VERSION) {
+    throw Error(PALPATE_STATUS_STRUCT_SIZE, "this program was compiled with another palpate.h than the library has");
+  }
+}
+
+template <typename Text>
+std::string text(Text put) {
+  std::string words(put(nullptr, std::size_t{0}), '\0');
+  // The 0 behind a string's last character may be written with 0.
+  put(words.data(), words.size() + 1);
+  return words;
+}
+
+}  // namespace detail
+
+}  // namespace palpate
