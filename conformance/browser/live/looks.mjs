@@ -51,7 +51,7 @@ test("two lanes at 4 kHz and 10 s of curves are drawn at a price that leaves roo
   };
   const references = [await measure(look, open)];
   const from = await look();
-  await open.until("some pictures more are drawn", (from) => palpate.counted.allFrames >= from + 60, from.allFrames);
+  await open.until("some pictures more are drawn", (from) => palpate.counted.allFrames >= from + 20, from.allFrames);
   const to = await look();
   references.push(await measure(look, open));
   const reference = (references[0] + references[1]) / 2;

@@ -223,8 +223,8 @@ test("a method that trips is shown; another one, rearmed, holds the same wall", 
   await open.page.click('[data-about="trip-1"] button');
   await open.until("it is armed", () => palpate.model.state.lanes[0].trip === null);
   await press(open, 0.01);
-  const force = await held(open);
-  assert.ok(force < -2, `${force} N`);
+  const { forceN } = await held(open);
+  assert.ok(forceN < -2, `${forceN} N`);
   assert.equal(await open.get(() => document.querySelector('[data-about="trip-1"]')), null);
   await open.leave();
   await live.end();
