@@ -6,6 +6,8 @@
 //! gives the force on the device, 0 where anything is wrong. Nothing unwinds into the caller.
 
 mod abi;
+#[cfg(feature = "worlds")]
+mod array;
 mod contact;
 mod contact_params;
 mod edge;

@@ -97,6 +97,12 @@ pub enum Refusal<'a> {
         given: usize,
         needed: usize,
     },
+    /// An array that cannot be one of so many elements.
+    #[cfg(feature = "worlds")]
+    Array {
+        name: &'static str,
+        count: usize,
+    },
     /// A place where there is none of them.
     #[cfg(feature = "worlds")]
     Index {
@@ -129,6 +135,8 @@ impl Refusal<'_> {
             Self::Recording(_) => Status::Recording,
             #[cfg(feature = "worlds")]
             Self::WorldNumber { .. } | Self::LocalModel(_) => Status::Parameter,
+            #[cfg(feature = "worlds")]
+            Self::Array { .. } => Status::Memory,
             #[cfg(feature = "worlds")]
             Self::Count { .. } | Self::Index { .. } => Status::Count,
         }
@@ -205,6 +213,8 @@ impl fmt::Display for Refusal<'_> {
                 given,
                 needed,
             } => write!(f, "{name} is {given}, but the world has {needed} devices"),
+            #[cfg(feature = "worlds")]
+            Self::Array { name, count } => write!(f, "{name} is no array of {count} elements"),
             #[cfg(feature = "worlds")]
             Self::Index { name, given, count } => {
                 write!(f, "{name} is {given}, but must be less than {count}")

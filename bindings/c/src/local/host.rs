@@ -1,11 +1,11 @@
 //! The host's end of a local model.
 
-use core::slice;
 use std::format;
 
 use palpate_world::engine::BodyNow;
 
 use super::{BodyProgress, HostBody, HostContact, Progress};
+use crate::array::{array, array_mut};
 use crate::edge::status;
 use crate::scene::in_words;
 use crate::sized;
@@ -68,23 +68,18 @@ pub unsafe extern "C" fn palpate_slow_host_progress(
         // SAFETY: as the caller says.
         let host = unsafe { host.as_mut() }.ok_or(Refusal::Null("host"))?;
         host.counted(body_count)?;
-        if bodies.is_null() && body_count > 0 {
-            return Err(Refusal::Null("bodies"));
-        }
+        // SAFETY: as the caller says.
+        let bodies = unsafe { array_mut(bodies, body_count, "bodies") }?;
         let now = host.end.progress();
         // SAFETY: as the caller says.
         unsafe { sized::write(progress, || Progress::from(now)) }?;
-        if !bodies.is_null() {
-            // SAFETY: as the caller says.
-            let bodies = unsafe { slice::from_raw_parts_mut(bodies, body_count) };
-            let given = now.impulses.iter().zip(&now.copies);
-            for (body, (given, copy)) in bodies.iter_mut().zip(given) {
-                *body = BodyProgress {
-                    impulse: given.linear,
-                    moment: given.angular,
-                    copy: *copy,
-                };
-            }
+        let given = now.impulses.iter().zip(&now.copies);
+        for (body, (given, copy)) in bodies.iter_mut().zip(given) {
+            *body = BodyProgress {
+                impulse: given.linear,
+                moment: given.angular,
+                copy: *copy,
+            };
         }
         Ok(())
     })
@@ -120,23 +115,4 @@ pub unsafe extern "C" fn palpate_slow_host_publish(
             .publish(tick, &bodies, &contacts)
             .map_err(|faults| Refusal::LocalModel(in_words(&faults)))
     })
-}
-
-/// So many at `first`; none may be NULL.
-///
-/// # Safety
-/// `first` is NULL or to `count` of them.
-unsafe fn array<'a, T>(
-    first: *const T,
-    count: usize,
-    name: &'static str,
-) -> Result<&'a [T], Refusal<'static>> {
-    if count == 0 {
-        Ok(&[])
-    } else if first.is_null() {
-        Err(Refusal::Null(name))
-    } else {
-        // SAFETY: as the caller says.
-        Ok(unsafe { slice::from_raw_parts(first, count) })
-    }
 }

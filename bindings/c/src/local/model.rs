@@ -1,9 +1,9 @@
 //! What a slow host publishes.
 
-use palpate_world::ContactLaw;
 use palpate_world::engine::BodyNow;
 use palpate_world::engine::local::LocalContact;
 
+use crate::scene::law_of;
 use crate::world::{PALPATE_NO_BODY, Pose};
 
 /// A body of a slow host as of a tick, along the world's axes. Its reference point is where the host takes torques about, as a
@@ -79,16 +79,12 @@ impl HostContact {
         if self.stiffness == 0.0 {
             return None;
         }
-        let law = ContactLaw {
-            stiffness: self.stiffness,
-            damping: self.damping,
-            friction: self.friction,
-            friction_stiffness: if self.friction_stiffness == 0.0 {
-                self.stiffness
-            } else {
-                self.friction_stiffness
-            },
-        };
+        let law = law_of([
+            self.stiffness,
+            self.damping,
+            self.friction,
+            self.friction_stiffness,
+        ]);
         let body = |place: u32| (place != PALPATE_NO_BODY).then_some(place as usize);
         let (place, normal) = (self.place, self.normal);
         let contact = match body(self.of) {

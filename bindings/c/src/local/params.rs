@@ -6,7 +6,7 @@ use palpate_world::engine::local::{LocalParams as Room, LocalRenderer};
 use palpate_world::{CoupledParams, Shape, Tool, WorldLoop};
 
 use crate::edge::status;
-use crate::scene::in_words;
+use crate::scene::{check, in_words};
 use crate::sized::{self, SizedStruct};
 use crate::status::{Refusal, Status};
 
@@ -95,8 +95,8 @@ pub unsafe extern "C" fn palpate_local_params_init(
 impl LocalParams {
     /// What renders, with every parameter checked.
     pub(super) fn renderer(&self) -> Result<LocalRenderer, Refusal<'static>> {
-        let check = |name, given: f64, is_right: bool, allowed| {
-            if is_right {
+        let above_0 = |name, given: f64, allowed| {
+            if given > 0.0 {
                 Ok(())
             } else {
                 Err(Refusal::WorldNumber {
@@ -107,23 +107,12 @@ impl LocalParams {
             }
         };
         let (period, limit) = (self.period, self.force_limit);
-        check(
-            "period",
-            period,
-            period.is_finite() && period > 0.0,
-            "finite and greater than 0",
-        )?;
-        check(
-            "force_limit",
-            limit,
-            limit > 0.0,
-            "above 0, or INFINITY for no limit",
-        )?;
+        check(&[("period", period, true)])?;
+        above_0("force_limit", limit, "above 0, or INFINITY for no limit")?;
         for mass in self.device_mass {
-            check(
+            above_0(
                 "device_mass",
                 mass,
-                mass > 0.0,
                 "greater than 0, or INFINITY for an axis that the device lacks",
             )?;
         }
@@ -162,15 +151,8 @@ impl LocalParams {
 
     /// What may reach the device.
     pub(super) fn limits(&self) -> Result<SafetyParams, Refusal<'static>> {
-        let soft_start = self.soft_start;
-        if !(soft_start.is_finite() && soft_start >= 0.0) {
-            return Err(Refusal::WorldNumber {
-                name: "soft_start",
-                given: soft_start,
-                allowed: "finite and not below 0 [s]",
-            });
-        }
+        check(&[("soft_start", self.soft_start, false)])?;
         let force = self.force_limit.is_finite().then_some(self.force_limit);
-        Ok(SafetyParams::bounding(force, None, soft_start))
+        Ok(SafetyParams::bounding(force, None, self.soft_start))
     }
 }

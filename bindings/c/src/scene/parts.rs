@@ -139,16 +139,27 @@ impl Law {
             ("friction", self.friction, false),
             ("friction_stiffness", self.friction_stiffness, false),
         ])?;
-        Ok(ContactLaw {
-            stiffness: self.stiffness,
-            damping: self.damping,
-            friction: self.friction,
-            friction_stiffness: if self.friction_stiffness == 0.0 {
-                self.stiffness
-            } else {
-                self.friction_stiffness
-            },
-        })
+        let numbers = [
+            self.stiffness,
+            self.damping,
+            self.friction,
+            self.friction_stiffness,
+        ];
+        Ok(law_of(numbers))
+    }
+}
+
+/// The law of stiffness, damping, friction and stiffness of friction, as C says them: a stiffness of friction of 0 is the other.
+pub(crate) fn law_of([stiffness, damping, friction, friction_stiffness]: [f64; 4]) -> ContactLaw {
+    ContactLaw {
+        stiffness,
+        damping,
+        friction,
+        friction_stiffness: if friction_stiffness == 0.0 {
+            stiffness
+        } else {
+            friction_stiffness
+        },
     }
 }
 

@@ -1,13 +1,12 @@
 //! The shapes of tools and bodies.
 
-use std::format;
-use std::slice;
 use std::string::ToString;
 use std::sync::Arc;
 
 use palpate_world::{Hull, Mesh, Shape as World, SphereAt};
 
 use super::wrong;
+use crate::array::array;
 use crate::edge::status;
 use crate::sized::{self, SizedStruct};
 use crate::status::{Refusal, Status};
@@ -157,28 +156,6 @@ impl Shape {
             });
         })
     }
-}
-
-/// The elements of an array of C's.
-///
-/// # Safety
-/// `first` is NULL or to `count` elements, which nobody changes during `'a`.
-unsafe fn array<'a, T>(
-    first: *const T,
-    count: usize,
-    name: &'static str,
-) -> Result<&'a [T], Refusal<'static>> {
-    if count == 0 {
-        return Ok(&[]);
-    }
-    if first.is_null() {
-        return Err(Refusal::Null(name));
-    }
-    if !first.is_aligned() || count > isize::MAX as usize / size_of::<T>() {
-        return Err(wrong(format!("{name} is no array of {count} elements")));
-    }
-    // SAFETY: not NULL, aligned, no longer than memory is, and as many elements are there by the caller's word.
-    Ok(unsafe { slice::from_raw_parts(first, count) })
 }
 
 /// Fills a shape with the defaults. `struct_size` is sizeof(palpate_shape).

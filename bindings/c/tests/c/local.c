@@ -162,7 +162,7 @@ static void planar(void) {
   palpate_slow_host_free(host);
 }
 
-static atomic_int published = 0, is_gone = 0;
+static atomic_int published = 0, is_over = 0, is_gone = 0;
 
 static int publish_until_the_end(palpate_slow_host *host) {
   palpate_progress progress = palpate_progress_empty();
@@ -172,10 +172,11 @@ static int publish_until_the_end(palpate_slow_host *host) {
   palpate_host_contact floor = palpate_host_contact_at_gap(centre, 0.005, 0, 0.0, UP, 1000.0);
   do {
     if (palpate_slow_host_progress(host, &progress, given, 1) != PALPATE_STATUS_OK) return 1;
-    if (progress.refusal != PALPATE_MODEL_REFUSAL_NONE) return 1;
+    /* This loop does not wait for the time of its ticks: a model can be too old when it comes. Nothing else may be wrong. */
+    if (progress.refusal != PALPATE_MODEL_REFUSAL_NONE && progress.refusal != PALPATE_MODEL_REFUSAL_TOO_OLD) return 1;
     if (palpate_slow_host_publish(host, progress.tick, &body, 1, &floor, 1) != PALPATE_STATUS_OK) return 1;
     published++;
-  } while (progress.tick < 2000);
+  } while (!is_over);
   return 0;
 }
 
@@ -196,12 +197,13 @@ static void two_threads(void) {
   params.bodies = 1;
   EXPECT(palpate_local_world_new(&params, &world, &host) == PALPATE_STATUS_OK);
   EXPECT(pthread_create(&thread, NULL, publishes, host) == 0);
-  /* Until a model has come, and from there on for 2000 ticks. */
-  do {
+  /* Until many models have gone over, of which one has been taken at least. */
+  for (int taken = 0; (published < 100 || !taken) && !is_gone; taken |= !output.is_stale) {
     EXPECT(tick(world, 0.001, &wrench, &output) == PALPATE_FAULT_NONE);
-  } while (output.is_stale && !is_gone);
-  for (int at = 0; at < 2000; at++) EXPECT(tick(world, 0.001, &wrench, &output) == PALPATE_FAULT_NONE);
-  EXPECT(pthread_join(thread, NULL) == 0 && published > 1);
+    EXPECT(wrench.force[0] == 0.0 && wrench.force[2] >= 0.0 && wrench.force[2] <= 20.0);
+  }
+  is_over = 1;
+  EXPECT(pthread_join(thread, NULL) == 0 && published >= 100);
   palpate_slow_host_free(host);
   palpate_local_world_free(world);
 }
