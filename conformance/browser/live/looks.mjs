@@ -124,7 +124,7 @@ for (const [name, viewport] of [["wide", WIDE], ["narrow", NARROW]]) {
   }
 }
 
-for (const viewport of [WIDE, { width: 1240, height: 760 }]) {
+for (const viewport of [WIDE, { width: 1320, height: 760 }]) {
   test(`${viewport.width} px wide: the scene keeps its scale, whatever is told beside it`, async () => {
     const live = await startLive();
     const open = await visit(live.url, {
@@ -157,6 +157,26 @@ for (const viewport of [WIDE, { width: 1240, height: 760 }]) {
     live.forget();
   });
 }
+
+test("at no width does anything stand beside the window", async () => {
+  const live = await startLive();
+  const open = await visit(live.url);
+  await open.told();
+  // The narrowest of each layout, the widest of it, and what screens often have.
+  for (const width of [481, 600, 899, 900, 1024, 1280, 1319, 1320, 1366, 1440, 1920]) {
+    await open.page.setViewport({ width, height: 760 });
+    await open.until("it is laid out", (want) => innerWidth === want && document.querySelector("main").offsetWidth > 0, width);
+    const beside = await open.get(() =>
+      [...document.querySelectorAll("header, main > *, #curves button, #curves [role]")]
+        .filter((part) => part.checkVisibility() && part.getBoundingClientRect().right > innerWidth)
+        .map((part) => part.id || part.textContent || part.tagName),
+    );
+    assert.deepEqual(beside, [], `${width} px`);
+  }
+  await open.leave();
+  await live.end();
+  live.forget();
+});
 
 test("what counts on is not read out again and again", async () => {
   const live = await startLive("--method", "coupled");
