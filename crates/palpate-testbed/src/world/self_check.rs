@@ -114,3 +114,43 @@ fn errors(scene: &WorldScene, ideal: &WorldIdeal, other: &WorldIdeal) -> Vec<f64
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::*;
+    use crate::world::benchmarks::paddle;
+
+    /// The ball on a paddle over 20 periods, checked against a coarser solution that `change` has changed.
+    fn checked_against(change: impl Fn(&mut WorldIdeal)) -> Result<CheckedIdeal, WorldError> {
+        let scene = paddle().start(0);
+        let solved = Cell::new(0);
+        CheckedIdeal::of(&scene, Grid::even(0.0, 0.01, 20), |grid, tolerance| {
+            let mut ideal = WorldIdeal::with_tolerance(&scene, grid, tolerance)?;
+            if solved.replace(solved.get() + 1) == 1 {
+                change(&mut ideal);
+            }
+            Ok(ideal)
+        })
+    }
+
+    #[test]
+    fn a_solution_without_a_number_agrees_with_nothing_from_there_on() {
+        let whole = checked_against(|_| ()).unwrap();
+        assert_eq!(whole.chaotic_from, None);
+        assert!(whole.error < LARGEST_ERROR, "{}", whole.error);
+        for not_a_number in [f64::NAN, f64::INFINITY] {
+            let found =
+                checked_against(|ideal| ideal.devices[0].impulses[7][2] = not_a_number).unwrap();
+            assert_eq!(found.chaotic_from, Some(whole.ideal.grid.edge(7)));
+            assert_eq!(found.ideal.grid.intervals(), 7);
+            assert!(found.error < LARGEST_ERROR, "{}", found.error);
+            let at_once = checked_against(|ideal| ideal.devices[0].impulses[0][2] = not_a_number);
+            assert!(
+                matches!(at_once, Err(WorldError::Chaotic { time: 0.0 })),
+                "{at_once:?}"
+            );
+        }
+    }
+}
