@@ -50,7 +50,8 @@ Exit codes:
   3  an input file is wrong; the message says where
   4  done, but the recording that was read or made is not whole; the output or
      standard error says what is missing
-  5  the loop ran, but safety had the motors off at its end or for most of its time
+  5  the loop ran, but at its end or for most of its time safety had the motors off
+     or the renderer refused the samples: there was no force
   6  nothing can be said of a device; the message says why
   130  stopped by ctrl-C or another signal before its end; what is done is kept")]
 pub struct Arguments {

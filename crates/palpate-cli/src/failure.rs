@@ -26,7 +26,8 @@ pub enum Failure {
     /// The command is done, but the recording it read or made is not whole, as has been said: exit code
     /// 4.
     NotWhole,
-    /// The loop ran, but the motors were off at its end or for most of it: exit code 5.
+    /// The loop ran, but without a force at its end or for most of it, since safety had the motors off or the renderer refused
+    /// the samples: exit code 5.
     MotorsOff(String),
     /// Nothing can be said of a device, for a reason of its own or of its hand: exit code 6.
     Declined(String),

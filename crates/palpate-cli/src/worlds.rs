@@ -8,13 +8,13 @@ use palpate_world::{Place, WorldError, WorldGuard};
 use crate::arguments::{Flags, Given};
 use crate::failure::Failure;
 
-/// Refuses flags that a world does not take: its file says what they would.
+/// Refuses flags that a world does not take.
 pub fn only(given: &Given, known: &[&str], path: &Path) -> Result<(), Failure> {
     let Some(flag) = given.other_than(known) else {
         return Ok(());
     };
     Err(Failure::Arguments(format!(
-        "{flag}: {} is a world, which says all of that in its file; beside it stand {}",
+        "{flag}: {} is a world, whose file says what is rendered; beside it stand {}",
         path.display(),
         known
             .iter()

@@ -230,6 +230,7 @@ fn flags_of_one_contact_and_methods_of_one_contact_are_refused() {
     for (flags, why) in [
         ("--stiffness 5", "--stiffness: ball.toml is a world"),
         ("--delay 1", "--delay: ball.toml is a world"),
+        ("--damping 3", "--damping: ball.toml is a world"),
         (
             "--method hfcr",
             "--method: there is no method \"hfcr\" for worlds. Known here: basic",
@@ -251,6 +252,15 @@ fn flags_of_one_contact_and_methods_of_one_contact_are_refused() {
         answer.stderr.contains("wrong.toml:29:10") && answer.stderr.contains("did you mean basic?"),
         "{answer:?}"
     );
+}
+
+#[test]
+fn a_box_that_begins_in_another_body_is_said_once() {
+    let folder = Folder::new();
+    folder.write("box.toml", BOX);
+    let answer = folder.palpate_reading("0,0,0.014,1,0,0,0\n", "pipe box.toml");
+    let said = answer.stderr.matches("overlap by 0.001000 m at the start");
+    assert_eq!(said.count(), 1, "{answer:?}");
 }
 
 const BOX: &str = r#"

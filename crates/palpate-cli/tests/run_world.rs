@@ -16,6 +16,51 @@ fn folder() -> Folder {
 }
 
 #[test]
+fn a_loop_whose_samples_are_refused_is_no_success() {
+    let folder = folder();
+    let text = experiment_text("worlds-on-devices/ball-on-table");
+    let stiff: Vec<String> = text
+        .lines()
+        .map(|line| match line.starts_with("stiffness_n_per_m") {
+            true => "stiffness_n_per_m = 1e8".to_owned(),
+            false => line.to_owned(),
+        })
+        .collect();
+    folder.write("stiff.toml", stiff.join("\n"));
+    let answer = folder.palpate("run stiff.toml --fast --duration 2 --json");
+    assert_eq!(answer.code, 5, "{answer:?}");
+    let report = parse(&answer.stdout);
+    let timing = &report["timing"];
+    let refused = timing["refused"].as_u64().unwrap();
+    assert!(refused > 100 && timing["ticks"] == 2000, "{report}");
+    let answer = folder.palpate("run stiff.toml --fast --duration 2");
+    let said = format!("the renderer refused the samples of {refused} of 2000 ticks");
+    assert!(
+        common::in_a_line(&answer.stdout).contains(&said),
+        "{answer:?}"
+    );
+    assert!(answer.stderr.contains(&said), "{answer:?}");
+    assert!(
+        common::in_a_line(&answer.stdout).contains("too stiff or too damped"),
+        "{answer:?}"
+    );
+}
+
+#[test]
+fn a_recorded_world_of_one_tick_is_no_motion() {
+    let folder = folder();
+    folder.succeed("record ball-on-table.toml one.mcap --fast --duration 0.0004");
+    folder.fail(
+        "replay one.mcap --method basic",
+        3,
+        &[
+            "one.mcap: 1 tick with 1 positions",
+            "a motion needs 2 of them",
+        ],
+    );
+}
+
+#[test]
 fn a_world_is_run_recorded_and_read_back() {
     let folder = folder();
     let command = "record ball-on-table.toml ball.mcap --fast --duration 2 --json";

@@ -58,6 +58,51 @@ fn coupled_renders_a_world_at_the_floor_of_its_loop_where_the_spring_force_does_
     assert_eq!(report["samples"], 300);
 }
 
+/// The floor in the axes of a body that stands 2 mm higher, and is turned so that its -x points up.
+#[test]
+fn a_half_space_of_a_body_that_is_placed_and_turned_is_judged_where_it_is_rendered() {
+    let folder = Folder::new();
+    folder.write("ball.toml", BALL);
+    let placed = BALL.replace(
+        "shape = { half_space = { normal = [0.0, 0.0, 1.0] } }",
+        "position_m = [0.0, 0.0, 0.002]
+orientation = [1.0, 0.0, 1.0, 0.0]
+shape = { half_space = { normal = [-1.0, 0.0, 0.0], offset_m = -0.002 } }",
+    );
+    assert_ne!(placed, BALL);
+    folder.write("placed.toml", placed);
+    let [plain, placed] = ["ball", "placed"]
+        .map(|name| folder.json(&format!("simulate {name}.toml --method basic,coupled")));
+    for method in ["basic", "coupled"] {
+        let (one, other) = (error(&plain, method), error(&placed, method));
+        assert!((one - other).abs() < 1e-4, "{method}: {one} {other}");
+    }
+    assert_eq!(
+        placed["overlapping_at_start"],
+        plain["overlapping_at_start"]
+    );
+}
+
+/// With a contact of 100 MN/m on a ball of 50 g a tick of 1 ms overflows.
+#[test]
+fn a_setting_with_which_samples_are_refused_is_not_the_best_for_its_missing_leak() {
+    let folder = Folder::new();
+    let stiff = BALL
+        .replace("stiffness_n_per_m = 4000.0", "stiffness_n_per_m = 1e8")
+        .replace("[0.004, 0.0, 0.08]", "[0.004, 0.0, 0.069]")
+        .replace("duration_s = 0.3", "duration_s = 0.05");
+    folder.write("stiff.toml", stiff);
+    let command = "tune stiff.toml --method god-object --least leak";
+    let tuned = folder.json(command);
+    let refused = |point: &Value| point["refused_samples"].as_u64().unwrap();
+    let all = tuned["curve"].as_array().unwrap();
+    assert!(all.iter().any(|point| refused(point) > 0), "{tuned}");
+    let fewest = all.iter().map(refused).min().unwrap();
+    assert_eq!(refused(&tuned["best"]), fewest, "{tuned}");
+    let text = folder.succeed(command);
+    assert!(text.contains(" refused"), "{text}");
+}
+
 #[test]
 fn without_a_method_the_scenes_own_is_run_and_the_text_explains_its_columns() {
     let folder = Folder::new();

@@ -367,7 +367,11 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
             self.tell_of_trips();
         }
         if let Some(fault) = fault {
+            self.statistics.refused += 1;
+            self.statistics.refused_at_end += 1;
             self.note(Note::Fault(fault));
+        } else if are_fresh {
+            self.statistics.refused_at_end = 0;
         }
         // Not before: the interval that this sample ended was the former method's.
         self.follow_method();

@@ -61,6 +61,10 @@ pub struct LoopStatistics {
     pub missed_deadlines: u64,
     /// Ticks that found no fresh sample.
     pub without_sample: u64,
+    /// Ticks whose sample the renderer has refused by a [fault](palpate::Fault): it asked for no force.
+    pub refused: u64,
+    /// How many of them there were in a row when the last tick ended.
+    pub refused_at_end: u64,
     /// Ticks at whose end a trip of the safety kept the motors off.
     pub motors_off: u64,
     /// How long it ran, and for how much of that no force was delivered: a stall, in which there are no
@@ -82,6 +86,8 @@ impl LoopStatistics {
             ticks: 0,
             missed_deadlines: 0,
             without_sample: 0,
+            refused: 0,
+            refused_at_end: 0,
             motors_off: 0,
             time: LoopTime::default(),
             off_at_end: Duration::ZERO,

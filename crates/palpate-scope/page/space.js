@@ -446,6 +446,9 @@ function surface({ normal, offset_m }, colour) {
   group.add(inner);
   group.userData.fit = (centre, reach) => {
     inner.clear();
+    // In the axes of its body, as the normal is.
+    group.updateMatrixWorld();
+    const middle = group.worldToLocal(centre.clone());
     const n = new Vector3(...normal);
     const size = 5 * reach;
     const material = new MeshLambertMaterial({ color: colour, transparent: true, opacity: 0.55, side: 2, depthWrite: false });
@@ -455,7 +458,7 @@ function surface({ normal, offset_m }, colour) {
     grid.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), n);
     inner.add(plane, grid);
     // The foot of the world's middle on the surface.
-    inner.position.copy(centre).addScaledVector(n, offset_m - n.dot(centre));
+    inner.position.copy(middle).addScaledVector(n, offset_m - n.dot(middle));
   };
   return group;
 }

@@ -1,6 +1,6 @@
 //! What a loop in real time has to say.
 
-use std::fmt;
+use std::fmt::{self, Write as _};
 use std::time::Duration;
 
 use comfy_table::CellAlignment;
@@ -13,8 +13,7 @@ use palpate_world::Books;
 use serde::Serialize;
 
 use crate::guardian::GuardianReport;
-use palpate_study::recording::in_a_line;
-use palpate_study::recording::motors_off;
+use palpate_study::recording::{in_a_line, motors_off, refused};
 use palpate_study::text::{counted, digits, hanging, lines, number, plain_table};
 
 /// Name and version of the JSON report.
@@ -110,6 +109,8 @@ pub struct TimingReport {
     ticks: u64,
     missed_deadlines: u64,
     without_sample: u64,
+    /// Ticks whose sample the renderer has refused: it asked for no force.
+    refused: u64,
     lateness_s: Percentiles,
     tick_s: Percentiles,
     round_trip_s: Percentiles,
@@ -147,6 +148,7 @@ impl From<&LoopStatistics> for TimingReport {
             ticks: statistics.ticks,
             missed_deadlines: statistics.missed_deadlines,
             without_sample: statistics.without_sample,
+            refused: statistics.refused,
             lateness_s: (&statistics.lateness).into(),
             tick_s: (&statistics.tick).into(),
             round_trip_s: (&statistics.round_trip).into(),
@@ -303,15 +305,22 @@ fn event(event: &Event) -> EventReport {
 }
 
 impl RunReport {
-    /// That the motors were off for a part of the time, after how it ended.
-    fn but_motors_off(&self) -> String {
-        match self.motors_off_ticks {
-            0 => String::new(),
-            off => {
-                let words = motors_off(Some(self.time), off, self.timing.ticks);
-                format!(", but {words}")
-            }
+    /// That there was no force for a part of the time, after how it ended.
+    fn but_no_force(&self) -> String {
+        let ticks = self.timing.ticks;
+        let mut words = String::new();
+        if self.timing.refused > 0 {
+            let _ = write!(words, ", but {}", refused(self.timing.refused, ticks));
         }
+        if self.motors_off_ticks > 0 {
+            let off = motors_off(Some(self.time), self.motors_off_ticks, ticks);
+            let _ = write!(
+                words,
+                "{} {off}",
+                if words.is_empty() { ", but" } else { ", and" }
+            );
+        }
+        words
     }
 
     /// All of it, in lines of whatever length.
@@ -325,7 +334,7 @@ impl RunReport {
             self.device,
             digits(1.0 / self.period_s),
             self.ending,
-            self.but_motors_off()
+            self.but_no_force()
         )?;
         for answer in &self.realtime {
             let outcome = match &answer.why_not {
@@ -390,13 +399,17 @@ impl fmt::Display for RunReport {
 
 impl fmt::Display for TimingReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
+        write!(
             f,
             "{}; {} missed; {} without a sample",
             counted(self.ticks, "tick"),
             counted(self.missed_deadlines, "deadline"),
             self.without_sample
         )?;
+        if self.refused > 0 {
+            write!(f, "; {} refused", self.refused)?;
+        }
+        writeln!(f)?;
         let header = ["", "median [us]", "99 %", "99.9 %", "longest"];
         let mut table = plain_table(CellAlignment::Left, &header);
         for (name, of) in [

@@ -104,7 +104,10 @@ impl fmt::Display for Fault {
             Self::OrientationNotUnit => {
                 "the device orientation is missing, or is no quaternion of length 1"
             }
-            Self::Overflow => "the force or the object's motion would not be a finite number",
+            Self::Overflow => {
+                "the force or a motion would not be a finite number: a contact may be too stiff or too damped for its \
+                 masses at this period"
+            }
         })
     }
 }

@@ -84,6 +84,8 @@ class LoopReport(NamedTuple):
     """Deadlines that were missed, and skipped."""
     without_sample: int
     """Ticks that found no fresh sample."""
+    refused: int
+    """Ticks whose sample the renderer has refused: it asked for no force."""
     motors_off: int
     """Ticks at whose end a trip kept the motors off."""
     cuts: int

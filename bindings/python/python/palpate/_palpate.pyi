@@ -138,7 +138,7 @@ class Loop:
         self,
     ) -> tuple[
         tuple[str | None, str | None, str | None, str | None],
-        tuple[int, int, int, int, int],
+        tuple[int, int, int, int, int, int],
         tuple[_Times, _Times],
         tuple[int, int] | None,
     ]: ...

@@ -18,6 +18,7 @@ pub struct Ended {
     ticks: u64,
     missed_deadlines: u64,
     without_sample: u64,
+    refused: u64,
     motors_off: u64,
     pub cuts: u64,
     trip: Option<String>,
@@ -30,8 +31,8 @@ pub struct Ended {
     recorded: Option<(u64, u64)>,
 }
 
-/// Ending, failure, trip and the device of several that it is of, ticks, missed deadlines, ticks without a sample, ticks with
-/// the motors off, cuts, lateness, duration, and ticks in the recording with those that it lacks.
+/// Ending, failure, trip and the device of several that it is of, ticks, missed deadlines, ticks without a sample, ticks whose
+/// sample was refused, ticks with the motors off, cuts, lateness, duration, and ticks in the recording with those that it lacks.
 pub type ToldEnd = (
     (
         Option<&'static str>,
@@ -39,7 +40,7 @@ pub type ToldEnd = (
         Option<String>,
         Option<String>,
     ),
-    (u64, u64, u64, u64, u64),
+    (u64, u64, u64, u64, u64, u64),
     ([f64; 3], [f64; 3]),
     Option<(u64, u64)>,
 );
@@ -53,6 +54,7 @@ impl Ended {
             ticks: 0,
             missed_deadlines: 0,
             without_sample: 0,
+            refused: 0,
             motors_off: 0,
             cuts: 0,
             trip: None,
@@ -95,6 +97,7 @@ impl Ended {
             ticks: statistics.ticks,
             missed_deadlines: statistics.missed_deadlines,
             without_sample: statistics.without_sample,
+            refused: statistics.refused,
             motors_off: statistics.motors_off,
             cuts: end.cuts,
             trip: end.trip.map(|trip| trip.to_string()),
@@ -150,6 +153,7 @@ impl Ended {
                 self.ticks,
                 self.missed_deadlines,
                 self.without_sample,
+                self.refused,
                 self.motors_off,
                 self.cuts,
             ),

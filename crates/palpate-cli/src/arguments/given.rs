@@ -3,6 +3,8 @@
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Command, FromArgMatches};
 
+use super::setting_flags;
+
 /// The flags and arguments that stand on the command line, whatever they say.
 #[derive(Clone, Debug, Default)]
 pub struct Given(Vec<String>);
@@ -11,15 +13,21 @@ impl Given {
     /// A flag that stands on the command line and is one of `known`, by their fields' names; as it is written.
     pub fn one_of(&self, known: &[&str]) -> Option<String> {
         let one = self.0.iter().find(|name| known.contains(&name.as_str()))?;
-        Some(format!("--{}", one.replace('_', "-")))
+        Some(as_written(one))
     }
 
     /// A flag that stands on the command line and is not one of `known`, by their fields' names; as it is
     /// written.
     pub fn other_than(&self, known: &[&str]) -> Option<String> {
         let other = self.0.iter().find(|name| !known.contains(&name.as_str()))?;
-        Some(format!("--{}", other.replace('_', "-")))
+        Some(as_written(other))
     }
+}
+
+/// The flag of a field. That of a method's setting is shorter than the setting's key, which has its unit.
+fn as_written(field: &str) -> String {
+    let long = setting_flags::long_of(field).unwrap_or_else(|| field.replace('_', "-"));
+    format!("--{long}")
 }
 
 /// It adds no flag of its own.

@@ -35,6 +35,16 @@ fn long(setting: &Setting) -> String {
     }
 }
 
+/// The flag, without its dashes, of the setting with this key; none if no method has such a setting.
+pub(super) fn long_of(key: &str) -> Option<String> {
+    let mut settings = MethodName::ALL
+        .into_iter()
+        .flat_map(|method| method.info().settings.iter());
+    settings
+        .find(|setting| setting.key.as_str() == key)
+        .map(long)
+}
+
 /// What each method says of its setting of that key; methods that say the same stand together.
 fn said(key: SettingKey) -> Vec<(Vec<&'static str>, &'static Setting)> {
     let mut said: Vec<(Vec<_>, &Setting)> = Vec::new();

@@ -3,7 +3,6 @@
 use std::net::TcpListener;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::time::{Duration, Instant};
 
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Device, DeviceErrorKind};
@@ -17,26 +16,37 @@ use crate::{ID, emulator, error_under, ms, next, open, options, wait_until};
 
 const FORCE: [f64; 3] = [1.0, 0.0, 0.0];
 
-/// A device that is read and written every millisecond for `duration`.
-fn driven(device: &mut Inverse3<MonotonicClock>, duration: Duration) {
-    let until = Instant::now() + duration;
-    while Instant::now() < until {
+/// A device that is read and written `times` times.
+fn driven(device: &mut Inverse3<MonotonicClock>, times: u32) {
+    for _ in 0..times {
         let _ = device.read();
         let _ = device.write(FORCE.into());
         std::thread::sleep(ms(1));
     }
 }
 
-/// The counts once `fault` has come and gone, with samples coming again.
-fn after(emulator: &Emulator, fault: Fault) -> Counts {
+/// A device that is read and written until its counts are as `holds` says.
+fn driven_until(
+    device: &mut Inverse3<MonotonicClock>,
+    what: &str,
+    holds: impl Fn(&Counts) -> bool,
+) -> Counts {
+    let inspector = device.inspector();
+    wait_until(what, || {
+        driven(device, 1);
+        holds(&inspector.counts())
+    });
+    inspector.counts()
+}
+
+/// The counts once `fault` has come, as `has_come` says, and samples come again.
+fn after(emulator: &Emulator, fault: Fault, has_come: impl Fn(&Counts) -> bool) -> Counts {
     let mut device = open(emulator);
-    driven(&mut device, ms(20));
+    driven_until(&mut device, "samples", |counts| counts.fresh > 5);
     emulator.inject(fault);
-    driven(&mut device, ms(150));
-    let before = device.inspector().counts().fresh;
-    driven(&mut device, ms(50));
-    let counts = device.inspector().counts();
-    assert!(counts.fresh > before + 5, "{fault:?}: {counts:?}");
+    let before = driven_until(&mut device, "the fault", has_come).fresh;
+    let more = |counts: &Counts| counts.fresh > before + 5;
+    let counts = driven_until(&mut device, "samples again", more);
     wait_until("the force again", || {
         let _ = device.write(FORCE.into());
         emulator.force(ID) == Some(FORCE)
@@ -49,12 +59,16 @@ fn after(emulator: &Emulator, fault: Fault) -> Counts {
 fn an_answer_that_comes_twice_is_one_sample() {
     let emulator = emulator(Form::V35);
     let mut device = open(&emulator);
-    driven(&mut device, ms(20));
+    driven_until(&mut device, "samples", |counts| counts.fresh > 5);
     for _ in 0..20 {
         emulator.inject(Fault::Twice);
     }
     let before = emulator.served();
-    driven(&mut device, ms(200));
+    driven_until(&mut device, "20 answers that come twice", |counts| {
+        let served = emulator.served();
+        let all = served.messages - before.messages + 20;
+        counts.surplus >= 19 && served.replies - before.replies >= all
+    });
     let inspector = device.inspector();
     drop(device);
     let (counts, served) = (inspector.counts(), emulator.served());
@@ -73,14 +87,16 @@ fn an_answer_that_comes_twice_is_one_sample() {
 
 #[test]
 fn an_answer_that_never_comes_is_written_off() {
-    let counts = after(&emulator(Form::V31), Fault::Dropped);
+    let counts = after(&emulator(Form::V31), Fault::Dropped, |counts| {
+        counts.lost >= 1 && counts.stalls >= 1
+    });
     assert!(counts.lost >= 1 && counts.stalls >= 1, "{counts:?}");
     assert_eq!(counts.garbage, 0);
 }
 
 #[test]
 fn an_answer_that_comes_late_is_no_sample() {
-    let counts = after(&emulator(Form::V35), Fault::Late);
+    let counts = after(&emulator(Form::V35), Fault::Late, |counts| counts.late >= 1);
     assert!(counts.late >= 1, "{counts:?}");
     assert_eq!(counts.lost, 0, "{counts:?}");
     assert!(counts.longest_round_trip <= ms(10), "{counts:?}");
@@ -89,7 +105,7 @@ fn an_answer_that_comes_late_is_no_sample() {
 #[test]
 fn what_is_no_frame_is_no_sample_and_no_reason_to_end() {
     for fault in [Fault::Garbage, Fault::HalfFrame] {
-        let counts = after(&emulator(Form::V35), fault);
+        let counts = after(&emulator(Form::V35), fault, |counts| counts.garbage >= 1);
         assert_eq!(counts.garbage, 1, "{counts:?}");
     }
 }
@@ -115,13 +131,11 @@ fn a_service_that_stands_still_is_commanded_no_force_when_it_comes_back() {
         device.write(FORCE.into()).unwrap();
         emulator.force(ID) == Some(FORCE)
     });
-    emulator.inject(Fault::Stall(ms(100)));
+    emulator.inject(Fault::Stall(ms(500)));
     let before = emulator.received().len();
     let stalls = device.inspector().counts().stalls;
-    driven(&mut device, ms(60));
+    driven_until(&mut device, "a stall", |counts| counts.stalls > stalls);
     assert_eq!(emulator.received().len(), before, "it stands still");
-    let counts = device.inspector().counts();
-    assert!(counts.stalls > stalls, "{counts:?}");
     wait_until("it is back", || emulator.received().len() > before + 5);
     // The message on its way when it stood still, then one that commands none; forces only once it
     // has answered those.
@@ -210,7 +224,7 @@ fn the_events_channel_tells_why_first() {
     let open = || Inverse3::open(&listening, MonotonicClock::new()).unwrap();
     let mut device = open();
     emulator.trigger_safety("04BA", "ebrake_triggered");
-    driven(&mut device, ms(50));
+    driven(&mut device, 50);
     emulator.trigger_safety(ID, "ebrake_triggered");
     let error = error_under(&mut device, FORCE);
     assert_eq!(error.kind, DeviceErrorKind::Refused);
@@ -250,7 +264,7 @@ fn a_device_that_loses_its_power_takes_no_force_until_it_has_it_again() {
     assert_eq!(device.write(FORCE.into()).unwrap_err(), error);
     wait_until("no force", || emulator.force(ID) == Some([0.0; 3]));
     // However often one is asked for.
-    driven(&mut device, ms(50));
+    driven(&mut device, 50);
     assert_eq!(emulator.force(ID), Some([0.0; 3]));
     assert_eq!(device.write([0.0; 3].into()), Ok([0.0; 3].into()));
     emulator.set_status(ID, |status| status.power_supply = Some(true));

@@ -6,7 +6,7 @@ use palpate::Fault;
 use palpate_device::Wrench;
 use palpate_record::unit::HandMotion;
 use palpate_rt::BoundedWorld;
-use palpate_world::{NOT_TURNED, Sample, Vector};
+use palpate_world::{ContactState, NOT_TURNED, Sample, Vector};
 
 use super::line::{self, WorldFormat};
 use super::names::Names;
@@ -215,15 +215,21 @@ impl WorldStream {
 
     /// Says that a tool begins inside a body.
     fn tell_if_inside(&mut self, number: u64) {
-        let inside: Vec<String> = self
-            .world
-            .state()
-            .contacts()
-            .iter()
-            .filter(|contact| contact.penetration > 0.0)
-            .map(|contact| self.names.overlap(contact))
-            .collect();
-        for overlap in inside {
+        // A box has a contact at each of its corners: the deepest one says it.
+        let mut deepest: Vec<ContactState> = Vec::new();
+        for contact in self.world.state().contacts() {
+            match deepest
+                .iter_mut()
+                .find(|known| known.between == contact.between)
+            {
+                _ if contact.penetration <= 0.0 => {}
+                Some(known) if known.penetration >= contact.penetration => {}
+                Some(known) => *known = *contact,
+                None => deepest.push(*contact),
+            }
+        }
+        let overlaps = deepest.iter().map(|contact| self.names.overlap(contact));
+        for overlap in overlaps.collect::<Vec<_>>() {
             self.tell(format_args!("line {number}: {overlap} at the start"));
         }
         let in_meshes = self.world.state().inside_meshes();

@@ -84,7 +84,9 @@ pub enum WorldBenchError {
     #[error("the ideal: {0}")]
     Ideal(#[from] IdealError),
     /// The window has more periods than are run.
-    #[error("duration_s is {0} periods, and at most 1e6 are run")]
+    #[error(
+        "the window has {0} periods, and at most 1e6 are run: shorten `duration_s`, or the motion that is rendered"
+    )]
     TooLong(f64),
     /// The run and its ideal do not fit.
     #[error(transparent)]

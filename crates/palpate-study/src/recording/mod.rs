@@ -117,6 +117,15 @@ pub fn motors_off(time: Option<LoopTime>, ticks: u64, of: u64) -> String {
     }
 }
 
+/// That the renderer has refused samples, in words.
+#[must_use]
+pub fn refused(ticks: u64, of: u64) -> String {
+    format!(
+        "the renderer refused the samples of {ticks} of {}, and asked for no force",
+        counted(of, "tick")
+    )
+}
+
 fn gaps(missing: &[Gap]) -> String {
     let mut words: Vec<String> = missing
         .iter()

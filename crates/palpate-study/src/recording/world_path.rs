@@ -3,6 +3,8 @@
 use palpate_record::recording::{Entry, Flags, Recording, RecordingError};
 use palpate_testbed::world::LedPath;
 
+use crate::text::counted;
+
 /// Why the motion of a recorded world cannot be replayed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -74,6 +76,12 @@ pub fn world_path(
         });
         orientations.push(turned.collect::<Vec<_>>());
     }
+    if times.len() < 2 {
+        return Err(WorldPathError::NoMotion {
+            name: recording.path().display().to_string(),
+            why: few(recording, times.len()),
+        });
+    }
     let mut path = LedPath::new(times, positions);
     if turns.contains(&true) {
         path = path.and_then(|path| path.turned(orientations));
@@ -83,4 +91,16 @@ pub fn world_path(
         why: error.to_string(),
     })?;
     Ok((path, without))
+}
+
+/// That a recording with so few positions is no motion, in words.
+fn few(recording: &Recording, positions: usize) -> String {
+    let lost = match recording.lost() {
+        0 => String::new(),
+        lost => format!("; {} lost", counted(lost, "tick")),
+    };
+    let read = counted(recording.ticks, "tick");
+    format!(
+        "{read} with {positions} positions of every device can be read{lost}; a motion needs 2 of them"
+    )
 }

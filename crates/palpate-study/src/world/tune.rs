@@ -14,7 +14,9 @@ use serde::Serialize;
 
 use super::candidates::Tunable;
 use super::setting::SettingReport;
-use crate::text::{E, FRE, digits, legend, number, percent, plain_table, short, whole, wrapped};
+use crate::text::{
+    E, FRE, counted, digits, legend, number, percent, plain_table, short, whole, wrapped,
+};
 use crate::tune::Objective;
 
 /// Name and version of the JSON report.
@@ -78,12 +80,14 @@ pub fn tune(
     settings.par_iter().map(one).collect()
 }
 
-/// The one of the least error or leak, of those that have some.
+/// The one of the least error or leak, of those that have some. A setting with which the renderer refuses samples comes after
+/// all with which it refuses fewer: without a force there is no leak.
 #[must_use]
 pub fn best(tuned: &[Tuned], objective: Objective) -> Option<&Tuned> {
     tuned.iter().min_by(|one, other| {
-        let [one, other] = [one, other].map(|it| it.to_make_small(objective));
-        one.total_cmp(&other)
+        let [least, next] = [one, other].map(|it| it.to_make_small(objective));
+        let fewer = one.run.refused.cmp(&other.run.refused);
+        fewer.then(least.total_cmp(&next))
     })
 }
 
@@ -192,7 +196,11 @@ impl fmt::Display for WorldTuneReport {
             self.curve.len(),
             digits(self.period_s)
         )?;
-        let header = ["", "B N s/m", "k N/m", "m kg", "E %", "FRE %", "leak mJ"];
+        let mut header = vec!["", "B N s/m", "k N/m", "m kg", "E %", "FRE %", "leak mJ"];
+        let are_refused = self.curve.iter().any(|point| point.refused_samples > 0);
+        if are_refused {
+            header.push("refused");
+        }
         let mut table = plain_table(CellAlignment::Left, &header);
         let is_best = |point: &WorldPointReport| std::ptr::eq(point, &self.best);
         let shown: Vec<&WorldPointReport> = if self.curve.len() <= MOST_ROWS {
@@ -212,9 +220,19 @@ impl fmt::Display for WorldTuneReport {
             row.push(number(point.mean_force_error_percent, percent));
             row.push(number(point.force_rendering_error_percent, percent));
             row.push(number(Some(1e3 * point.leak_j), |leak| short(leak, 3)));
+            if are_refused {
+                row.push(Cell::new(point.refused_samples).set_alignment(CellAlignment::Right));
+            }
             table.add_row(row);
         }
         writeln!(f, "{}\n", whole(&table))?;
+        if self.best.refused_samples > 0 {
+            let words = format!(
+                "With every setting the renderer refuses samples, the best one {}: it asks for no force there.",
+                counted(self.best.refused_samples as u64, "sample")
+            );
+            writeln!(f, "{}", wrapped(&words))?;
+        }
         let best = format!(
             "Best: of the least {}, found with knowledge of the ideal, on this scene as it is. In [render] of the scene:",
             self.least

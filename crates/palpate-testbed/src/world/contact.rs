@@ -272,8 +272,10 @@ impl Contact {
         }
         let (distance, normal, normal_rate) = match (&self.surface, feature) {
             (Shape::HalfSpace { normal, offset }, _) => {
-                let normal = Vec3(*normal);
-                (normal.dot(centre) - offset, normal, Vec3::ZERO)
+                // Of a fixed body, so that the normal does not turn.
+                let normal = second.rotation.out(Vec3(*normal));
+                let distance = normal.dot(centre - second.position) - offset;
+                (distance, normal, Vec3::ZERO)
             }
             (Shape::Mesh(mesh), Feature::OnMesh(at)) => {
                 let velocity = second.rotation.back(relative);

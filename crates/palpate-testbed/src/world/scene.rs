@@ -139,11 +139,11 @@ pub enum Shape {
         /// Radius \[m\].
         radius: f64,
     },
-    /// All points x with normal · x ≤ offset in world axes; for a fixed body, whose pose is of no account.
+    /// All points x with normal · x ≤ offset, of a fixed body.
     HalfSpace {
-        /// Unit vector out of the solid.
+        /// Unit vector out of the solid, in the body's axes.
         normal: Vector,
-        /// Where the surface is along the normal \[m\].
+        /// Where the surface is along the normal, from the body's position \[m\].
         offset: f64,
     },
     /// A block along the body's axes.

@@ -1,7 +1,7 @@
 //! Motions that are known on paper.
 
 use palpate_testbed::hand::Sinusoid;
-use palpate_testbed::world::{ContactLaw, Member, Shape, WorldScene};
+use palpate_testbed::world::{ContactLaw, Member, Shape, WorldBody, WorldScene};
 
 use crate::{body, device, half_space, motion, pair, solve};
 
@@ -218,4 +218,57 @@ fn a_point_in_a_box_leaves_it_through_the_nearest_face() {
     let change = ideal.states.last().unwrap().books.balance() - start;
     // p is the same on both sides of the change, so no energy comes or goes.
     assert!(change.abs() < 1e-15);
+}
+
+/// A half-space lies in the axes of its body: one that stands turned about at a place is one with another normal and
+/// offset.
+#[test]
+fn a_half_space_lies_where_its_body_does() {
+    // A turn of 60 degrees about an axis between x and y: z points to (s, -s, 1/2) with s = sin 60°/√2.
+    let half = (std::f64::consts::PI / 6.0).sin() / 2.0_f64.sqrt();
+    let orientation = [(std::f64::consts::PI / 6.0).cos(), half, half, 0.0];
+    let s = (std::f64::consts::PI / 3.0).sin() / 2.0_f64.sqrt();
+    let normal = [s, -s, 0.5];
+    let position = [0.03, -0.01, 0.02];
+    let along = normal.iter().zip(position).map(|(n, x)| n * x).sum::<f64>();
+    let placed = WorldBody {
+        position,
+        orientation,
+        ..half_space([0.0, 0.0, 1.0], 0.004)
+    };
+    let law = ContactLaw::spring(2000.0).damped(1.0).rough(0.4, 1000.0);
+    let [of_pose, of_normal] = [placed, half_space(normal, along + 0.004)].map(|plane| {
+        let mut tool = device(0.2, [0.0; 3]);
+        // 2 mm above the surface, at rest.
+        tool.position = [0, 1, 2].map(|axis| (along + 0.006) * normal[axis]);
+        tool.hand.force = [0.0, 0.0, -3.0];
+        let mut block = body(
+            Shape::Box {
+                half_extents: [0.01, 0.015, 0.005],
+            },
+            0.1,
+            [0, 1, 2].map(|axis| (along + 0.0089) * normal[axis] + 0.1 * [0.5, 0.5, 0.0][axis]),
+        );
+        block.orientation = orientation;
+        motion(&mut block).force = [0.0, 0.0, -0.981];
+        let scene = WorldScene {
+            joints: Vec::new(),
+            devices: vec![tool],
+            bodies: vec![plane, block],
+            pairs: vec![
+                pair(Member::Device(0), Member::Body(0), law),
+                pair(Member::Body(0), Member::Body(1), law),
+            ],
+        };
+        solve(&scene, 0.01, 20)
+    });
+    let touched = of_pose.devices[0].impulses.iter().flatten();
+    assert!(touched.map(|impulse| impulse.abs()).sum::<f64>() > 0.1);
+    for (one, other) in of_pose.states.iter().zip(&of_normal.states) {
+        for axis in 0..3 {
+            let apart = |one: [f64; 3], other: [f64; 3]| (one[axis] - other[axis]).abs();
+            assert!(apart(one.devices[0].position, other.devices[0].position) < 1e-12);
+            assert!(apart(one.bodies[1].position, other.bodies[1].position) < 1e-12);
+        }
+    }
 }

@@ -6,11 +6,11 @@ use palpate_device::Device;
 use palpate_device::clock::Clock;
 use palpate_record::recording::Recording;
 use palpate_rt::safety::Trip;
-use palpate_rt::{Ending, LoopEnd, Renders};
+use palpate_rt::{Ending, LoopEnd, LoopStatistics, Renders};
 
 use crate::failure::Failure;
 use crate::recorded::whole_or_said;
-use palpate_study::recording::motors_off;
+use palpate_study::recording::{motors_off, refused};
 
 /// What a loop was to do.
 #[derive(Clone, Copy, Debug)]
@@ -29,7 +29,8 @@ const NO_MOMENT: Duration = Duration::from_millis(100);
 
 /// Whether the loop did what it was asked to: `Err` is the gravest thing that went wrong, in the order
 /// of a panic, a recording that could not be written, a lost device, a recording that is not whole, an
-/// end before its time, and motors that were off at the end or for most of the time.
+/// end before its time, motors that were off at the end or for most of the time, and samples that the renderer refused as
+/// long.
 pub fn of<D: Device, C: Clock, R: Renders>(
     end: &LoopEnd<D, C, R>,
     asked: &Asked,
@@ -52,7 +53,8 @@ pub fn of<D: Device, C: Clock, R: Renders>(
             asked.duration
         )));
     }
-    motors(end, asked)
+    motors(end, asked)?;
+    samples(&end.statistics)
 }
 
 /// The same, where the loop had devices with these `names`: of several, the one that has gone or tripped is named.
@@ -83,6 +85,22 @@ pub fn with_motion(
         Err(lesser @ (Failure::Interrupted(_) | Failure::MotorsOff(_))) => motion.and(Err(lesser)),
         other => other.and(motion),
     }
+}
+
+/// Whether the renderer took the samples: a refused one commands no force.
+fn samples(statistics: &LoopStatistics) -> Result<(), Failure> {
+    let LoopStatistics {
+        ticks,
+        refused: all,
+        refused_at_end: last,
+        time,
+        ..
+    } = *statistics;
+    let at_end = time.lasted.mul_f64(last as f64 / ticks.max(1) as f64);
+    if all > ticks / 2 || at_end >= NO_MOMENT {
+        return Err(Failure::MotorsOff(refused(all, ticks)));
+    }
+    Ok(())
 }
 
 fn motors<D: Device, C: Clock, R: Renders>(
