@@ -102,7 +102,7 @@ page.
 |---|---|
 ${rows.join("\n")}
 
-Not drawn; the page does not show several devices yet:
+Not drawn:
 
 | world | | why |
 |---|---|---|
