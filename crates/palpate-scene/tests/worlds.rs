@@ -195,6 +195,27 @@ fn a_world_without_contacts_is_said_to_have_none() {
 }
 
 #[test]
+fn a_world_without_bodies_is_said_to_have_none() {
+    let text = r#"
+format = 2
+[loop]
+period_s = 0.001
+[[device]]
+name = "tool"
+mass_kg = 0.25
+tool = { sphere = { radius_m = 0.01 } }
+[[contact]]
+between = "*"
+stiffness_n_per_m = 4000.0
+"#;
+    let file = WorldFile::parse("tool.toml", text).unwrap();
+    assert_eq!(
+        file.notes(),
+        ["the world has no [[body]], so nothing in it is felt"]
+    );
+}
+
+#[test]
 fn a_mass_for_all_axes_or_for_each_and_nothing_else() {
     // Only the value at fault is said, not what lacks that value then.
     let message =

@@ -23,7 +23,7 @@ pub struct Hull {
 #[non_exhaustive]
 pub enum HullError {
     /// A point that is no place.
-    #[error("point {0} of the hull is not three finite numbers")]
+    #[error("point {0} of the hull is not three finite numbers within 1e100 m of 0")]
     NotFinite(usize),
     /// Fewer than four points, or all of them in a plane.
     #[error("the points of the hull lie in a plane, or nearly so; it needs four that do not")]

@@ -19,6 +19,8 @@ pub struct WorldTrace {
     pub orientations: Vec<Vec<[f64; 4]>>,
 }
 
+/// Largest number of a motion, on either side of 0, as in scene files: differences and squares are finite.
+const LARGEST: f64 = 1e12;
 /// A quaternion in a table may be so much longer or shorter than 1: it has few digits.
 const LENGTH_SLACK: f64 = 1e-3;
 const NOT_TURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
@@ -94,11 +96,14 @@ pub fn read_world(
         let line = record.position().map(csv::Position::line);
         let mut numbers = Vec::with_capacity(asked);
         for (field, column) in record.iter().zip(&header) {
-            let number = field.parse().ok().filter(|number: &f64| number.is_finite());
+            let is_allowed = |number: &f64| number.abs() <= LARGEST;
+            let number = field.parse().ok().filter(is_allowed);
             numbers.push(number.ok_or_else(|| {
                 fault(
                     line,
-                    format!("{column} is \"{field}\", and has to be a finite number"),
+                    format!(
+                        "{column} is \"{field}\", and has to be a number between -1e12 and 1e12"
+                    ),
                 )
             })?);
         }
@@ -209,6 +214,7 @@ mod tests {
             ),
             ("t,x,y,z\n0,0,0,0\n", 2, "7 columns in all"),
             ("t,x,y,z\n0,0,0,0\n1,0,nan,0\n", 1, "m.csv:3: y is \"nan\""),
+            ("t,x,y,z\n0,0,0,-2e12\n", 1, "m.csv:2: z is \"-2e12\""),
             ("t,x,y,z\n0,0,0,0\n0,0,0,0\n", 1, "m.csv:3: t is 0"),
             ("t,x,y,z\n0,0,0,0\n", 1, "there are 1 samples"),
             ("t,x,y,z\n0,0,0\n", 1, "m.csv:2"),

@@ -190,7 +190,7 @@ impl WorldFile {
     }
 
     /// A line on each mesh that was read from a file of its own: its size, and what was left out of it. One on a world
-    /// without contacts.
+    /// without contacts or bodies.
     #[must_use]
     pub fn notes(&self) -> &[String] {
         &self.notes
@@ -208,7 +208,7 @@ impl WorldFile {
 pub(super) struct Reading {
     pub(super) places: WorldPlaces,
     faults: Vec<(Span, String)>,
-    /// What is said of meshes, and of a world without contacts.
+    /// What is said of meshes, and of a world without contacts or bodies.
     notes: Vec<String>,
     /// Where files of meshes are looked for.
     folder: PathBuf,
@@ -272,6 +272,9 @@ impl Reading {
         let contacts: Vec<Contact> = contacts.collect();
         if contacts.is_empty() {
             let note = "the world has no [[contact]], so nothing in it is felt".into();
+            self.notes.push(note);
+        } else if bodies.is_empty() {
+            let note = "the world has no [[body]], so nothing in it is felt".into();
             self.notes.push(note);
         }
         let joints = raw.joint.into_iter().enumerate();

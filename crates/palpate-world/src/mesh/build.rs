@@ -52,7 +52,7 @@ pub enum MeshError {
         vertices: usize,
     },
     /// A vertex that is no place.
-    #[error("vertex {0} of the mesh is not three finite numbers")]
+    #[error("vertex {0} of the mesh is not three finite numbers within 1e100 m of 0")]
     NotFinite(usize),
     /// A surface that parts in three.
     #[error(

@@ -30,7 +30,7 @@ fn what_is_wrong_with_a_mesh_is_named() {
     bad[2][1] = f64::NAN;
     assert_eq!(
         refused(&bad, &[[0, 1, 2]]),
-        "vertex 2 of the mesh is not three finite numbers"
+        "vertex 2 of the mesh is not three finite numbers within 1e100 m of 0"
     );
     assert_eq!(
         refused(&SQUARE, &[[0, 1, 1], [0, 0, 0]]),

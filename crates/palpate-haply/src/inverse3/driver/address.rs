@@ -180,7 +180,13 @@ impl Half {
 
 impl Read for Half {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        self.stream.read(buffer)
+        loop {
+            match self.stream.read(buffer) {
+                // A program that was stopped and goes on (ctrl-Z, fg): the kernel ends a read with a timeout by it.
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                read => return read,
+            }
+        }
     }
 }
 
