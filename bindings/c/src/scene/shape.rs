@@ -95,6 +95,18 @@ impl Shape {
     /// `shape` is NULL or to a shape of the size that it begins with, and its arrays have as many elements as it says.
     pub(super) unsafe fn at(shape: *const Self) -> Result<World, Refusal<'static>> {
         // SAFETY: as the caller says.
+        let read = unsafe { Self::read(shape) };
+        read.map_err(|refusal| match refusal {
+            // No more than one of the scene's other faults.
+            Refusal::Array { .. } => wrong(refusal.to_string()),
+            other => other,
+        })
+    }
+
+    /// # Safety
+    /// As for [`at`](Self::at).
+    unsafe fn read(shape: *const Self) -> Result<World, Refusal<'static>> {
+        // SAFETY: as the caller says.
         let shape = unsafe { sized::read(shape) }?;
         let Self {
             radius,
