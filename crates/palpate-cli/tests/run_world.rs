@@ -54,8 +54,8 @@ fn a_recorded_world_of_one_tick_is_no_motion() {
         "replay one.mcap --method basic",
         3,
         &[
-            "one.mcap: 1 tick with 1 positions",
-            "a motion needs 2 of them",
+            "one.mcap: 1 of 1 readable tick with a position",
+            "a motion needs 2",
         ],
     );
 }

@@ -1,6 +1,6 @@
 //! What a loop in real time has to say.
 
-use std::fmt::{self, Write as _};
+use std::fmt;
 use std::time::Duration;
 
 use comfy_table::CellAlignment;
@@ -307,20 +307,21 @@ fn event(event: &Event) -> EventReport {
 impl RunReport {
     /// That there was no force for a part of the time, after how it ended.
     fn but_no_force(&self) -> String {
-        let ticks = self.timing.ticks;
-        let mut words = String::new();
-        if self.timing.refused > 0 {
-            let _ = write!(words, ", but {}", refused(self.timing.refused, ticks));
+        let (ticks, off, of_samples) = (
+            self.timing.ticks,
+            self.motors_off_ticks,
+            self.timing.refused,
+        );
+        let words = [
+            (of_samples > 0).then(|| refused(of_samples, ticks)),
+            (off > 0).then(|| motors_off(Some(self.time), off, ticks)),
+        ];
+        let words: Vec<String> = words.into_iter().flatten().collect();
+        if words.is_empty() {
+            String::new()
+        } else {
+            format!(", but {}", words.join(", and "))
         }
-        if self.motors_off_ticks > 0 {
-            let off = motors_off(Some(self.time), self.motors_off_ticks, ticks);
-            let _ = write!(
-                words,
-                "{} {off}",
-                if words.is_empty() { ", but" } else { ", and" }
-            );
-        }
-        words
     }
 
     /// All of it, in lines of whatever length.

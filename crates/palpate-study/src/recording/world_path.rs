@@ -99,8 +99,6 @@ fn few(recording: &Recording, positions: usize) -> String {
         0 => String::new(),
         lost => format!("; {} lost", counted(lost, "tick")),
     };
-    let read = counted(recording.ticks, "tick");
-    format!(
-        "{read} with {positions} positions of every device can be read{lost}; a motion needs 2 of them"
-    )
+    let read = counted(recording.ticks, "readable tick");
+    format!("{positions} of {read} with a position of every device{lost}; a motion needs 2")
 }
