@@ -231,7 +231,7 @@ fn a_plant_depends_on_set_seed_and_number_only() {
 /// best damper's is not.
 #[test]
 fn coupled_is_told_enough_by_a_calibration_of_the_device_itself() {
-    let count = std::env::var("PALPATE_PLANTS").map_or(16, |count| count.parse().unwrap());
+    let count = std::env::var("PALPATE_PLANTS").map_or(8, |count| count.parse().unwrap());
     let columns = Set::Calibrated.columns();
     let judged = run(Set::Calibrated, 2, count, &columns, || ()).unwrap();
     for column in 0..3 {

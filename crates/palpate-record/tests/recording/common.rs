@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use palpate_files::atomic::WriteError;
 use palpate_record::recording::{
-    ContactTick, Entry, Event, Flags, LoopCount, Phase, Receipt, Recording, RecordingError,
-    RecordingWriter, Row, Tick,
+    BodyTick, ContactTick, DeviceTick, Entry, Event, Flags, LoopCount, Phase, Receipt, Recording,
+    RecordingError, RecordingWriter, Row, Tick, Value,
 };
 
 /// A row in which every quantity has a value of its own that follows from the number of its tick.
@@ -105,10 +105,24 @@ pub fn receipt() -> Receipt {
         .with_file("hand.csv", "t_s,position_m\n0,0\n1,0\n")
 }
 
-/// Bits of every number, so that NaN equals NaN.
-pub fn bits(row: &Row) -> String {
-    // The shortest text that reads back to the same bits.
-    format!("{row:?}")
+/// Every column by its name, with the bits of its number, so that NaN equals NaN.
+pub fn bits(row: &Row) -> Vec<(&'static str, u64)> {
+    let of_parts = [
+        Tick::COLUMNS,
+        ContactTick::COLUMNS,
+        BodyTick::COLUMNS,
+        DeviceTick::COLUMNS,
+    ];
+    let columns = of_parts.into_iter().flatten();
+    columns
+        .map(|column| {
+            let bits = match column.value(row) {
+                Value::Count(count) => count,
+                value => value.number().to_bits(),
+            };
+            (column.name, bits)
+        })
+        .collect()
 }
 
 /// A recording of three flushes of three ticks each, with an event in the second; finished or
@@ -157,6 +171,8 @@ impl Scratch {
     }
 
     pub fn open(&self, bytes: &[u8]) -> Result<Recording, RecordingError> {
+        // Some file systems write a file to the disk that takes the place of what it was, and let one wait for that.
+        let _ = std::fs::remove_file(&self.path);
         std::fs::write(&self.path, bytes).unwrap();
         Recording::open(&self.path)
     }
@@ -177,7 +193,14 @@ pub fn content(recording: &Recording) -> (Vec<Row>, Vec<Event>) {
     }
     assert_eq!(rows.len() as u64, recording.ticks);
     assert_eq!(events.len() as u64, recording.events);
-    let said = |tick: Option<Tick>| format!("{tick:?}");
+    let said = |tick: Option<Tick>| {
+        tick.map(|tick| {
+            bits(&Row {
+                tick,
+                ..Row::UNKNOWN
+            })
+        })
+    };
     let ends = [rows.first(), rows.last()].map(|row| said(row.map(|row| row.tick)));
     assert_eq!(ends, [recording.first, recording.last].map(said));
     assert!(recording.has_one_contact_each);

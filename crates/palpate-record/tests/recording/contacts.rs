@@ -56,7 +56,7 @@ fn numbers(recording: &Recording) -> Vec<u64> {
             continue;
         };
         let written = contacts(tick.sequence);
-        let said = |contacts: &[ContactTick], tick: Tick| -> Vec<String> {
+        let said = |contacts: &[ContactTick], tick: Tick| -> Vec<_> {
             Row::of(tick, contacts).map(|row| bits(&row)).collect()
         };
         let expected = Tick {
