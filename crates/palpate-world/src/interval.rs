@@ -17,7 +17,8 @@ pub struct SubSteps {
     pub most: u32,
     /// Phase of the fastest contact that one may have, where the number allows it `[rad]`.
     pub phase: f64,
-    /// How many finer ones replace one in which a contact begins, ends, sticks or slides.
+    /// How many finer ones replace one in which a contact begins, ends, sticks or slides, or comes across an edge to
+    /// another face.
     pub finer: u32,
     /// How many of an interval may be replaced.
     pub refined: u32,
@@ -43,7 +44,7 @@ pub struct Effort {
     pub sub_steps: u32,
     /// Sub-steps that were replaced by finer ones.
     pub refined: u32,
-    /// Sub-steps in which a contact changed its mode and that were not refined, because
+    /// Sub-steps in which a contact changed its mode or its face and that were not refined, because
     /// [`SubSteps::refined`] others were.
     pub unrefined: u32,
     /// Whether the fastest contact asked for more than [`SubSteps::most`].

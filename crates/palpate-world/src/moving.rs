@@ -10,6 +10,9 @@ use crate::part::{Part, Twist};
 use crate::rigid::Vector3;
 use crate::solid::{Nearest, Solid};
 
+/// Cosine of the angle by which a normal has to turn in a sub-step to be that of another face.
+const SAME_FACE: f64 = 0.9;
+
 /// What a point of contact does, and has done since the interval began.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Touch {
@@ -125,6 +128,11 @@ impl Touch {
 
     pub fn is_apart(&self) -> bool {
         self.mode == Mode::Free
+    }
+
+    /// Whether its mode is another than in `other`, or it presses across an edge on another face.
+    fn changed_from(&self, other: &Self) -> bool {
+        self.mode != other.mode || !self.is_apart() && self.normal.dot(&other.normal) < SAME_FACE
     }
 
     /// Half a sub-step under the force, while the relative velocity goes from what it was to `relative`, and that of
@@ -254,7 +262,7 @@ impl Moving {
         let mut modes = self.nearby.numbers().iter();
         let mut blocks = self.blocks.iter().zip(&other.blocks);
         let mut links = self.links.iter().zip(&other.links);
-        modes.any(|&number| self.touches[number].mode != other.touches[number].mode)
+        modes.any(|&number| self.touches[number].changed_from(&other.touches[number]))
             || blocks.any(|(one, other)| one.changed_from(other))
             || links.any(|(one, other)| one.changed_from(other))
     }
