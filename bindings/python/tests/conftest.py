@@ -37,7 +37,7 @@ class Program:
 @pytest.fixture(scope="session")
 def program() -> Program:
     target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
-    path = target / "release/palpate"
+    path = Path(os.environ.get("PALPATE", target / "release/palpate"))
     if not path.exists():
         pytest.fail(f"{path} is not there: bindings/python/test builds it")
     return Program(path)
