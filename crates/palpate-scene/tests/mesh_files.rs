@@ -220,6 +220,73 @@ fn keys_of_a_mesh_are_checked() {
     }
 }
 
+/// A prism has its corners at the radius, in two rings, and the mass properties of the solid.
+#[test]
+fn a_prism_stands_in_for_a_cylinder() {
+    let folder = tempfile::tempdir().unwrap();
+    let prism = |keys: &str| {
+        read(
+            folder.path(),
+            &format!("{{ hull = {{ prism = {{ {keys} }} }} }}"),
+        )
+    };
+    let file = prism("sides = 24, radius_m = 0.02, length_m = 0.01").unwrap();
+    let Shape::Hull(hull) = &file.scene.world.bodies[0].shape else {
+        panic!("no hull");
+    };
+    assert_eq!((hull.corners().len(), hull.faces().len()), (48, 26));
+    for [x, y, z] in hull.corners() {
+        assert!((x.hypot(y) - 0.02).abs() < 1e-15 && z.abs() == 0.005);
+    }
+    let [_, _, about_axis] = hull.mass_properties(1.0).unwrap().moments;
+    // Of a regular polygon: r²/6 (2 + cos(2 π/n)).
+    let expected = 0.02_f64.powi(2) / 6.0 * (2.0 + (std::f64::consts::TAU / 24.0).cos());
+    assert!(
+        (about_axis / expected - 1.0).abs() < 1e-9,
+        "{about_axis} {expected}"
+    );
+    for (keys, expected) in [
+        (
+            "sides = 2, radius_m = 1.0, length_m = 1.0",
+            "sides is 2, and a prism has 3 to 32",
+        ),
+        (
+            "sides = 33, radius_m = 1.0, length_m = 1.0",
+            "sides is 33, and a prism has 3 to 32",
+        ),
+        (
+            "sides = 3, radius_m = 0.0, length_m = 1.0",
+            "radius_m is 0 m",
+        ),
+        (
+            "sides = 3, radius_m = 1.0, length_m = inf",
+            "length_m is inf m",
+        ),
+        ("sides = 3, radius_m = 1.0", "the key length_m is missing"),
+        (
+            "sides = 3.5, radius_m = 1.0, length_m = 1.0",
+            "expected u32",
+        ),
+    ] {
+        let said = prism(keys).map(|_| ()).unwrap_err().join("; ");
+        assert!(said.contains(expected), "{keys}: {said}");
+    }
+    for (keys, expected) in [
+        (
+            "prism = { sides = 3, radius_m = 1.0, length_m = 1.0 }, points_m = [[0, 0, 0]]",
+            "one of points_m, prism and file",
+        ),
+        (
+            "prism = { sides = 3, radius_m = 1.0, length_m = 1.0 }, unit = \"mm\"",
+            "unit and scale are of a hull's file",
+        ),
+    ] {
+        let said = read(folder.path(), &format!("{{ hull = {{ {keys} }} }}"));
+        let said = said.map(|_| ()).unwrap_err().join("; ");
+        assert!(said.contains(expected), "{keys}: {said}");
+    }
+}
+
 /// An open mesh is read, and it is said what that means; what has no area is left out, and counted.
 #[test]
 fn open_meshes_and_flat_triangles_are_noted() {

@@ -410,3 +410,41 @@ duration_s = 0.3
     println!("across an edge: E {} %", error(&run));
     assert!(error(&run) < 0.5, "{}", error(&run));
 }
+
+/// A disc of 24 sides that lies on a table, onto whose rim a tool comes down: it tips and falls back.
+#[test]
+fn a_prism_in_place_of_a_cylinder_is_rendered_as_its_ideal_moves() {
+    let source = r#"
+format = 2
+[loop]
+period_s = 0.001
+[[device]]
+name = "tool"
+mass_kg = [0.1, 0.16, 0.25]
+position_m = [0.017, 0.004, 0.0165]
+velocity_m_per_s = [0.0, 0.0, -0.1]
+hand_force_n = [0.0, 0.0, -1.0]
+tool = { sphere = { radius_m = 0.005 } }
+[[body]]
+name = "disc"
+mass_kg = 0.1
+position_m = [0.0, 0.0, 0.005]
+force_n = [0.0, 0.0, -0.981]
+shape = { hull = { prism = { sides = 24, radius_m = 0.02, length_m = 0.01 } } }
+[[body]]
+name = "table"
+fixed = true
+shape = { half_space = { normal = [0.0, 0.0, 1.0] } }
+[[contact]]
+between = "*"
+stiffness_n_per_m = 4000.0
+damping_n_s_per_m = 3.0
+friction = 0.4
+[measure]
+duration_s = 0.3
+"#;
+    let ([run], bench) = runs(source, ["coupled"]);
+    assert_eq!(bench.self_check().unwrap().chaotic_from, None);
+    println!("a disc that is tipped: E {} %", error(&run));
+    assert!(error(&run) < 0.1, "{}", error(&run));
+}

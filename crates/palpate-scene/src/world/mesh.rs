@@ -1,5 +1,6 @@
 //! Meshes as a scene file gives them: from a file of a CAD program, by their triangles, or by a formula.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -147,11 +148,12 @@ impl RawMesh {
     }
 }
 
-/// Keys of a convex hull: `points_m` or a file.
+/// Keys of a convex hull: one of `points_m`, `prism` and `file`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawHull {
     points_m: Option<Vec<Vector>>,
+    prism: Option<RawPrism>,
     file: Option<String>,
     unit: Option<Unit>,
     scale: Option<f64>,
@@ -163,14 +165,14 @@ impl RawHull {
     pub fn read(&self, folder: &Path) -> Result<ReadMesh, String> {
         let within = self.within_m.unwrap_or(0.0);
         let around = |points: &[Vector]| Hull::within(points, within);
-        let (hull, note) = match (&self.points_m, &self.file) {
-            (Some(points), None) if self.unit.is_none() && self.scale.is_none() => {
-                (around(points).map_err(|error| error.to_string())?, None)
-            }
-            (Some(_), None) => {
-                return Err("unit and scale are of a hull's file, and there is none".into());
-            }
-            (None, Some(file)) => {
+        if self.file.is_none() && (self.unit.is_some() || self.scale.is_some()) {
+            return Err("unit and scale are of a hull's file, and there is none".into());
+        }
+        let of_numbers = |points: &[Vector]| around(points).map_err(|error| error.to_string());
+        let (hull, note) = match (&self.points_m, self.prism, &self.file) {
+            (Some(points), None, None) => (of_numbers(points)?, None),
+            (None, Some(prism), None) => (of_numbers(&prism.corners()?)?, None),
+            (None, None, Some(file)) => {
                 let (points, _) = in_metres(&folder.join(file), self.unit, self.scale)?;
                 let hull = around(&points).map_err(|error| format!("{file}: {error}"))?;
                 let (corners, faces) = (hull.corners().len(), hull.faces().len());
@@ -178,12 +180,48 @@ impl RawHull {
                 let note = format!("{file}: a hull of {corners} corners and {faces} faces, {size}");
                 (hull, Some(note))
             }
-            _ => return Err("a hull needs one of points_m and file".into()),
+            _ => return Err("a hull needs one of points_m, prism and file".into()),
         };
         Ok(ReadMesh {
             shape: Shape::Hull(Arc::new(hull)),
             note,
         })
+    }
+}
+
+/// A right prism whose two ends are regular polygons: nearly a cylinder.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawPrism {
+    sides: u32,
+    radius_m: f64,
+    length_m: f64,
+}
+
+impl RawPrism {
+    /// Its corners, all at the radius from the z axis, the first above the x axis.
+    fn corners(self) -> Result<Vec<Vector>, String> {
+        let most = Hull::MOST_CORNERS / 2;
+        if self.sides < 3 || self.sides as usize > most {
+            return Err(format!(
+                "sides is {}, and a prism has 3 to {most}: a hull has at most {} corners",
+                self.sides,
+                Hull::MOST_CORNERS
+            ));
+        }
+        for (key, length) in [("radius_m", self.radius_m), ("length_m", self.length_m)] {
+            if !(length > 0.0 && length.is_finite()) {
+                return Err(format!(
+                    "{key} is {length} m, and has to be finite and above 0"
+                ));
+            }
+        }
+        let around = (0..self.sides).map(|side| {
+            let (sin, cos) = (TAU * f64::from(side) / f64::from(self.sides)).sin_cos();
+            [self.radius_m * cos, self.radius_m * sin]
+        });
+        let ends = [-0.5, 0.5].map(|end| end * self.length_m);
+        Ok(around.flat_map(|[x, y]| ends.map(|z| [x, y, z])).collect())
     }
 }
 
