@@ -228,7 +228,7 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                          end is. A sphere, or a tool of several, may touch any shape, a box, hull or capsule another one \
                          and a half-space, a capsule a cylinder, and a mesh a half-space. A mesh with a shell of points \
                          may touch a box, hull, capsule or cylinder, and a mesh with a distance grid. Give one of them another \
-                         shape, such as a hull, or leave the pair without a law",
+                         shape, such as a hull (that of a prism is nearly a cylinder), or leave the pair without a law",
                         one.words(),
                         other.words()
                     ),

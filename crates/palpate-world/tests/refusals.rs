@@ -61,7 +61,8 @@ fn a_pair_that_has_a_law_and_no_contact_is_refused_and_one_without_a_law_is_not(
         "\"block\" and \"shelf\": there is no contact of a box with a cylinder yet: they can touch along an edge or rim where \
          no corner or end is. A sphere, or a tool of several, may touch any shape, a box, hull or capsule another one and a \
          half-space, a capsule a cylinder, and a mesh a half-space. A mesh with a shell of points may touch a box, hull, capsule or \
-         cylinder, and a mesh with a distance grid. Give one of them another shape, such as a hull, or leave the pair without a \
+         cylinder, and a mesh with a distance grid. Give one of them another shape, such as a hull (that of a prism is nearly a \
+         cylinder), or leave the pair without a \
          law"
     );
 }
