@@ -9,6 +9,7 @@ use palpate_study::calibration::{CalibrationReport, GainFrom, Motion, shown};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
+use crate::checked::finite;
 use crate::figures::drawn;
 use crate::interrupt::interruptible;
 use crate::names::refused;
@@ -83,6 +84,9 @@ impl PyExcitation {
     /// sample, where it was measured.
     #[pyo3(signature = (position, time=None))]
     fn step(&self, position: f64, time: Option<f64>) -> PyResult<f64> {
+        if let Some(time) = time {
+            finite("time", time, " s")?;
+        }
         let mut motion = self.motion();
         match motion.phase() {
             Phase::Running => {}
@@ -104,8 +108,9 @@ impl PyExcitation {
     }
 
     /// Says that the last sample was answered by another force than it asked for \[N\].
-    fn report_sent(&self, force: f64) {
-        self.motion().really_sent(force);
+    fn report_sent(&self, force: f64) -> PyResult<()> {
+        self.motion().really_sent(finite("force", force, " N")?);
+        Ok(())
     }
 
     /// Whether it is complete.

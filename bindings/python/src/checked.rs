@@ -19,6 +19,16 @@ pub fn within(name: &str, value: f64, [least, most]: [f64; 2], unit: &str) -> Py
     )))
 }
 
+/// A number that is neither NaN nor infinite.
+pub fn finite(name: &str, value: f64, unit: &str) -> PyResult<f64> {
+    if value.is_finite() {
+        return Ok(value);
+    }
+    Err(refused(format!(
+        "{name} is {value}{unit}, but must be finite"
+    )))
+}
+
 /// A number above 0.
 pub fn above_zero(name: &str, value: f64, unit: &str) -> PyResult<f64> {
     if value.is_finite() && value > 0.0 {

@@ -14,6 +14,7 @@ use pyo3::prelude::*;
 
 use crate::arrays;
 use crate::bounded;
+use crate::checked::above_zero;
 use crate::names::refused;
 use crate::renderer::safety_params;
 use crate::world::rows;
@@ -231,12 +232,26 @@ impl EngineContact {
         h: f64,
         bodies: PyReadonlyArray2<'py, f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        above_zero("h", h, " s")?;
+        if self.sampled.is_none() {
+            return Err(refused(
+                "there is no sample to meet the bodies at: sample() comes first",
+            ));
+        }
         let bodies = arrays::rows("bodies", &bodies)?;
         if bodies.shape() != [self.bodies, BODY] {
             return Err(refused(format!(
                 "bodies has the shape {:?}, but must have ({}, {BODY})",
                 bodies.shape(),
                 self.bodies
+            )));
+        }
+        if let Some(((row, column), number)) = bodies
+            .indexed_iter()
+            .find(|(_, number)| !number.is_finite())
+        {
+            return Err(refused(format!(
+                "bodies is {number} in column {column} of row {row}, but must be finite"
             )));
         }
         let rows = bodies.outer_iter();

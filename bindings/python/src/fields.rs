@@ -1,7 +1,7 @@
 //! Arguments as the Python files hand them over, in a dictionary, and which of them is of a wrong type.
 
 use pyo3::PyTypeInfo as _;
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -20,11 +20,25 @@ pub fn named(given: &Bound<'_, PyDict>, error: PyErr) -> PyErr {
     };
     let value = given.get_item(name).ok().flatten();
     let value = value.and_then(|value| value.repr().ok());
+    let value = value.map(|value| shortened(value.to_string()));
     let Some((value, cause)) = value.zip(error.cause(py)) else {
         return error;
     };
-    if !cause.get_type(py).is(PyTypeError::type_object(py)) {
-        return error;
+    let message = format!("{name} is {value}: {}", cause.value(py));
+    if cause.get_type(py).is(PyTypeError::type_object(py)) {
+        PyTypeError::new_err(message)
+    } else if cause.is_instance_of::<PyOverflowError>(py) {
+        // A number that is below 0 or too large for the argument.
+        PyValueError::new_err(message)
+    } else {
+        error
     }
-    PyTypeError::new_err(format!("{name} is {value}: {}", cause.value(py)))
+}
+
+/// The beginning of a long text.
+fn shortened(text: String) -> String {
+    match text.char_indices().nth(40) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text,
+    }
 }

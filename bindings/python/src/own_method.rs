@@ -9,10 +9,12 @@ use palpate::{
 };
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_sim::run::Run;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
 use crate::interrupt::Stop;
+use crate::names::refused;
 
 /// A function of Python, by its name in reports.
 pub struct OwnMethod {
@@ -31,6 +33,7 @@ pub enum OwnError {
 
 /// The function that is called, and what it has raised.
 struct Called {
+    name: &'static str,
     function: Py<PyAny>,
     raised: Option<PyErr>,
     stop: Stop,
@@ -57,6 +60,7 @@ impl OwnMethod {
     /// Runs it on a bench.
     pub fn run(self, bench: &Bench<'_>, stop: &Stop) -> Result<Run, OwnError> {
         CALLED.set(Some(Called {
+            name: self.name,
             function: self.function,
             raised: None,
             stop: stop.clone(),
@@ -142,6 +146,25 @@ impl Called {
                 now.port_work,
                 now.held_leak,
             ))?;
-        self.function.call1(py, (situation,))?.extract(py)
+        let answer = self.function.call1(py, (situation,))?;
+        let answer = answer.bind(py);
+        let force = answer
+            .extract()
+            .ok()
+            .filter(|force: &f64| force.is_finite());
+        force.ok_or_else(|| {
+            let said = answer
+                .repr()
+                .map_or_else(|_| "no number".into(), |said| said.to_string());
+            let name = self.name;
+            let message = format!(
+                "{name} answered {said}, but must answer with a finite number: a force [N]"
+            );
+            if answer.extract::<f64>().is_ok() {
+                refused(message)
+            } else {
+                PyTypeError::new_err(message)
+            }
+        })
     }
 }

@@ -13,6 +13,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyTuple};
 
+use crate::checked::finite;
 use crate::columns::limits;
 use crate::methods::{chosen, settings};
 use crate::names::{refused, wrong_argument, wrong_setup};
@@ -102,8 +103,10 @@ impl Renderer {
     }
 
     /// Says what was really sent to the device for the last sample `[N]`.
-    fn report_sent(&mut self, force_on_device: f64) {
-        self.renderer.report_sent(&mut self.state, -force_on_device);
+    fn report_sent(&mut self, force_on_device: f64) -> PyResult<()> {
+        let force = finite("force_on_device", force_on_device, " N")?;
+        self.renderer.report_sent(&mut self.state, -force);
+        Ok(())
     }
 
     /// Puts the object elsewhere with the next sample; the books say what energy that gave.

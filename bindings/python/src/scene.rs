@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Measure, Scene, SceneErrors, SceneFile, SceneParameter, beside};
 use palpate_sim::closed_loop::LoopError;
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyOSError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 use toml::Value;
@@ -112,7 +112,7 @@ pub fn messages(errors: &SceneErrors) -> String {
 #[pyfunction]
 pub fn read_scene(path: PathBuf) -> PyResult<(String, String, PathBuf)> {
     let name = path.display().to_string();
-    let bytes = palpate_scene::scene_bytes(&path)?;
+    let bytes = palpate_scene::scene_bytes(&path).map_err(|error| of_file(&error, &name))?;
     let text = String::from_utf8(bytes)
         .map_err(|_| refused(format!("{name}: not UTF-8; save the scene as UTF-8 text")))?;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
@@ -122,7 +122,7 @@ pub fn read_scene(path: PathBuf) -> PyResult<(String, String, PathBuf)> {
 /// Tables of Python as the text of a scene file.
 #[pyfunction]
 pub fn to_toml(tables: &Bound<'_, PyDict>) -> PyResult<String> {
-    let value = table(tables, "scene")?;
+    let value = table(tables, "scene", 0)?;
     toml::to_string(&value).map_err(refused)
 }
 
@@ -154,7 +154,10 @@ fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>>
     })
 }
 
-fn table(given: &Bound<'_, PyDict>, place: &str) -> PyResult<Value> {
+/// How deep tables and lists may lie in each other: deeper ones are in no file, and some would never end.
+const DEEPEST: usize = 32;
+
+fn table(given: &Bound<'_, PyDict>, place: &str, depth: usize) -> PyResult<Value> {
     let mut made = toml::Table::new();
     for (key, item) in given.iter() {
         let key: String = key.extract().map_err(|_| {
@@ -165,13 +168,22 @@ fn table(given: &Bound<'_, PyDict>, place: &str) -> PyResult<Value> {
         let place = format!("{place}.{key}");
         // A key that is not there takes its default.
         if !item.is_none() {
-            made.insert(key, value(&item, &place)?);
+            made.insert(key, value(&item, &place, depth)?);
         }
     }
     Ok(Value::Table(made))
 }
 
-fn value(given: &Bound<'_, PyAny>, place: &str) -> PyResult<Value> {
+fn value(given: &Bound<'_, PyAny>, place: &str, depth: usize) -> PyResult<Value> {
+    if depth == DEEPEST {
+        // The first names of the place say enough of it.
+        let place: Vec<_> = place.split('.').take(4).collect();
+        return Err(refused(format!(
+            "{} has tables or lists in each other more than {DEEPEST} deep, as where one contains itself",
+            place.join(".")
+        )));
+    }
+    let depth = depth + 1;
     if let Ok(on) = given.cast::<PyBool>() {
         return Ok(Value::Boolean(on.is_true()));
     }
@@ -182,18 +194,18 @@ fn value(given: &Bound<'_, PyAny>, place: &str) -> PyResult<Value> {
         return Ok(Value::Integer(given.extract()?));
     }
     if let Ok(dictionary) = given.cast::<PyDict>() {
-        return table(dictionary, place);
+        return table(dictionary, place, depth);
     }
     if given.is_instance_of::<PyList>() || given.is_instance_of::<PyTuple>() {
         let items = given.try_iter()?;
-        let items: PyResult<Vec<_>> = items.map(|item| value(&item?, place)).collect();
+        let items: PyResult<Vec<_>> = items.map(|item| value(&item?, place, depth)).collect();
         return Ok(Value::Array(items?));
     }
     // What NumPy has, as Python has it; an array becomes a list.
     if let Ok(plain) = given.call_method0("tolist")
         && !plain.get_type().is(given.get_type())
     {
-        return value(&plain, place);
+        return value(&plain, place, depth);
     }
     // Whole numbers of other packages say that they can be an index; other numbers that they can be a float.
     if let Ok(index) = given.call_method0("__index__") {
@@ -206,4 +218,17 @@ fn value(given: &Bound<'_, PyAny>, place: &str) -> PyResult<Value> {
         "{place} is {}, but must be a number, a text, True or False, a list or a dictionary",
         given.repr()?
     )))
+}
+
+/// An error of a file as Python has it, which knows the file's name.
+fn of_file(error: &std::io::Error, name: &str) -> PyErr {
+    match error.raw_os_error() {
+        // Python makes of the number the kind of error, such as FileNotFoundError.
+        Some(number) => {
+            let said = error.to_string();
+            let said = said.split(" (os error").next().unwrap_or(&said).to_owned();
+            PyOSError::new_err((number, said, name.to_owned()))
+        }
+        None => PyOSError::new_err(format!("{name}: {error}")),
+    }
 }

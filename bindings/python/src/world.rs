@@ -111,7 +111,7 @@ pub fn wrong(file: &WorldFile, is_file: bool, faults: &[WorldError]) -> PyErr {
 
 #[pymethods]
 impl PyWorld {
-    /// A world from its text; `name` is what messages and reports call it.
+    /// A world from its text; `name` is what messages and reports call it, and files of meshes are looked for in `folder`.
     #[new]
     #[pyo3(signature = (text, name, folder, method, limits))]
     fn new(
@@ -123,7 +123,7 @@ impl PyWorld {
     ) -> PyResult<Self> {
         let (force_limit, torque_limit, soft_start) = limits;
         let called = name.clone().unwrap_or_else(|| "world".into());
-        let file = WorldFile::parse(&called, &text).map_err(|errors| {
+        let file = WorldFile::parse_in(&called, &text, &folder).map_err(|errors| {
             refused(if name.is_some() {
                 errors.to_string()
             } else {

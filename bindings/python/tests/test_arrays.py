@@ -4,6 +4,7 @@ what it takes."""
 from __future__ import annotations
 
 import json
+import math
 from typing import Any, Callable, Iterator
 
 import numpy as np
@@ -180,7 +181,8 @@ def engine_masses(mass: Any) -> Any:
     return device.position.tobytes(), device.velocity.tobytes()
 
 
-def engine_contact(position: Any) -> Any:
+def ball_of_an_engine() -> tuple[Any, np.ndarray]:
+    """A contact of a tool with a ball that an engine moves, and the row of the ball."""
     from palpate.engines._contact import EngineContact, PlacedShape, body_row
 
     contact = EngineContact(
@@ -192,14 +194,24 @@ def engine_contact(position: Any) -> Any:
         soft_start=0.0,
     )
     mobility = np.eye(6) * 10.0
-    row = body_row([0, 0, 0.035], [1, 0, 0, 0], [0] * 3, [0] * 3, [0] * 3, [0] * 3, mobility)
+    return contact, np.array([body_row([0, 0, 0.035], [1, 0, 0, 0], [0] * 3, [0] * 3, [0] * 3, [0] * 3, mobility)])
+
+
+def engine_contact(position: Any) -> Any:
+    contact, rows = ball_of_an_engine()
     forces = []
     for _ in range(3):
         contact.sample(position)
-        contact.meet(1e-3, np.array([row]))
+        contact.meet(1e-3, rows)
         forces.append(contact.hold().tobytes())
         contact.report_sent(position)
     return forces
+
+
+def met(rows: Any) -> bytes:
+    contact, _ = ball_of_an_engine()
+    contact.sample([0.0, 0.0, 0.0])
+    return bytes(contact.meet(1e-3, rows).tobytes())
 
 
 LEAD = 0.004 * np.sin(0.05 * np.arange(300))
@@ -348,3 +360,21 @@ def test_parts_on_many_machines_are_asked_for_by_numbers_of_numpy(root: Any, tmp
     assert names[0] == names[1]
     assert [(tmp_path / "0" / name).read_bytes() for name in names[0]] == [(tmp_path / "1" / name).read_bytes() for name in names[1]]
     assert json.loads(mine.merge(tmp_path / "0").to_json()) == json.loads(theirs.merge(tmp_path / "1").to_json())
+
+
+def test_a_step_of_an_engine_is_checked() -> None:
+    contact, rows = ball_of_an_engine()
+    with pytest.raises(ValueError, match=r"there is no sample to meet the bodies at: sample\(\) comes first"):
+        contact.meet(1e-3, rows)
+    contact.sample([0.0, 0.0, 0.0])
+    for h in (0.0, -1.0, math.nan, math.inf):
+        with pytest.raises(ValueError, match=r"h is \S+ s, but must be finite and greater than 0"):
+            contact.meet(h, rows)
+    broken = rows.copy()
+    broken[0, 3] = math.nan
+    with pytest.raises(ValueError, match="bodies is NaN in column 3 of row 0, but must be finite"):
+        contact.meet(1e-3, broken)
+    with pytest.raises(ValueError, match="bodies is of type <U"):
+        contact.meet(1e-3, ["none"])
+    expected = met(rows)
+    assert met(rows.tolist()) == met(np.asfortranarray(np.repeat(rows, 2, axis=1))[:, ::2]) == expected

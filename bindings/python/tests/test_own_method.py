@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -69,9 +70,6 @@ def test_what_a_method_raises_comes_out(root: Path) -> None:
         palpate.compare(FIG2, method=[spring])  # type: ignore[list-item]
     with pytest.raises(ValueError, match="spring is named twice"):
         palpate.simulate(FIG2, method=[spring, spring])
-    # A force that is no number is refused by the renderer, sample by sample, and the run goes on.
-    run = palpate.simulate(FIG2, method=lambda now: float("nan"))
-    assert run.methods[0].faults > 0 and np.isfinite(run.ticks["<lambda>"]["force_on_object_n"]).all()
 
 
 def test_reports_show_themselves(root: Path) -> None:
@@ -95,3 +93,20 @@ def test_reports_show_themselves(root: Path) -> None:
 
     axes = Axes()
     assert run.plot(axes) is axes and axes.drawn == ["ideal", "basic", "coupled"]
+
+
+@pytest.mark.parametrize("answer", [math.nan, math.inf])
+def test_an_answer_that_is_no_finite_number_is_refused_by_the_method_s_name(answer: float) -> None:
+    def broken(now: palpate.Situation) -> float:
+        return answer
+
+    with pytest.raises(ValueError, match=f"broken answered {answer}, but must answer with a finite number"):
+        palpate.simulate(ROOT / FIG2, broken)
+
+
+def test_an_answer_that_is_no_number_is_refused_by_the_method_s_name() -> None:
+    def silent(now: palpate.Situation) -> Any:
+        return None
+
+    with pytest.raises(TypeError, match="silent answered None, but must answer with a finite number"):
+        palpate.simulate(ROOT / FIG2, silent)

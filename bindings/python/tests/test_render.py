@@ -151,3 +151,9 @@ def test_runs_are_pickled_whole() -> None:
         run.kapa
     with pytest.raises(KeyError, match="no run is by seh; there are basic, hfcr"):
         run.method("seh")
+
+
+def test_positions_that_are_no_numbers_are_refused_wherever_they_stand() -> None:
+    for positions, index in (([0.0, math.nan, math.nan, 0.0], 1), ([math.nan] * 4, 0), ([0.0, 0.0, math.inf, math.nan], 2)):
+        with pytest.raises(ValueError, match=f"position .* at index {index} is not finite"):
+            palpate.render([0.0, 0.1, 0.2, 0.3], positions, **CONTACT)

@@ -227,3 +227,18 @@ def test_parameters_are_pickled_and_a_renderer_is_not() -> None:
     assert again.method_parameters == renderer.method_parameters
     assert renderer.method_parameters["damping_n_s_per_m"] == 0.5
     assert eval(repr(again), {"Renderer": palpate.Renderer}).parameters == renderer.parameters
+
+
+def test_what_was_sent_and_a_number_that_is_too_large_are_refused_by_name() -> None:
+    renderer = palpate.Renderer(**CONTACT)
+    renderer.step(0.001)
+    for wrong in (math.nan, math.inf):
+        with pytest.raises(ValueError, match=f"(?i)force_on_device is {wrong} N, but must be finite"):
+            renderer.report_sent(wrong)
+    with pytest.raises(ValueError, match=r"stiffness is 1000+\.\.\.: int too large"):
+        palpate.Renderer(**{**CONTACT, "stiffness": 10**400})
+    excitation = palpate.Excitation(period=1e-3)
+    with pytest.raises(ValueError, match="(?i)force is nan N, but must be finite"):
+        excitation.report_sent(math.nan)
+    with pytest.raises(ValueError, match="(?i)time is nan s, but must be finite"):
+        excitation.step(0.0, time=math.nan)

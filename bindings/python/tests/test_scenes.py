@@ -141,3 +141,32 @@ def test_scenes_and_reports_are_pickled() -> None:
     again = pickle.loads(pickle.dumps(report))
     assert again == report and str(again) == str(report) and type(again) is palpate.Report
     assert again.to_json() == report.to_json()
+
+
+def test_a_table_that_contains_itself_is_refused_by_its_place() -> None:
+    itself: dict[str, Any] = {}
+    itself["x"] = itself
+    deep: Any = 0.0
+    for _ in range(50_000):
+        deep = [deep]
+    rows: list[Any] = []
+    rows.append(rows)
+    for given, place in (({"object": itself}, "scene.object.x.x"), ({"object": {"mass_kg": deep}}, "scene.object.mass_kg")):
+        tables: dict[str, Any] = {"object": {}, "device": {}, "loop": {}, "measure": {}, **given}
+        with pytest.raises(ValueError, match=f"{place} has tables or lists in each other more than 32 deep"):
+            palpate.Scene("itself", **tables)
+    with pytest.raises(ValueError, match="more than 32 deep, as where one contains itself"):
+        palpate.World(bodies=[{"name": rows}])
+    # Each goes before the next: to drop a list of lists is a recursion, too.
+    while isinstance(deep, list):
+        deep = deep.pop()
+
+
+def test_a_file_that_is_missing_is_named(tmp_path: Path) -> None:
+    missing = tmp_path / "missing.toml"
+    for read in (palpate.World, palpate.Scene.read, palpate.simulate):
+        with pytest.raises(FileNotFoundError, match="missing.toml") as raised:
+            read(missing)
+        assert raised.value.filename == str(missing)
+    with pytest.raises(IsADirectoryError, match=tmp_path.name):
+        palpate.World(tmp_path)

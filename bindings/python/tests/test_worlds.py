@@ -238,3 +238,41 @@ def test_a_report_of_a_world_can_be_kept_and_drawn(root: Path) -> None:
     pytest.importorskip("matplotlib").use("agg")
     ax = rep.plot()
     assert [line.get_label() for line in ax.lines] == ["ideal, means", "coupled"]
+
+
+def test_files_of_meshes_are_looked_for_beside_the_file_of_the_world(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def corner(size: float) -> str:
+        corners = [(0, 0, 0), (size, 0, 0), (0, size, 0), (0, 0, size)]
+        vertices = "".join(f"v {x} {y} {z}\n" for x, y, z in corners)
+        return vertices + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+
+    beside, elsewhere = tmp_path / "beside", tmp_path / "elsewhere"
+    for folder, size in ((beside, 10.0), (elsewhere, 100.0)):
+        folder.mkdir()
+        (folder / "part.obj").write_text(corner(size))
+    part = {"name": "part", "fixed": True, "shape": {"mesh": {"file": "part.obj", "unit": "mm"}}}
+    away = {"name": "away", "fixed": True, "position_m": [1.0, 0, 0], "shape": {"sphere": {"radius_m": 0.01}}}
+    law = {"between": "*", "stiffness_n_per_m": 2000.0}
+    text = ball(bodies=[away], contacts=[law]).to_toml()
+    text += '[[body]]\nname = "part"\nfixed = true\nshape = { mesh = { file = "part.obj", unit = "mm" } }\n'
+    (beside / "world.toml").write_text(text)
+    # A file of the same name is here, ten times larger.
+    monkeypatch.chdir(elsewhere)
+    world = palpate.World(beside / "world.toml", soft_start=0)
+    outside = [0.02, 0.02, -0.005]
+    for same in (
+        world,
+        world.replace(title="same"),
+        world.add(bodies=[{**part, "name": "far", "position_m": [2.0, 0, 0]}]),
+        palpate.World.parse(world.to_toml(), folder=beside),
+        world.replace(method="basic").replace(method="coupled"),
+    ):
+        assert (same.step(outside) == 0).all()
+    assert (palpate.World.parse(world.to_toml(), folder=elsewhere).replace(soft_start=0).step(outside) != 0).any()
+
+
+def test_a_force_that_was_sent_is_finite() -> None:
+    world = ball()
+    world.step([0, 0, 0.0])
+    with pytest.raises(ValueError, match=r"force\[2\] is nan, but must be finite"):
+        world.report_sent([0.0, 0.0, math.nan])

@@ -134,7 +134,8 @@ impl HandMotion {
             Some((first, Some(second))) => {
                 self.last = Some((second, Some(position)));
                 let (low, high) = (first.min(second), first.max(second));
-                position.clamp(low, high)
+                // What is no number is refused elsewhere, and may not end the program here.
+                position.max(low).min(high)
             }
         };
         let (low, high) = self.bounds.unwrap_or((middle, middle));

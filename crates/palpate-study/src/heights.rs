@@ -72,6 +72,8 @@ pub fn over_heights(
             done();
             judged
         })
+        // Who wants no more of it lets `done` panic.
+        .panic_fuse()
         .collect::<Result<_, _>>()?;
     Ok((0..columns.len())
         .map(|column| {

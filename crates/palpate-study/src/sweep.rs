@@ -187,6 +187,8 @@ pub fn sweep(
             done();
             swept
         })
+        // Who wants no more of it lets `done` panic.
+        .panic_fuse()
         .collect()
 }
 

@@ -29,6 +29,18 @@ def numbers(name: str, given: ArrayLike) -> NDArray[np.float64]:
     return np.require(array, np.float64, ["C", "A"])
 
 
+def known(name: str, given: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The numbers of an argument, each of which has to be finite.
+
+    Raises:
+        ValueError: One that is not, with its place.
+    """
+    if not np.isfinite(given).all():
+        place = tuple(int(at) for at in np.argwhere(~np.isfinite(given))[0])
+        raise ValueError(f"{name}[{', '.join(map(str, place))}] is {given[place]}, but must be finite")
+    return given
+
+
 def row(name: str, given: ArrayLike) -> list[float]:
     """The numbers of an argument that is one row.
 

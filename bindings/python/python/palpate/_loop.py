@@ -197,7 +197,7 @@ class Loop(_palpate.Loop):
             "lock_memory": lock_memory,
             "processor": processor,
             "spin": spin,
-            "record": record,
+            "record": _file(record),
             "scene": None,
         }
         rendered: Any = renderer
@@ -520,3 +520,10 @@ def _scene(device: Device, renderer: Renderer) -> str | None:
         "methods": {method: {keys[name]: value for name, value in settings.items()}} if settings else None,
     }
     return _palpate.to_toml(tables)
+
+
+def _file(path: str | os.PathLike[str] | None) -> str | os.PathLike[str] | None:
+    """A path that names a file, or none."""
+    if path is not None and not os.fspath(path):
+        raise ValueError("record is an empty path, but must name a file")
+    return path

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _palpate
-from ._arrays import numbers
+from ._arrays import known, numbers
 from ._scene import Tables
 from ._world_values import (
     BodyBook,
@@ -127,7 +127,7 @@ class World(_palpate.World):
 
     @classmethod
     def parse(cls, text: str, folder: str | os.PathLike[str] = "") -> World:
-        """The world of the text of a file."""
+        """The world of the text of a file; files of meshes are looked for in `folder`."""
         made_by = {"method": None, "force_limit": None, "torque_limit": None, "soft_start": 0.2}
         return cls._of(text, "world", folder, made_by)
 
@@ -179,13 +179,13 @@ class World(_palpate.World):
             device: Name of the device; not needed where there is one.
 
         Raises:
-            ValueError: No such device, or not as many numbers.
+            ValueError: No such device, not as many numbers, or one that is not finite.
         """
         if device is None and len(self._devices) == 1:
             device = self._devices[0]
         if device not in self._devices:
             raise ValueError(f"device is {device!r}, but must be one of {', '.join(self._devices)}")
-        given = numbers("force", force)
+        given = known("force", numbers("force", force))
         width = 3 if self.width() == 3 else 6
         if given.shape != (width,):
             raise ValueError(f"force has the shape {given.shape}, but must have ({width},)")
@@ -253,7 +253,7 @@ class World(_palpate.World):
             if not more:
                 continue
             tables[key] = [*tables.get(key, []), *more]
-        return self._of(_palpate.to_toml(_as_lists(tables)), None, "", self._made_by)
+        return self._of(_palpate.to_toml(_as_lists(tables)), None, self.parts()[2], self._made_by)
 
     def replace(
         self,
@@ -283,7 +283,7 @@ class World(_palpate.World):
             "soft_start": soft_start,
         }
         made_by = {key: self._made_by[key] if value is None else value for key, value in limits.items()}
-        return self._of(_palpate.to_toml(_as_lists(changed)), None, "", made_by)
+        return self._of(_palpate.to_toml(_as_lists(changed)), None, self.parts()[2], made_by)
 
     def to_dict(self) -> dict[str, Any]:
         """The tables of the world, with the keys of its file."""

@@ -258,15 +258,16 @@ impl RealTimeLoop {
     }
 
     /// Ends a trip that stays, with the next tick.
-    fn rearm(&self) -> PyResult<()> {
+    fn rearm(&self, py: Python<'_>) -> PyResult<()> {
         self.check_process()?;
-        match &*lock(&self.stage) {
+        // Who stops the loop has the stage until the end, and Python is to go on meanwhile.
+        py.detach(|| match &*lock(&self.stage) {
             Stage::Runs(runs) => {
                 runs.thread.rearm();
                 Ok(())
             }
             _ => Err(PyRuntimeError::new_err("the loop does not run")),
-        }
+        })
     }
 
     /// The ticks since the last read; waits up to `wait` `[s]` for the first of them, and ends that wait
@@ -312,13 +313,13 @@ impl RealTimeLoop {
     }
 
     /// How the loop stands.
-    fn now(&self) -> PyResult<Now> {
+    fn now(&self, py: Python<'_>) -> PyResult<Now> {
         self.check_process()?;
-        let (runs, cuts) = match &*lock(&self.stage) {
+        let (runs, cuts) = py.detach(|| match &*lock(&self.stage) {
             Stage::Runs(runs) => (!self.heard.is_closed(), runs.thread.cuts()),
             Stage::Ended(ended) => (false, ended.cuts),
             Stage::Made(_) => (false, 0),
-        };
+        });
         let heard = self.heard.now();
         Ok((
             runs,

@@ -162,12 +162,21 @@ impl WorldFile {
     /// # Errors
     /// Every fault, each with its line and column and with what is allowed.
     pub fn parse(name: &str, source: &str) -> Result<Self, SceneErrors> {
+        let folder = Path::new(name).parent().unwrap_or(Path::new(""));
+        Self::parse_in(name, source, folder)
+    }
+
+    /// Reads a world from a text that is called `name`. Files of meshes are looked for in `folder`.
+    ///
+    /// # Errors
+    /// As those of [`parse`](Self::parse).
+    pub fn parse_in(name: &str, source: &str, folder: &Path) -> Result<Self, SceneErrors> {
         let left = recover::read::<RawFile>(source);
         let mut reading = Reading {
             places: WorldPlaces::default(),
             faults: left.faults,
             notes: Vec::new(),
-            folder: Path::new(name).parent().unwrap_or(Path::new("")).into(),
+            folder: folder.into(),
             damaged: left.damaged,
             removed: left.removed,
         };

@@ -136,6 +136,8 @@ pub fn run_part(
             done();
             judged
         })
+        // Who wants no more of it lets `done` panic.
+        .panic_fuse()
         .collect()
 }
 

@@ -161,6 +161,8 @@ pub fn run(
                     judged();
                     errors
                 })
+                // Who wants no more of it lets `judged` panic.
+                .panic_fuse()
                 .collect::<Result<_, _>>()?;
             let of = |(place, name): (usize, &'static str)| {
                 let mut sorted: Vec<f64> = errors.iter().map(|errors| errors[place]).collect();

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _palpate
-from .._arrays import numbers
+from .._arrays import known, numbers
 from .._world_values import ContactBook, Effort, ToolState, Vector
 
 BODY_COLUMNS = 55
@@ -187,6 +187,22 @@ class EngineContact(_palpate.EngineContact):
             raise ValueError(f"position has the shape {given.shape}, but must have {needed}")
         self.take(given.reshape(count, 3), elapsed)
 
+    def meet(self, h: float, bodies: ArrayLike) -> NDArray[np.float64]:
+        """A step of the engine.
+
+        Args:
+            h: Length of the step [s]. The steps of a period add up to the time until the next sample.
+            bodies: A row for each body, as `body_row` makes it, as the body is at the beginning of the step.
+
+        Returns:
+            A row for each body: the force and the torque about its mass centre to hold on it over the step [N], [N m].
+
+        Raises:
+            ValueError: No sample of this period, a step that is not above 0, not a row for each body, or a number that is
+                not finite.
+        """
+        return super().meet(h, numbers("bodies", bodies))
+
     def hold(self) -> NDArray[np.float64]:
         """The period ends: the force on the device [N], three numbers, to hold until the next; of several devices
         a row for each. After a sample or a state that cannot be used it is 0, and `output.fault` says why."""
@@ -201,12 +217,12 @@ class EngineContact(_palpate.EngineContact):
             tool: Name of the tool; not needed where there is one.
 
         Raises:
-            ValueError: No such tool, or not three numbers.
+            ValueError: No such tool, not three numbers, or one that is not finite.
         """
         name = self._tools[0] if tool is None and len(self._tools) == 1 else tool
         if name not in self._tools:
             raise ValueError(f"tool is {tool!r}, but must be one of {', '.join(self._tools)}")
-        given = numbers("force", force)
+        given = known("force", numbers("force", force))
         if given.shape != (3,):
             raise ValueError(f"force has the shape {given.shape}, but must have (3,)")
         self.tell_sent(self._tools.index(name), given.tolist())
