@@ -246,14 +246,6 @@ impl EngineContact {
                 self.bodies
             )));
         }
-        if let Some(((row, column), number)) = bodies
-            .indexed_iter()
-            .find(|(_, number)| !number.is_finite())
-        {
-            return Err(refused(format!(
-                "bodies is {number} in column {column} of row {row}, but must be finite"
-            )));
-        }
         let rows = bodies.outer_iter();
         let bodies: Vec<BodyNow> = rows.map(|row| body(&row.to_vec())).collect();
         let mut wrenches = vec![BodyWrench::default(); bodies.len()];

@@ -256,13 +256,11 @@ impl<N: fmt::Display> fmt::Display for Message<N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (name, value, unit) = (&self.name, self.value, self.unit);
         let space = if unit.is_empty() { "" } else { " " };
-        let is_long = value != 0.0 && !(1e-7..1e17).contains(&value.abs());
-        if is_long {
-            write!(f, "{name} is {value:e}{space}{unit}")?;
-        } else {
-            write!(f, "{name} is {value}{space}{unit}")?;
-        }
-        write!(f, ", but must be {}", self.allowed)
+        write!(
+            f,
+            "{name} is {value}{space}{unit}, but must be {}",
+            self.allowed
+        )
     }
 }
 

@@ -192,14 +192,14 @@ class EngineContact(_palpate.EngineContact):
 
         Args:
             h: Length of the step [s]. The steps of a period add up to the time until the next sample.
-            bodies: A row for each body, as `body_row` makes it, as the body is at the beginning of the step.
+            bodies: A row for each body, as `body_row` makes it, as the body is at the beginning of the step. A row with
+                NaN says that nothing is known of the state: `hold` then answers 0 and names a fault.
 
         Returns:
             A row for each body: the force and the torque about its mass centre to hold on it over the step [N], [N m].
 
         Raises:
-            ValueError: No sample of this period, a step that is not above 0, not a row for each body, or a number that is
-                not finite.
+            ValueError: No sample of this period, a step that is not finite and above 0, or not a row for each body.
         """
         return super().meet(h, numbers("bodies", bodies))
 
