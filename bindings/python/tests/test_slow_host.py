@@ -74,7 +74,9 @@ def test_a_published_floor_pushes_as_its_stiffness_says_and_fades_where_nothing_
     pressed = ticks[ticks["contact_force_3_n"] > 1.0][-20:]
     assert np.allclose(pressed["contact_force_3_n"], STIFFNESS * pressed["penetration_m"], rtol=0.02)
     # What is commanded is the mean over the period that comes, which a late tick makes another one.
-    assert np.median(pressed["commanded_force_3_n"]) == pytest.approx(np.median(pressed["contact_force_3_n"]), rel=0.3)
+    all_pressed = ticks[ticks["contact_force_3_n"] > 1.0]
+    on_time = all_pressed[np.abs(all_pressed["period_s"] - 0.002) < 1e-4][-20:]
+    assert np.median(on_time["commanded_force_3_n"]) == pytest.approx(np.median(on_time["contact_force_3_n"]), rel=0.05)
     assert (pressed["pair"] == 0).all()
     report = made.report
     assert report is not None and report.failure is None and report.recorded == report.ticks and report.unrecorded == 0

@@ -134,7 +134,7 @@ impl HandMotion {
             Some((first, Some(second))) => {
                 self.last = Some((second, Some(position)));
                 let (low, high) = (first.min(second), first.max(second));
-                // What is no number is refused elsewhere, and may not end the program here.
+                // Unlike `clamp`, this does not panic on NaN, which whoever reads the samples refuses later.
                 position.max(low).min(high)
             }
         };

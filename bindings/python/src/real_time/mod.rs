@@ -260,7 +260,7 @@ impl RealTimeLoop {
     /// Ends a trip that stays, with the next tick.
     fn rearm(&self, py: Python<'_>) -> PyResult<()> {
         self.check_process()?;
-        // Who stops the loop has the stage until the end, and Python is to go on meanwhile.
+        // `stop` keeps this lock until the loop has ended; other threads of Python go on meanwhile.
         py.detach(|| match &*lock(&self.stage) {
             Stage::Runs(runs) => {
                 runs.thread.rearm();

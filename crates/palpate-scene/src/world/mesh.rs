@@ -199,7 +199,7 @@ struct RawPrism {
 }
 
 impl RawPrism {
-    /// Its corners, all at the radius from the z axis, the first above the x axis.
+    /// Its corners, all at the radius from the z axis; the first two have y = 0.
     fn corners(self) -> Result<Vec<Vector>, String> {
         let most = Hull::MOST_CORNERS / 2;
         if self.sides < 3 || self.sides as usize > most {
