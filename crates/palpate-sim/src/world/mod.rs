@@ -7,8 +7,8 @@ mod rendered;
 use palpate_scene::ActuatorParams;
 use palpate_scene::world::{WorldActuator, WorldScene};
 use palpate_testbed::world::{
-    CheckedIdeal, JudgementError, LedPath, PlantParams, WorldError as IdealError, WorldIdeal,
-    WorldJudgement, WorldPlant,
+    CheckedIdeal, Decisive, JudgementError, LedPath, PlantParams, WorldError as IdealError,
+    WorldIdeal, WorldJudgement, WorldPlant,
 };
 use palpate_world::{Books, Quaternion, Sample, Vector, WorldError, WorldRenderer};
 
@@ -189,6 +189,12 @@ impl WorldBench {
     #[must_use]
     pub fn ideal(&self) -> &WorldIdeal {
         &self.ideal
+    }
+
+    /// How much the sensor and the hand of each device decide about the error of its force.
+    #[must_use]
+    pub fn decisive(&self) -> Vec<Decisive> {
+        Decisive::of(&self.judged, &self.ideal)
     }
 
     /// How well the ideal agrees with itself, where this bench has computed it.

@@ -12,7 +12,7 @@ pub use setting::SettingReport;
 use palpate_scene::world::WorldScene;
 use palpate_sim::world::{WorldBench, WorldRun};
 use palpate_testbed::metrics::Fidelity;
-use palpate_testbed::world::{DeviceJudgement, Member, WorldIdeal};
+use palpate_testbed::world::{Decisive, DeviceJudgement, Member, WorldIdeal};
 use serde::Serialize;
 
 /// Name and version of the JSON report.
@@ -51,8 +51,26 @@ pub struct WorldReport {
     pub overlapping_at_start: Vec<[String; 2]>,
     /// Largest penetration of the ideal's contacts.
     pub deepest_m: f64,
+    /// One entry for each device: how much its sensor and its hand decide about the errors.
+    pub decisive: Vec<DecisiveReport>,
     /// One entry for each method.
     pub methods: Vec<WorldMethodReport>,
+}
+
+/// How much the sensor and the hand of a device decide about the error of its force.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DecisiveReport {
+    /// Name of the device.
+    pub name: String,
+    /// By how much a quantum of the position changes the force of the stiffest contact that the ideal makes with the tool.
+    pub quantum_force_n: f64,
+    /// The same over the root mean square of the ideal's force while something touches the tool; none if nothing does.
+    /// Above 0.1 the sensor decides.
+    pub quantum_over_force: Option<f64>,
+    /// Stiffness of the hand times the square of the period, over the least mass along an axis. Above 0.2 the hand decides,
+    /// where forces come late.
+    pub hand_over_mass: f64,
 }
 
 /// What a method made of a world.
@@ -155,7 +173,8 @@ impl WorldReport {
             peaks.fold(0.0, f64::max)
         });
         let names = scene.world.tools.iter().map(|tool| tool.name.as_str());
-        let of_devices: Vec<(&str, f64)> = names.zip(peaks).collect();
+        let of_devices: Vec<(&str, f64)> = names.clone().zip(peaks).collect();
+        let decisive = names.zip(bench.decisive());
         Self {
             format: FORMAT,
             title: scene.title.clone(),
@@ -170,6 +189,14 @@ impl WorldReport {
             contacts: ideal.encounters.len(),
             overlapping_at_start: overlapping_at_start(scene, ideal),
             deepest_m: ideal.deepest(),
+            decisive: decisive
+                .map(|(name, of)| DecisiveReport {
+                    name: name.to_owned(),
+                    quantum_force_n: of.quantum_force,
+                    quantum_over_force: of.quantum_over_force,
+                    hand_over_mass: of.hand_over_mass,
+                })
+                .collect(),
             methods: runs.iter().map(|run| of_run(run, &of_devices)).collect(),
         }
     }

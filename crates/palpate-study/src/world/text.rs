@@ -3,8 +3,9 @@
 use std::fmt;
 
 use comfy_table::{Cell, CellAlignment, Table};
+use palpate_testbed::world::Decisive;
 
-use super::{FidelityReport, WorldReport};
+use super::{DecisiveReport, FidelityReport, WorldReport};
 use crate::text::{
     E, FRE, counted, digits, legend, lines, number, percent, plain_table, short, wrapped,
 };
@@ -145,12 +146,38 @@ impl WorldReport {
         turns.then_some(table)
     }
 
+    /// Where the sensor or the hand of a device decides about its errors, and not the renderer.
+    fn decided(&self, it: &DecisiveReport) -> Vec<String> {
+        let mut decided = Vec::new();
+        if let Some(part) = it.quantum_over_force.filter(|it| *it > Decisive::SENSOR) {
+            decided.push(format!(
+                "\"{}\": a quantum of its sensor is {} N in its stiffest contact, {} % of the ideal's force (rms). Above {} % the \
+                 sensor decides about E.",
+                it.name,
+                short(it.quantum_force_n, 3),
+                short(100.0 * part, 0),
+                100.0 * Decisive::SENSOR,
+            ));
+        }
+        if self.delay_s > 0.0 && it.hand_over_mass > Decisive::HAND {
+            decided.push(format!(
+                "\"{}\": the hand's stiffness k and the mass m have k T^2/m {}. Above {}, and with a delay, the hand decides \
+                 about E.",
+                it.name,
+                short(it.hand_over_mass, 2),
+                Decisive::HAND,
+            ));
+        }
+        decided
+    }
+
     /// What the numbers above do not say.
     fn remarks(&self) -> Vec<String> {
         let overlap = |[one, other]: &[String; 2]| {
             format!("\"{one}\" and \"{other}\" overlap at the start; their contact begins so.")
         };
         let mut remarks: Vec<_> = self.overlapping_at_start.iter().map(overlap).collect();
+        remarks.extend(self.decisive.iter().flat_map(|it| self.decided(it)));
         for method in &self.methods {
             if method.refused_samples > 0 {
                 remarks.push(format!(

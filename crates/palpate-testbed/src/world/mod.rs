@@ -41,6 +41,7 @@
 pub mod benchmarks;
 mod between;
 mod contact;
+mod decisive;
 mod dormand_prince;
 mod field;
 mod held_axis;
@@ -69,6 +70,7 @@ mod vector;
 mod wrapping;
 
 pub use contact::WorldError;
+pub use decisive::Decisive;
 pub use field::Field;
 pub use held_turning::HeldTurning;
 pub use hull::Hull;
