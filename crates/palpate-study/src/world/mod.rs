@@ -12,7 +12,7 @@ pub use setting::SettingReport;
 use palpate_scene::world::WorldScene;
 use palpate_sim::world::{WorldBench, WorldRun};
 use palpate_testbed::metrics::Fidelity;
-use palpate_testbed::world::{Decisive, DeviceJudgement, Member, WorldIdeal};
+use palpate_testbed::world::{DeviceJudgement, Member, WorldIdeal};
 use serde::Serialize;
 
 /// Name and version of the JSON report.
