@@ -454,3 +454,50 @@ fn axes_that_contradict_the_rest_are_refused() {
         ]
     );
 }
+
+/// A stylus: its device measures six axes and pushes along three.
+#[test]
+fn a_device_says_whether_it_gives_a_torque() {
+    let with = |keys: &str| BALL.replacen("mass_kg", &format!("{keys}\nmass_kg"), 1);
+    let scene = |keys: &str| WorldFile::parse("ball.toml", &with(keys)).unwrap().scene;
+    let inertia = "inertia_kg_m2 = [1e-4, 1e-4, 2e-5]";
+    for (given, gives_torque) in [
+        ("", true),
+        ("\ngives_torque = true", true),
+        ("\ngives_torque = false", false),
+    ] {
+        let scene = scene(&format!("{inertia}{given}"));
+        let tool = &scene.world.tools[0];
+        assert!(tool.turns);
+        assert_eq!(tool.feels_torque(), gives_torque, "{given}");
+        assert_eq!(scene.devices[0].turning.unwrap().gives_torque, gives_torque);
+    }
+    for given in ["false", "true"] {
+        assert_eq!(
+            said(&with(&format!("gives_torque = {given}"))),
+            [
+                "ball.toml:9:16: gives_torque is of a device of six axes, which has inertia_kg_m2, three moments"
+            ]
+        );
+    }
+    let wrong = said(&with(&format!("{inertia}\ngives_torque = 0")));
+    assert!(
+        wrong[0].starts_with("ball.toml:10:16") && wrong[0].contains("boolean"),
+        "{wrong:?}"
+    );
+
+    // A virtual coupling needs nothing for a turn that nobody feels; a god-object turns no tool.
+    let coupling = "method = \"virtual-coupling\"\ncoupling_stiffness_n_per_m = 1000.0\ncoupling_mass_kg = 0.1\ndamping_n_s_per_m = 2.0";
+    let stylus = with(&format!("{inertia}\ngives_torque = false"));
+    let coupled = stylus.replace("method = \"coupled\"", coupling);
+    let coupled = WorldFile::parse("ball.toml", &coupled).unwrap().scene;
+    for method in ["basic", "virtual-damper", "virtual-coupling", "coupled"] {
+        let made = coupled.renderer(method);
+        assert!(made.is_ok(), "{method}: {made:?}");
+    }
+    let refused = coupled.renderer("god-object").unwrap_err();
+    assert!(refused[0].to_string().contains("turns"), "{refused:?}");
+    let felt = with(inertia).replace("method = \"coupled\"", coupling);
+    let felt = WorldFile::parse("ball.toml", &felt).unwrap().scene;
+    assert!(felt.renderer("virtual-coupling").is_err());
+}

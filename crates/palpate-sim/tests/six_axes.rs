@@ -347,3 +347,40 @@ fn a_plug_in_its_socket_is_rendered_as_its_ideal_moves() {
         assert!(coupled[0] < largest && basic[0] > 5.0 * coupled[0]);
     }
 }
+
+/// The pen of a device that measures six axes and pushes along three.
+#[test]
+fn a_stylus_that_its_hand_turns_is_near_the_floor_and_at_it_with_the_device_known() {
+    let told = scene("stylus");
+    // Without a hand's spring it would turn round and round after that.
+    let mut free = known(told.clone());
+    free.duration = 0.15;
+    // A renderer takes the device to be at rest when the loop starts.
+    free.devices[0].velocity = [0.0; 3];
+    let [of_told, of_known] = [&told, &free].map(|scene| {
+        let bench = WorldBench::new(scene).unwrap();
+        assert_eq!(bench.self_check().unwrap().chaotic_from, None);
+        let run = run(scene, &bench, "coupled");
+        let device = &run.judgement.devices[0];
+        assert_eq!(device.torque, None);
+        let torques = run.commanded_torques.iter().flatten().flatten();
+        assert!(torques.clone().count() > 0 && torques.copied().all(|x| x == 0.0));
+        // The ideal's contacts do push against the turn.
+        let felt = bench
+            .ideal()
+            .states
+            .iter()
+            .map(|it| it.devices[0].torque[1]);
+        assert!(felt.map(f64::abs).fold(0.0, f64::max) > 0.01);
+        assert!(run.created().abs() < 1e-3, "{}", run.created());
+        device.sum.unwrap().mean_force_error
+    });
+    let bench = WorldBench::new(&told).unwrap();
+    let basic = run(&told, &bench, "basic").judgement.sum.unwrap();
+    let floor = basic.hold_floor;
+    let basic = basic.mean_force_error;
+    println!(
+        "stylus: E basic {basic:.0} %, coupled told wrong {of_told:.2} %, device known {of_known:.3} %; floor {floor:.1}"
+    );
+    assert!(of_told < 1.5 && of_known < 0.2 && basic > 15.0);
+}

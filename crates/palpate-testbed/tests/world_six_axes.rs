@@ -23,6 +23,7 @@ fn tool(tool: Tool, inertia: [f64; 3], angular_velocity: [f64; 3]) -> WorldDevic
             orientation: NOT_TURNED,
             angular_velocity,
             hand: TurningHand::none(),
+            gives_torque: true,
             quantum: 0.0,
         }),
         hand: WorldHand::default(),
@@ -258,4 +259,65 @@ fn what_is_wrong_with_a_device_of_six_axes_is_named() {
         error.to_string().starts_with("devices[0].tool = 0"),
         "{error}"
     );
+}
+
+/// The pen of a device that gives no torque: what it touches does not turn it, and the hand's work has what it takes up.
+#[test]
+fn a_hand_alone_turns_a_tool_whose_device_gives_no_torque() {
+    let mut scene = on_a_table();
+    let turning = scene.devices[0].turning.as_mut().unwrap();
+    turning.gives_torque = false;
+    let grid = Grid::even(0.0, 0.001, 300);
+    let ideal = WorldIdeal::new(&scene, grid.clone()).unwrap();
+    let in_the_air = WorldScene {
+        pairs: Vec::new(),
+        ..scene.clone()
+    };
+    let in_the_air = WorldIdeal::new(&in_the_air, grid.clone()).unwrap();
+    let turned_away = |one: &WorldIdeal, other: &WorldIdeal| {
+        let states = one.states.iter().zip(&other.states);
+        let each = states.map(|(one, other)| {
+            let [one, other] = [one, other].map(|state| state.devices[0].orientation);
+            let dot: f64 = one.iter().zip(other).map(|(a, b)| a * b).sum();
+            1.0 - dot.abs()
+        });
+        each.fold(0.0, f64::max)
+    };
+    let most = |ideal: &WorldIdeal| {
+        let torques = ideal.states.iter().map(|it| it.devices[0].torque[1].abs());
+        torques.fold(0.0, f64::max)
+    };
+    let apart = turned_away(&ideal, &in_the_air);
+    assert!(most(&ideal) > 0.01 && apart < 1e-12, "{apart}");
+    // A device of six axes is turned by them.
+    let turned = WorldIdeal::new(&on_a_table(), grid.clone()).unwrap();
+    assert!(turned_away(&turned, &in_the_air) > 1e-3);
+
+    let [start, last] = [0, 300].map(|state: usize| &ideal.states[state].books);
+    let off = (last.balance() - start.balance()).abs();
+    assert!(
+        last.dissipated > 1e-4 && off < 1e-9 * last.dissipated,
+        "{off}"
+    );
+
+    // No motor turns it either, and no torque is judged.
+    let mut plant = WorldPlant::new(&scene, PlantParams::perfect(0.001)).unwrap();
+    for state in &in_the_air.states[..300] {
+        let found = plant.orientations()[0];
+        let off = found.iter().zip(state.devices[0].orientation);
+        let off = off.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-7, "{off}");
+        plant.hold_wrenches(&[[0.0; 3]], &[[0.3, -0.2, 0.1]]);
+    }
+    assert!(
+        plant
+            .delivered_torque(0)
+            .iter()
+            .flatten()
+            .all(|x| *x == 0.0)
+    );
+    let forces = ideal.devices[0].mean_forces(&grid);
+    let judged = WorldJudgement::of(&scene, &ideal, &[forces]).unwrap();
+    assert_eq!(judged.devices[0].torque, None);
+    assert!(judged.sum.unwrap().mean_force_error < 1e-9);
 }

@@ -18,9 +18,12 @@ pub struct Tool {
     pub name: String,
     /// Its shape, in its own axes.
     pub shape: Shape,
-    /// Whether the device turns it: a device of six axes, which measures an orientation and gives a torque. If not, the
-    /// tool's axes are those of the world.
+    /// Whether the device turns it: a device of six axes, which measures an orientation. If not, the tool's axes are those of
+    /// the world.
     pub turns: bool,
+    /// Whether a device that turns it gives a torque, too. If not, its hand alone turns it, whatever the contacts push, and
+    /// feels no torque: most devices with a stylus measure six axes and push along three. Read only if the tool turns.
+    pub gives_torque: bool,
     /// Along which of the world's axes the device moves it and can push it; at least one. Along the others its mechanism holds the
     /// tool where the device is measured: the force on the device is 0 there, whatever the contacts push.
     pub axes: [bool; 3],
@@ -34,6 +37,7 @@ impl Tool {
             name: name.into(),
             shape,
             turns: false,
+            gives_torque: true,
             axes: [true; 3],
         }
     }
@@ -59,13 +63,36 @@ impl Tool {
         }
     }
 
-    /// The same tool, moved by a device of six axes.
+    /// The same tool, moved by a device of six axes, which gives a torque.
     #[must_use]
     pub fn turning(self) -> Self {
         Self {
             turns: true,
+            gives_torque: true,
             ..self
         }
+    }
+
+    /// The same tool, moved by a device that measures six axes and pushes along three: its hand turns it, and feels no
+    /// torque.
+    #[must_use]
+    pub fn turned_by_hand(self) -> Self {
+        Self {
+            turns: true,
+            gives_torque: false,
+            ..self
+        }
+    }
+
+    /// Whether the torques of its contacts turn it, and its device gives them to the hand.
+    #[must_use]
+    pub fn feels_torque(&self) -> bool {
+        self.turns && self.gives_torque
+    }
+
+    /// Whether its hand alone turns it.
+    pub(crate) fn is_led(&self) -> bool {
+        self.turns && !self.gives_torque
     }
 }
 

@@ -86,8 +86,10 @@ pub struct BodyBook {
 pub struct DeviceBook {
     /// Work of the force that was held on the device as it was measured.
     pub port_work: f64,
-    /// Work of the contacts' mean force along the axes that the device lacks ([`Tool::axes`](crate::Tool::axes)), which its
-    /// mechanism carries and no motor gives: 0 while the tool stays where it is along them.
+    /// Work that no motor gives. Along the axes that the device lacks ([`Tool::axes`](crate::Tool::axes)) it is that of the
+    /// contacts' mean force, which the mechanism carries: 0 while the tool stays where it is along them. Of a tool that its hand
+    /// turns ([`Tool::turned_by_hand`](crate::Tool::turned_by_hand)) it is that of the contacts' torques, against which the hand
+    /// turns it.
     pub carried: f64,
     /// Sum of the contacts' [`ContactBook::held`].
     pub held: f64,

@@ -201,7 +201,8 @@ impl Account {
 
 /// What there was since the books began, besides what was there and what went through the ports `[J]`: work of the bodies'
 /// constant forces and from outside, less what damping and friction took. Work of the mechanism of a device that lacks an axis does
-/// not count: whoever moves it feels no motor, so that energy is not there for a hand.
+/// not count, nor does that of a hand that turns a tool without a torque: whoever does it feels no motor, so that energy is not
+/// there for a hand.
 fn had(books: &Books) -> f64 {
     let gone = &books.gone;
     let bodies = books.bodies.iter().chain([&gone.bodies]);

@@ -51,8 +51,10 @@ pub(crate) struct Past {
     pub angular_impulse: Vector3,
     /// Work on the first and the second together `[J]`.
     pub work: f64,
-    /// Work on the tool of the two `[J]`.
+    /// Work on the tool of the two `[J]`,
     pub work_on_tool: f64,
+    /// and what of it the torque does on a turn that the hand alone makes `[J]`.
+    pub work_on_led_turn: f64,
     /// Energy that damping and friction took, not below 0 `[J]`.
     pub dissipated: f64,
     /// Energy that other points of the same pair handed to it `[J]`.
@@ -146,9 +148,13 @@ impl Touch {
             let on_tool = impulse * sign;
             let arm = self.place - part.rigid.position;
             let mut mean = part.mean.velocity;
-            if part.feels_torque {
+            if part.has_torque {
+                let by_turning = part.mean.turning.cross(&arm);
                 self.past.angular_impulse += arm.cross(&on_tool);
-                mean += part.mean.turning.cross(&arm);
+                mean += by_turning;
+                if part.led {
+                    self.past.work_on_led_turn += on_tool.dot(&by_turning);
+                }
             }
             self.past.work_on_tool += on_tool.dot(&mean) + apparent;
         }

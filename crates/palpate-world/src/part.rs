@@ -65,8 +65,11 @@ pub(crate) struct Part {
     pub mobility: Mobility,
     pub drive: Drive,
     pub turning_drive: TurningDrive,
-    /// Whether the torques of contacts are summed.
-    pub feels_torque: bool,
+    /// Whether the torques of contacts count.
+    pub has_torque: bool,
+    /// Whether its hand alone turns it: the torques of contacts do work on it and do not turn it. That work is the hand's, from
+    /// outside, so its rotation has no energy here.
+    pub led: bool,
     /// How it moves now.
     pub twist: Twist,
     /// How it is expected to move at the end of a sub-step: what the damping of contacts sees.
@@ -94,7 +97,8 @@ impl Part {
             mobility,
             drive,
             turning_drive: TurningDrive::none(),
-            feels_torque: !mobility.does_not_turn(),
+            has_torque: !mobility.does_not_turn(),
+            led: false,
             twist: Twist::none(),
             ahead: Twist::none(),
             force: none,
@@ -124,13 +128,13 @@ impl Part {
         let Self {
             mobility,
             drive,
-            feels_torque,
+            has_torque,
             ..
         } = *self;
         *self = Self {
             mobility,
             drive,
-            feels_torque,
+            has_torque,
             ..*before
         };
         if mobility != before.mobility {
@@ -225,9 +229,11 @@ impl Part {
             velocity: self.rigid.velocity - self.gained * 0.5,
             turning: self.twist.turning,
         };
-        if self.feels_torque && !self.mobility.does_not_turn() {
+        if self.has_torque && !self.mobility.does_not_turn() {
             self.mean.turning -= self.turning(&(spun * 0.5));
-            self.driven += (torque * half).dot(&self.mean.turning);
+            if !self.led {
+                self.driven += (torque * half).dot(&self.mean.turning);
+            }
         }
     }
 
@@ -242,7 +248,9 @@ impl Part {
             rigid.orientation = self.mobility.turned(&rigid.orientation, &rigid.spin, h);
             self.update_twist();
             let change = self.twist.turning - before;
-            self.turning_error += 0.5 * self.rigid.spin.dot(&change);
+            if !self.led {
+                self.turning_error += 0.5 * self.rigid.spin.dot(&change);
+            }
         }
         self.ahead = Twist {
             velocity: self.twist.velocity + self.gained + self.drive.apparent_velocity,
@@ -265,7 +273,7 @@ impl Part {
     /// Adds the force of a contact at `place`.
     pub fn load(&mut self, force: &Vector3, place: &Vector3) {
         self.force += force;
-        if self.feels_torque {
+        if self.has_torque && !self.led {
             self.torque += (place - self.rigid.position).cross(force);
         }
     }

@@ -19,7 +19,7 @@ use crate::rigid::{Mobility, Rigid, Vector3};
 use crate::state::{ContactState, Progress, ToolState, WorldState, body_state};
 use crate::tracking::Tracking;
 use crate::{
-    Body, Effort, Limited, Motion, Output, Sample, Vector, World, WorldError, WorldFault,
+    Body, Effort, Limited, Motion, Output, Sample, Tool, Vector, World, WorldError, WorldFault,
     WorldGuard, WorldLoop,
 };
 
@@ -72,7 +72,8 @@ impl WorldRenderer {
                     spin: Vector3::zeros(),
                 };
                 Part {
-                    feels_torque: tool.turns,
+                    has_torque: tool.turns,
+                    led: tool.is_led(),
                     ..Part::new(nowhere, Mobility::none(), Drive::constant(Vector3::zeros()))
                 }
             })
@@ -216,9 +217,10 @@ impl WorldRenderer {
     }
 
     /// Says what torque was really sent to a tool for the last output `[N m]`, as [`report_sent`](Self::report_sent) does
-    /// of its force.
+    /// of its force. To a tool that feels no torque none is sent, whatever is said.
     pub fn report_sent_torque(&self, state: &mut WorldState, tool: usize, torque: Vector) {
-        if torque.iter().all(|x| x.is_finite()) && self.turns.get(tool) == Some(&true) {
+        let feels_torque = self.world.tools.get(tool).is_some_and(Tool::feels_torque);
+        if torque.iter().all(|x| x.is_finite()) && feels_torque {
             state.progress.torque_commands.correct(tool, torque.into());
         }
     }

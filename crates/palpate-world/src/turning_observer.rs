@@ -60,6 +60,8 @@ pub(crate) struct TurningPrior {
     pub moments: Vector3,
     /// Whether no torque turns it: nothing is owed to it.
     pub is_immovable: bool,
+    /// Whether the hand alone turns it: it feels no torque, so nothing is owed to it and no inertia is learned.
+    pub led: bool,
     /// Variance of a measured orientation about each axis `[rad^2]`.
     pub measurement_variance: f64,
     pub prior: Prior,
@@ -81,19 +83,25 @@ impl TurningPrior {
                 moments
             },
             is_immovable,
+            led: false,
             measurement_variance: quantum * quantum / 12.0,
             prior,
         }
     }
-}
 
-impl TurningPrior {
-    /// Moments of inertia of a device of this mobility `[kg m^2]`.
-    pub fn known(&self, mobility: f64) -> Vector3 {
-        if self.is_immovable {
-            Vector3::repeat(f64::INFINITY)
+    /// The same of a device that gives no torque.
+    pub fn of_a_hand(self) -> Self {
+        Self { led: true, ..self }
+    }
+
+    /// Moments of inertia of a device of this mobility, as far as they are learned `[kg m^2]`.
+    pub fn known(&self, mobility: f64) -> Option<Vector3> {
+        if self.led {
+            None
+        } else if self.is_immovable {
+            Some(Vector3::repeat(f64::INFINITY))
         } else {
-            self.moments / mobility
+            Some(self.moments / mobility)
         }
     }
 }

@@ -75,6 +75,10 @@ impl World {
                     "the device has no axis of the world; give it at least one of x, y and z";
                 of.fault("axes", message.into());
             }
+            if !tool.gives_torque && !tool.turns {
+                let message = "gives_torque is false, and is read only of a tool that turns; let it turn, or leave this out";
+                of.fault("gives_torque", message.into());
+            }
         }
         for (number, body) in self.bodies.iter().enumerate() {
             let subject = format!("body {:?}", body.name);

@@ -26,6 +26,7 @@ pub(super) struct RawDevice {
     tremor_n: Option<Spanned<f64>>,
     tremor_hz: Option<Spanned<f64>>,
     inertia_kg_m2: Option<Spanned<Vector>>,
+    gives_torque: Option<Spanned<bool>>,
     orientation: Option<Spanned<Quaternion>>,
     angular_velocity_rad_per_s: Option<Spanned<Vector>>,
     quantum_rad: Option<Spanned<f64>>,
@@ -77,6 +78,7 @@ impl Reading {
             shape: self.shape(place, &name, raw.tool),
             name,
             turns: turning.is_some(),
+            gives_torque: turning.is_none_or(|turning| turning.gives_torque),
             axes,
         };
         let position = self.vector("position_m", raw.position_m, [0.0; 3]);
@@ -162,6 +164,7 @@ impl Reading {
         let rest = raw.hand_rest_orientation.take();
         let torque = raw.hand_torque_n_m.take();
         let angular_velocity = raw.angular_velocity_rad_per_s.take();
+        let gives_torque = raw.gives_torque.take();
         let Some(inertia) = raw.inertia_kg_m2.take() else {
             let spans = [
                 ("hand_rotational_stiffness_n_m_per_rad", &stiffness),
@@ -178,6 +181,7 @@ impl Reading {
                     "angular_velocity_rad_per_s",
                     angular_velocity.as_ref().map(Spanned::span),
                 ),
+                ("gives_torque", gives_torque.as_ref().map(Spanned::span)),
             ];
             for (key, span) in spans.into_iter().chain(more) {
                 if let Some(span) = span {
@@ -214,6 +218,7 @@ impl Reading {
             orientation,
             angular_velocity: self.vector("angular_velocity_rad_per_s", angular_velocity, [0.0; 3]),
             quantum,
+            gives_torque: gives_torque.is_none_or(Spanned::into_inner),
             hand: TurningHand {
                 torque: self.vector("hand_torque_n_m", torque, [0.0; 3]),
                 stiffness,

@@ -66,6 +66,8 @@ pub struct DeviceTurning {
     pub angular_velocity: Vector,
     /// Quantum of the measured angles, 0 for an ideal sensor `[rad]`.
     pub quantum: f64,
+    /// Whether the device gives a torque. If not, its hand alone turns the tool, and feels no torque.
+    pub gives_torque: bool,
     /// The hand.
     pub hand: TurningHand,
 }

@@ -2,7 +2,7 @@
 
 use palpate::Actuation;
 use palpate_world::{
-    BasicParams, CoupledParams, GodObjectParams, Place, VirtualCouplingParams, WorldError,
+    BasicParams, CoupledParams, GodObjectParams, Place, Tool, VirtualCouplingParams, WorldError,
     WorldGuard, WorldLoop, WorldMethod, WorldRenderer,
 };
 
@@ -21,7 +21,7 @@ pub struct WorldSettings {
 }
 
 impl WorldSettings {
-    /// The method of that name for so many tools; `turns`: whether one of them turns. `None`: these settings have no
+    /// The method of that name for so many tools; `feels_torque`: whether one of them does. `None`: these settings have no
     /// method of that name.
     ///
     /// # Errors
@@ -30,7 +30,7 @@ impl WorldSettings {
         &self,
         name: &str,
         tools: usize,
-        turns: bool,
+        feels_torque: bool,
     ) -> Result<Option<WorldMethod>, WorldError> {
         let each = |value: f64| vec![value; tools];
         let coupling = self.coupling;
@@ -57,7 +57,7 @@ impl WorldSettings {
                     mass: each(mass),
                     ..VirtualCouplingParams::default()
                 };
-                if turns {
+                if feels_torque {
                     let damping = self.rotational_damping;
                     let all = (damping, coupling.rotational_stiffness, coupling.inertia);
                     let (Some(damping), Some(stiffness), Some(inertia)) = all else {
@@ -194,8 +194,9 @@ impl WorldScene {
                 GodObjectParams::can_render(tool)?;
             }
         }
-        let turns = self.devices.iter().any(|device| device.turning.is_some());
-        if let Some(method) = self.settings().method(name, self.devices.len(), turns)? {
+        let feels_torque = self.world.tools.iter().any(Tool::feels_torque);
+        let settings = self.settings();
+        if let Some(method) = settings.method(name, self.devices.len(), feels_torque)? {
             return Ok(method);
         }
         match name {

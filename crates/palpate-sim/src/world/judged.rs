@@ -135,6 +135,7 @@ pub(crate) fn judged_turning(turning: &DeviceTurning) -> judge::Turning {
         inertia: turning.inertia,
         orientation: turning.orientation,
         angular_velocity: turning.angular_velocity,
+        gives_torque: turning.gives_torque,
         quantum: turning.quantum,
         hand: judge::TurningHand {
             torque: hand.torque,

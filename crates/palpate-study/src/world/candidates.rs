@@ -22,7 +22,7 @@ pub struct Scale {
     pub period: f64,
     /// m, the geometric mean of the devices' masses along all axes `[kg]`.
     pub mass: f64,
-    /// Moment of inertia over mass, the mean of the devices that turn; none if none does `[m^2]`.
+    /// Moment of inertia over mass, the mean of the devices that give a torque; none if none does `[m^2]`.
     pub gyration: Option<f64>,
 }
 
@@ -38,7 +38,7 @@ impl Scale {
         let moments: Vec<f64> = scene
             .devices
             .iter()
-            .filter_map(|device| device.turning)
+            .filter_map(|device| device.turning.filter(|turning| turning.gives_torque))
             .flat_map(|turning| turning.inertia)
             .collect();
         Self {
@@ -52,7 +52,7 @@ impl Scale {
 }
 
 impl Scale {
-    /// What a value along an axis is about one, where a device turns.
+    /// What a value along an axis is about one, where a device gives a torque.
     fn turned(self, value: f64) -> Option<f64> {
         self.gyration.map(|gyration| value * gyration)
     }

@@ -110,7 +110,7 @@ pub struct WorldDeviceReport {
     pub sum: Option<FidelityReport>,
     /// Errors of the force alone.
     pub force: Option<FidelityReport>,
-    /// Errors of the torque alone; none for a device of three axes.
+    /// Errors of the torque alone; none for a device that gives none.
     pub torque: Option<TorqueReport>,
     /// Errors of the force along x, y and z; none where the ideal has no force.
     pub axes: [Option<FidelityReport>; 3],

@@ -8,7 +8,7 @@ use std::fmt;
 use comfy_table::{Cell, CellAlignment};
 use palpate_scene::world::{WorldScene, WorldSettings};
 use palpate_sim::world::{WorldBench, WorldBenchError, WorldRun};
-use palpate_world::WorldRenderer;
+use palpate_world::{Tool, WorldRenderer};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -63,9 +63,9 @@ pub fn tune(
     settings: &[WorldSettings],
     done: impl Fn() + Sync,
 ) -> Result<Vec<Tuned>, WorldBenchError> {
-    let turns = scene.devices.iter().any(|device| device.turning.is_some());
+    let feels_torque = scene.world.tools.iter().any(Tool::feels_torque);
     let one = |settings: &WorldSettings| {
-        let method = settings.method(tunable.name(), scene.devices.len(), turns);
+        let method = settings.method(tunable.name(), scene.devices.len(), feels_torque);
         let method = method.map_err(|fault| WorldBenchError::Rendering(vec![fault]))?;
         let method = method.expect("a method that has something to tune has a name");
         let renderer = WorldRenderer::new(&scene.world, scene.in_loop(), method)

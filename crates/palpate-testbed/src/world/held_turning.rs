@@ -133,10 +133,10 @@ impl HeldTurning {
     }
 
     /// Moves on for `duration` \[s\] while a torque on the tool is commanded \[N m\]; the delivered angular impulse
-    /// \[N m s\].
+    /// \[N m s\], 0 of a device that gives no torque.
     pub fn advance(&mut self, command: Vector, duration: f64) -> Vector {
         let ActuatorParams { gain, lag } = self.actuator;
-        let aim = Vec3(command) * gain;
+        let aim = self.turning.of_contacts(Vec3(command)) * gain;
         let (mut excess, mut longest) = (Vec3::ZERO, self.longest);
         if lag > 0.0 {
             excess = self.torque - aim;

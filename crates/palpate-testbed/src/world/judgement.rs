@@ -35,7 +35,7 @@ pub struct DeviceJudgement {
     pub sum: Option<Fidelity>,
     /// The forces alone.
     pub force: Option<Fidelity>,
-    /// The torques alone; `None` for a device that does not turn.
+    /// The torques alone; `None` for a device that gives none.
     pub torque: Option<TorqueJudgement>,
     /// Along each axis of the world; `None` where the ideal force is 0 or rounding, below 1e-8 of the force along all axes.
     pub axes: [Option<Fidelity>; 3],
@@ -135,7 +135,7 @@ impl WorldJudgement {
     }
 
     /// The same with the torque held on each tool about its mass centre \[N m\]: `torques[device][interval]`. Where one is
-    /// missing, it counts as 0; that of a device that does not turn is not looked at.
+    /// missing, it counts as 0; that of a device that gives none is not looked at.
     ///
     /// # Errors
     ///
@@ -214,7 +214,8 @@ impl DeviceJudgement {
             }
         }
         let force = sum.fidelity(period);
-        let torque = device.turning.as_ref().map(|turning| {
+        let turning = device.turning.as_ref();
+        let torque = turning.filter(|it| it.gives_torque).map(|turning| {
             let weights = turning.mobility();
             judged_torque(grid, weights, profile, torques, [&mut sum, sum_of_all])
         });

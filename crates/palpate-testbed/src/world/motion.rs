@@ -320,7 +320,8 @@ impl System {
                 let q = quaternion(&state[self.layout.device(number) + 6..]);
                 let omega = placed.turning;
                 let momentum = turning.angular_momentum(&placed.rotation, omega);
-                let torque = now.torques[number] + turning.hand_torque(time, q, omega)
+                let torque = turning.of_contacts(now.torques[number])
+                    + turning.hand_torque(time, q, omega)
                     - omega.cross(momentum);
                 now.accelerations[number].angular =
                     turning.angular_velocity(&placed.rotation, torque);
@@ -367,10 +368,12 @@ impl System {
             if let Some(turning) = &device.turning {
                 let q = quaternion(&state[place + 6..]);
                 let by_hand = turning.hand_torque(time, q, placed.turning);
-                let torque = now.torques[number];
+                let torque = turning.of_contacts(now.torques[number]);
+                // What does not act on the device the hand takes up.
+                let taken_up = torque - now.torques[number];
                 rates[place + 6..place + 10].copy_from_slice(&quaternion_rate(q, placed.turning));
                 (torque + by_hand).write(&mut rates[place + 10..]);
-                rates[sums + 6] += by_hand.dot(placed.turning);
+                rates[sums + 6] += (by_hand + taken_up).dot(placed.turning);
                 let sums = layout.torque_sums(number);
                 torque.write(&mut rates[sums..]);
                 Vec3(torque.0.map(|t| t * t)).write(&mut rates[sums + 3..]);

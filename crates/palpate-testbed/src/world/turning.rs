@@ -10,7 +10,8 @@ use crate::hand::Sinusoid;
 /// How a device of six axes turns.
 ///
 /// L′ = τ + T − k φ − b ω + Σ tremor about the mass centre, along the world's axes: L the angular momentum, τ the
-/// contact torque on the tool, φ the rotation vector from the hand's rest to the tool.
+/// contact torque on the tool, φ the rotation vector from the hand's rest to the tool. Where the hand alone turns the tool, τ does
+/// not act.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Turning {
     /// Moments of inertia about the mass centre along the tool's axes, finite and above 0 \[kg m²\].
@@ -21,6 +22,9 @@ pub struct Turning {
     pub angular_velocity: Vector,
     /// The hand.
     pub hand: TurningHand,
+    /// Whether the device gives a torque. If not, the hand alone turns the tool: it takes up the contact torque itself, feels
+    /// none of a motor, and none is judged.
+    pub gives_torque: bool,
     /// Quantum of each component of the measured rotation vector from the start, 0 for a perfect sensor \[rad\].
     pub quantum: f64,
 }
@@ -87,6 +91,15 @@ impl Turning {
             torque -= rotation_vector(hand.rest, q) * hand.stiffness;
         }
         torque
+    }
+
+    /// What of a contact torque \[N m\] acts on the device.
+    pub(super) fn of_contacts(&self, torque: Vec3) -> Vec3 {
+        if self.gives_torque {
+            torque
+        } else {
+            Vec3::ZERO
+        }
     }
 
     /// Angular momentum that the device has at an angular velocity \[kg m²/s\].

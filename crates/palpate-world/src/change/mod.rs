@@ -142,16 +142,23 @@ impl WorldRenderer {
         let tools = world.tools.iter().zip(before).enumerate();
         let faults: Vec<_> = tools
             .filter(|(_, (tool, before))| {
-                tool.name != before.name || tool.turns != before.turns || tool.axes != before.axes
+                tool.name != before.name
+                    || tool.turns != before.turns
+                    || tool.gives_torque != before.gives_torque
+                    || tool.axes != before.axes
             })
             .map(|(number, (tool, before))| {
-                let (turns, s) = if before.turns { ("", "s") } else { (" does not", "") };
+                let turns = match (before.turns, before.gives_torque) {
+                    (false, _) => "does not turn",
+                    (true, true) => "turns",
+                    (true, false) => "is turned by its hand",
+                };
                 WorldError::new(
                     Place::Tool(number),
                     "tools",
                     format!("tool {:?}", tool.name),
                     format!(
-                        "it was {:?}, which moves along {} and{turns} turn{s}; the tools of a world that runs stay, but \
+                        "it was {:?}, which moves along {} and {turns}; the tools of a world that runs stay, but \
                          for their shapes",
                         before.name,
                         before.names_of_axes()

@@ -98,10 +98,14 @@ impl Basic {
                 let mut work = touch.force.dot(&way) * sign;
                 let carried = renderer.axes[tool].across(&touch.force).dot(&way) * sign;
                 state.books.devices[tool].carried += carried;
-                if part.feels_torque {
+                if part.has_torque {
                     let by = step(&state.tracking.seen_turn[tool], &part.rigid.orientation);
                     let arm = touch.place - part.rigid.position;
-                    work += arm.cross(&touch.force).dot(&by) * sign;
+                    let by_torque = arm.cross(&touch.force).dot(&by) * sign;
+                    work += by_torque;
+                    if part.led {
+                        state.books.devices[tool].carried += by_torque;
+                    }
                 }
                 book.held += work;
                 state.books.devices[tool].held += work;
@@ -127,13 +131,13 @@ impl Basic {
             part.rigid.spin = Vector3::zeros();
             part.drive.apparent_velocity = way / elapsed;
             part.turning_drive.apparent_turning = by / elapsed;
-            let feels_torque = part.feels_torque;
+            let has_torque = part.has_torque;
             for (point, touch) in points.iter().zip(&mut state.now.touches) {
                 if let Some(sign) = point.sign_on(tool)
                     && !touch.is_apart()
                 {
                     let mut way = way;
-                    if feels_torque {
+                    if has_torque {
                         let arm = touch.place - before;
                         way += turn * arm - arm;
                     }
@@ -182,7 +186,7 @@ impl Basic {
                 torque -= part.turning_drive.apparent_turning * of(&self.rotational_damping);
             }
             *intended = state.commands.for_force(&force);
-            if part.feels_torque {
+            if part.has_torque && !part.led {
                 state.intended_torques[tool] = state.torque_commands.for_force(&torque);
             }
         }

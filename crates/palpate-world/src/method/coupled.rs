@@ -280,8 +280,15 @@ impl Coupled {
                 .zip(state.now.touches.iter().zip(&mut state.books.contacts))
             {
                 if let Some(sign) = point.sign_on(tool) {
-                    let impulse = touch.past.impulse.dot(&way) * sign;
-                    let held = (impulse + touch.past.angular_impulse.dot(&path)) / elapsed;
+                    let past = &touch.past;
+                    let impulse = past.impulse.dot(&way) * sign;
+                    let held = if part.led {
+                        // The hand turns the tool against the contact itself, not against a mean.
+                        book.carried += past.work_on_led_turn;
+                        impulse / elapsed + past.work_on_led_turn
+                    } else {
+                        (impulse + past.angular_impulse.dot(&path)) / elapsed
+                    };
                     contact.held += held;
                     book.held += held;
                 }
@@ -292,7 +299,9 @@ impl Coupled {
                 book.port_work += acted.sent.dot(by);
                 book.offset += part.turning_error - work.by_hand;
                 book.velocity_offset += work.gained_more;
-                book.unpaid += (mean_torque - acted.intended).dot(&work.path);
+                if !part.led {
+                    book.unpaid += (mean_torque - acted.intended).dot(&work.path);
+                }
             }
             book.unforeseen = book.port_work + book.carried - book.held;
             let [before, after] = [&device.avatar, &avatar].map(|avatar| avatar.velocity_offset);
@@ -437,7 +446,9 @@ impl Coupled {
                 angular,
                 touched,
             } = impulse_on(&state.ahead, renderer, tool);
-            if let Some((turning, prior)) = &device.turning {
+            if let Some((turning, prior)) = &device.turning
+                && !prior.led
+            {
                 let mut mean = Vector3::zeros();
                 if touched {
                     mean = (angular + turning.owed(prior, &state.ahead, tool)) / period;
@@ -538,7 +549,7 @@ impl CoupledMemory {
                 tool.avatar_orientation = quaternion(&avatar);
                 tool.turn_offset = turning.offset.scaled_axis().into();
                 tool.momentum_offset = (turning.momentum_offset / motion.mobility).into();
-                tool.inertia = Some(prior.known(motion.mobility).into());
+                tool.inertia = prior.known(motion.mobility).map(Into::into);
             }
         }
     }

@@ -26,7 +26,8 @@ pub struct CoupledParams {
     pub device_mass: Vec<Vector>,
     /// Moments of inertia of each tool's device about its mass centre, along the tool's axes, within a factor of 2
     /// `[kg m^2]`; infinite about all three where no torque turns the device, as in a recording. Those of a tool that does not
-    /// turn are not looked at; empty if none turns.
+    /// turn are not looked at; empty if none turns. Of a tool that its hand turns ([`Tool::turned_by_hand`]) they say how it
+    /// turns on between samples.
     pub device_inertia: Vec<Vector>,
     /// Quantum of the position sensors `[m]`, 0 if they are not known to have one.
     pub encoder_quantum: f64,
@@ -202,7 +203,12 @@ impl CoupledParams {
         let turning_priors = all.iter().enumerate().map(|(number, tool)| {
             let moments = self.device_inertia.get(number).filter(|_| tool.turns)?;
             let moments = Vector3::from(*moments);
-            Some(TurningPrior::new(moments, self.angle_quantum, self.prior))
+            let prior = TurningPrior::new(moments, self.angle_quantum, self.prior);
+            Some(if tool.is_led() {
+                prior.of_a_hand()
+            } else {
+                prior
+            })
         });
         Ok(Coupled {
             turning_priors: turning_priors.collect(),

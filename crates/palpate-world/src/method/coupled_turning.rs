@@ -91,7 +91,7 @@ impl Turning {
     }
 
     /// The avatar is where an interval has brought it, as `moving` says, and its device where the torque that was
-    /// asked for would have.
+    /// asked for would have. Of a tool that its hand turns there is no work here: the contacts turn neither.
     pub fn conclude(
         &mut self,
         prior: &TurningPrior,
@@ -102,6 +102,15 @@ impl Turning {
     ) -> TurningWork {
         let start = self.ahead;
         let path = self.go_on(prior, acted, h);
+        self.measured = *measured;
+        if prior.led {
+            // The avatar has turned as its device has; where it was brought by sub-steps differs by what these are.
+            return TurningWork {
+                path,
+                by_hand: 0.0,
+                gained_more: 0.0,
+            };
+        }
         let end = self.ahead;
         let momentum_offset = part.rigid.spin * end.mobility - end.momentum;
         let energy = |motion: &TurningMotion| motion.kinetic_energy(&prior.moments);
@@ -119,7 +128,6 @@ impl Turning {
             - of_avatar(&start, self.offset, &self.momentum_offset);
         self.offset = offset;
         self.momentum_offset = momentum_offset;
-        self.measured = *measured;
         TurningWork {
             path,
             by_hand: by_device - acted.intended.dot(&path),
@@ -159,7 +167,7 @@ impl Turning {
     /// What of the momentum is owed to the device at the beginning of the interval that a torque governs, where `moving`
     /// has begun it `[N m s]`.
     pub fn owed(&self, prior: &TurningPrior, moving: &Moving, tool: usize) -> Vector3 {
-        if prior.is_immovable {
+        if prior.is_immovable || prior.led {
             return Vector3::zeros();
         }
         moving.parts[tool].turning_drive.spin - self.ahead.momentum / self.ahead.mobility

@@ -103,12 +103,13 @@ pub(crate) enum Memory {
 }
 
 impl Checked {
-    /// Inverse moments of inertia of a tool that turns, as the method has them at the start `[1/(kg m^2)]`.
+    /// Inverse moments of inertia of a tool that contacts turn, as the method has them at the start `[1/(kg m^2)]`.
     pub fn angular_mobility(&self, tool: usize) -> Vector3 {
         match self {
             Self::Basic(_) | Self::GodObject(_) => Vector3::zeros(),
             Self::VirtualCoupling(coupling) => coupling.angular_mobility(tool),
             Self::Coupled(coupled) => coupled.turning_priors[tool]
+                .filter(|prior| !prior.led)
                 .map_or(Vector3::zeros(), |prior| prior.moments.map(f64::recip)),
         }
     }

@@ -22,7 +22,7 @@ pub struct VirtualCouplingParams {
     pub damping: Vec<f64>,
     /// Mass of each tool's avatar, above 0 `[kg]`.
     pub mass: Vec<f64>,
-    /// The same for turning, of each tool if one turns, else empty: stiffness above 0 `[N m/rad]`,
+    /// The same for turning, of each tool if one feels a torque, else empty: stiffness above 0 `[N m/rad]`,
     pub rotational_stiffness: Vec<f64>,
     /// damping, at least 0 `[N m s/rad]`,
     pub rotational_damping: Vec<f64>,
@@ -43,7 +43,7 @@ impl VirtualCouplingParams {
     pub(super) fn check(self, all: &[Tool]) -> Result<VirtualCoupling, Vec<WorldError>> {
         let tools = all.len();
         let mut faults = Vec::new();
-        let turning = if all.iter().any(|tool| tool.turns) {
+        let turning = if all.iter().any(Tool::feels_torque) {
             tools
         } else {
             0
@@ -77,7 +77,7 @@ impl VirtualCouplingParams {
                 ));
             } else if count != asked && count != tools {
                 fault(format!(
-                    "{field} has {count} entries, and no tool turns; give none"
+                    "{field} has {count} entries, and no tool feels a torque; give none"
                 ));
             }
             let wrong = list
@@ -102,17 +102,20 @@ impl VirtualCouplingParams {
         Ok(VirtualCoupling {
             couplings: (0..tools).map(|tool| coupling(linear, tool)).collect(),
             turning: (0..tools)
-                .map(|tool| all[tool].turns.then(|| coupling(turned, tool)))
+                .map(|tool| all[tool].feels_torque().then(|| coupling(turned, tool)))
                 .collect(),
         })
     }
 }
 
+/// Inverse moments of inertia of an avatar that turns as its device does: any will do, since no torque acts on it `[1/(kg m^2)]`.
+const OF_A_LED_TURN: Vector3 = Vector3::new(1.0, 1.0, 1.0);
+
 /// Rendering by a virtual coupling, with checked parameters.
 #[derive(Clone, Debug)]
 pub(crate) struct VirtualCoupling {
     couplings: Vec<Coupling>,
-    /// Of each tool that turns.
+    /// Of each tool that feels a torque.
     turning: Vec<Option<Coupling>>,
 }
 
@@ -175,7 +178,7 @@ impl VirtualCouplingMemory {
 }
 
 impl VirtualCoupling {
-    /// Inverse moments of inertia of a tool's avatar `[1/(kg m^2)]`.
+    /// Inverse moments of inertia of the avatar of a tool that contacts turn `[1/(kg m^2)]`.
     pub fn angular_mobility(&self, tool: usize) -> Vector3 {
         let coupling = self.turning.get(tool).copied().flatten();
         coupling.map_or(Vector3::zeros(), |coupling| {
@@ -209,7 +212,11 @@ impl VirtualCoupling {
             let part = &mut state.now.parts[tool];
             part.rigid.orientation = device.orientation;
             part.rigid.spin = Vector3::zeros();
-            part.mobility.angular = self.angular_mobility(tool);
+            part.mobility.angular = if part.led {
+                OF_A_LED_TURN
+            } else {
+                self.angular_mobility(tool)
+            };
         }
         state.now.look(&renderer.points);
         state.books.observe(&state.now, &renderer.points);
@@ -230,7 +237,17 @@ impl VirtualCoupling {
             let led = (Vector3::from(*position) - device.position) / elapsed;
             part.rigid.velocity = axes.mixed(&part.rigid.velocity, &led);
         }
-        if !renderer.axes.iter().all(|axes| axes.are_all()) {
+        // A tool that its hand turns has turned as its device did.
+        let seen = memory.devices.iter().zip(&state.tracking.seen_turn);
+        let mut is_any_led = false;
+        for (part, (device, turned)) in state.now.parts.iter_mut().zip(seen) {
+            if part.led {
+                let by = (turned * device.orientation.inverse()).scaled_axis();
+                part.set_turning(&(by / elapsed));
+                is_any_led = true;
+            }
+        }
+        if is_any_led || !renderer.axes.iter().all(|axes| axes.are_all()) {
             state.now.look(points);
             state.books.observe(&state.now, points);
         }
@@ -249,14 +266,25 @@ impl VirtualCoupling {
             let by = (turned * device.orientation.inverse()).scaled_axis();
             device.orientation = turned;
             device.turning = by / elapsed;
+            let part = &mut state.now.parts[tool];
+            let led = part.led;
+            if led {
+                part.rigid.orientation = turned;
+            }
             let book = &mut state.books.devices[tool];
             for (point, (touch, contact)) in points
                 .iter()
                 .zip(state.now.touches.iter().zip(&mut state.books.contacts))
             {
                 if let Some(sign) = point.sign_on(tool) {
-                    let impulse = touch.past.impulse.dot(&way) * sign;
-                    let held = (impulse + touch.past.angular_impulse.dot(&by)) / elapsed;
+                    let past = &touch.past;
+                    let impulse = past.impulse.dot(&way) * sign;
+                    let held = if led {
+                        book.carried += past.work_on_led_turn;
+                        impulse / elapsed + past.work_on_led_turn
+                    } else {
+                        (impulse + past.angular_impulse.dot(&by)) / elapsed
+                    };
                     let carried = axes.across(&touch.past.impulse).dot(&way);
                     book.carried += carried * sign / elapsed;
                     contact.held += held;

@@ -28,3 +28,4 @@ mod orientations;
 mod resting;
 mod six_axes;
 mod tumbling;
+mod turned_by_hand;

@@ -12,8 +12,8 @@ use crate::ideal::dot;
 /// A rigid tool of points and spheres over planes, integrated in small steps of order 4.
 #[derive(Clone)]
 pub struct Rigid {
-    mass: f64,
-    moments: Vector,
+    pub mass: f64,
+    pub moments: Vector,
     /// Centres in the tool's axes, and radii.
     spheres: Vec<(Vector, f64)>,
     planes: Vec<Vector>,
@@ -21,13 +21,15 @@ pub struct Rigid {
     stiffness: f64,
     damping: f64,
     /// Constant force and torque of the hand.
-    hand: [Vector; 2],
-    state: State,
+    pub hand: [Vector; 2],
+    /// Whether the hand alone turns it.
+    pub led: bool,
+    pub state: State,
 }
 
 /// Position, quaternion, velocity, angular momentum, and the integrals of the contacts' force and torque and their
 /// squares.
-type State = [f64; 21];
+pub type State = [f64; 21];
 
 fn cross(a: Vector, b: Vector) -> Vector {
     [
@@ -98,7 +100,8 @@ impl Rigid {
         for i in 0..3 {
             rates[4 + i] = 0.5 * (w * omega[i] + across[i]);
             rates[7 + i] = (force[i] + self.hand[0][i]) / self.mass;
-            rates[10 + i] = torque[i] + self.hand[1][i];
+            let by_contacts = if self.led { 0.0 } else { torque[i] };
+            rates[10 + i] = by_contacts + self.hand[1][i];
             rates[13 + i] = force[i];
             rates[16 + i] = torque[i];
         }
@@ -109,7 +112,7 @@ impl Rigid {
     }
 
     /// Moves on; means of force and torque, and their weighted squares.
-    fn interval(
+    pub fn interval(
         &mut self,
         h: f64,
         steps: u32,
@@ -151,13 +154,13 @@ const LAW: ContactLaw = ContactLaw {
     friction_stiffness: 5000.0,
 };
 
-struct Case {
-    name: &'static str,
-    shape: Shape,
-    rigid: Rigid,
+pub struct Case {
+    pub name: &'static str,
+    pub shape: Shape,
+    pub rigid: Rigid,
 }
 
-fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<Case> {
     let start = |position: Vector, turned: Vector| {
         let angle = dot(turned, turned).sqrt();
         let sine = (0.5 * angle).sin() / angle;
@@ -185,6 +188,7 @@ fn cases() -> Vec<Case> {
         stiffness: LAW.stiffness / 4.0,
         damping: LAW.damping / 4.0,
         hand: [[0.1, 0.0, -4.0], [0.002, 0.001, 0.0]],
+        led: false,
         state: start([0.002, 0.0, 0.04], [0.25, 0.35, 0.1]),
     };
     let lean = std::f64::consts::FRAC_1_SQRT_2;
@@ -243,11 +247,16 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-fn as_world(case: &Case) -> World {
+pub fn as_world(case: &Case) -> World {
     let planes = case.rigid.planes.iter().enumerate();
+    let tool = Tool::new("tool", case.shape.clone());
     World {
         joints: Vec::new(),
-        tools: vec![Tool::new("tool", case.shape.clone()).turning()],
+        tools: vec![if case.rigid.led {
+            tool.turned_by_hand()
+        } else {
+            tool.turning()
+        }],
         bodies: planes
             .map(|(number, normal)| plane(&format!("plane {number}"), *normal))
             .collect(),
@@ -260,7 +269,7 @@ fn as_world(case: &Case) -> World {
 
 /// E of force and torque together, of the force and of the torque, in percent, with sensors of these quanta `[m]` and
 /// `[rad]`.
-fn errors_with(
+pub fn errors_with(
     case: &Case,
     (quantum, angle): (f64, f64),
     period: f64,
@@ -312,7 +321,7 @@ fn errors_with(
     .map(|ratio| 100.0 * ratio.sqrt())
 }
 
-fn errors(
+pub fn errors(
     case: &Case,
     period: f64,
     sub_steps: SubSteps,
@@ -321,7 +330,7 @@ fn errors(
     errors_with(case, (0.0, 0.0), period, sub_steps, method)
 }
 
-fn fine() -> SubSteps {
+pub fn fine() -> SubSteps {
     SubSteps {
         phase: 0.003,
         most: 4096,
@@ -331,7 +340,7 @@ fn fine() -> SubSteps {
 }
 
 /// Coupled rendering that knows the device and gives no offset back.
-fn exact(case: &Case) -> CoupledParams {
+pub fn exact(case: &Case) -> CoupledParams {
     CoupledParams {
         offset_return: 0.0,
         turn_return: 0.0,
