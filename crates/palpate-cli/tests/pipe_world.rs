@@ -388,3 +388,35 @@ fn a_guard_holds_back_in_a_pipe_and_says_so() {
     let limiting = pipe("--guard limit --guard-allowance 1e-4");
     assert!(guarded(&limiting) > 20 && limiting.stdout != open.stdout);
 }
+
+/// A pen that its hand turns: poses come in, forces alone go out.
+#[test]
+fn a_device_that_gives_no_torque_is_read_with_its_orientation_and_answered_with_a_force() {
+    let folder = Folder::new();
+    let stylus = BOX.replacen("inertia", "gives_torque = false\ninertia", 1);
+    folder.write("stylus.toml", &stylus);
+    let line = |tick: u32| {
+        let half = 0.05 + 1e-3 * f64::from(tick);
+        format!("0,0,0.0178,{},0,{},0\n", half.cos(), half.sin())
+    };
+    let lines: String = (0..60).map(line).collect();
+    let exact = "pipe stylus.toml --force-limit inf --soft-start 0 --header";
+    let answer = folder.palpate_reading(&lines, exact);
+    assert_eq!(answer.code, 0, "{answer:?}");
+    assert!(!answer.stderr.contains("N m"), "{answer:?}");
+    let mut answers = answer.stdout.lines();
+    assert_eq!(answers.next(), Some("fx_n,fy_n,fz_n"));
+    let forces: Vec<Vec<f64>> = answers
+        .map(|line| line.split(',').map(|x| x.parse().unwrap()).collect())
+        .collect();
+    assert_eq!(forces.len(), 61);
+    assert!(forces.iter().all(|force| force.len() == 3));
+    // The turn alone presses it deeper.
+    assert!(forces[1][2] < 0.5 * forces[59][2], "{forces:?}");
+    let without = folder.palpate_reading("0,0,0.0178\n", "pipe stylus.toml");
+    assert_eq!(without.code, 3, "{without:?}");
+    assert!(
+        without.stderr.contains("x_m,y_m,z_m,qw,qx,qy,qz"),
+        "{without:?}"
+    );
+}

@@ -418,6 +418,28 @@ fn a_device_of_six_axes_is_run_and_its_turns_and_torques_are_recorded() {
     );
 }
 
+/// A stylus in the loop: its turns are recorded, and no torque is there.
+#[test]
+fn a_device_that_gives_no_torque_is_run_and_replayed() {
+    let folder = Folder::new();
+    folder.write("stylus.toml", experiment_text("worlds/stylus"));
+    let report =
+        parse(&folder.succeed("record stylus.toml stylus.mcap --fast --duration 0.2 --json"));
+    assert_eq!(report["trip"], serde_json::Value::Null);
+    assert!(number(&report, "peak_force_n") > 1.0, "{report}");
+    let replayed =
+        folder.json_of_a_loop("replay stylus.mcap --method basic,coupled --out replayed.csv");
+    let methods = replayed["methods"].as_array().unwrap();
+    assert_eq!(methods[0]["devices"][0]["torque"], serde_json::Value::Null);
+    let error = |place: usize| number(&methods[place]["sum"], "mean_force_error_percent");
+    assert!(error(1) < 0.9 * error(0), "{} {}", error(1), error(0));
+    let header = "method,device,t_s,x_m,y_m,z_m,fx_n,fy_n,fz_n,qw,qx,qy,qz";
+    assert_eq!(folder.read("replayed.csv").lines().next(), Some(header));
+    let report =
+        parse(&folder.succeed("run stylus.toml --device pointer --fast --duration 0.1 --json"));
+    assert_eq!(report["trip"], serde_json::Value::Null);
+}
+
 #[test]
 fn a_guard_acts_in_a_loop_of_a_world_and_is_counted() {
     let folder = folder();

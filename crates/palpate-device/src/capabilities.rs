@@ -12,6 +12,8 @@ pub struct Capabilities {
     pub axes: usize,
     /// Number of axes with a torque, 0 to 3.
     pub torque_axes: usize,
+    /// Whether poses have an orientation about three axes. A device with a stylus often has, and gives no torque.
+    pub measures_orientation: bool,
     /// Largest force in every pose `[N]`.
     pub largest_force: Option<f64>,
     /// Largest torque in every pose `[N m]`.
@@ -44,6 +46,7 @@ impl Capabilities {
             name: name.to_owned(),
             axes,
             torque_axes: 0,
+            measures_orientation: false,
             largest_force: None,
             largest_torque: None,
             largest_stiffness: None,

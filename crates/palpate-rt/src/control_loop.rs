@@ -13,7 +13,9 @@ use crate::driven::Devices;
 use crate::lateness_watch::LatenessWatch;
 use crate::motors_off::MotorsOff;
 use crate::note::{Ending, Note};
-use crate::rendering::{Answer, Fresh, OneContact, Parameters, RenderedWorld, Rendering, Renders};
+use crate::rendering::{
+    Answer, Fresh, OneContact, Parameters, RenderedWorld, Rendering, Renders, Turns,
+};
 use crate::safety::{Heartbeat, Rendered, Safety, SafetyParams, Supervisor, Trip};
 use crate::setup::SetupError;
 use crate::statistics::LoopStatistics;
@@ -87,7 +89,8 @@ impl<D: Device, C: Clock> ControlLoop<D, C, RenderedWorld> {
     ///
     /// # Errors
     /// A world of several devices; a limit of the safety outside its range; a period below a nanosecond or above 10 s; a
-    /// tool that turns, and a device that gives no torque about three axes.
+    /// tool that turns, and a device that measures no orientation; a tool that feels a torque, and a device that gives none about
+    /// three axes.
     pub fn of_world(
         device: D,
         clock: C,
@@ -121,9 +124,15 @@ pub(crate) fn can_turn<'a, D: Device + 'a>(
     world: &RenderedWorld,
     devices: impl IntoIterator<Item = &'a D>,
 ) -> Result<(), SetupError> {
-    let mut tools = world.turns().iter().zip(devices);
-    if tools.any(|(turns, device)| *turns && device.capabilities().torque_axes != 3) {
-        return Err(SetupError::SixAxes);
+    for (turns, device) in world.turns().iter().zip(devices) {
+        let can = device.capabilities();
+        match turns {
+            Turns::WithTorque if can.torque_axes != 3 => return Err(SetupError::SixAxes),
+            Turns::WithTorque | Turns::ByHand if !can.measures_orientation => {
+                return Err(SetupError::Orientation);
+            }
+            _ => {}
+        }
     }
     Ok(())
 }

@@ -97,7 +97,7 @@ pub use recorder::{Account, Recorder};
 pub use rendering::{
     Answer, CHANGE_DURATION, ChangeError, ChangingWorld, FrameError, Fresh, FreshDevice,
     LocalWorld, OneContact, Parameters, Rendered, RenderedWorld, Rendering, Renders, SlowHost,
-    WorldAxis, WorldChangeError, WorldFrame, WorldRows, Worlds, changing_world, local_world,
+    Turns, WorldAxis, WorldChangeError, WorldFrame, WorldRows, Worlds, changing_world, local_world,
     parameters,
 };
 pub use setup::SetupError;

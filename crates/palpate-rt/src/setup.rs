@@ -22,12 +22,18 @@ pub enum SetupError {
         /// Devices, or places for them, that were given.
         given: usize,
     },
-    /// A world whose tool turns, on a device that does not.
+    /// A world whose tool feels a torque, on a device that gives none.
     #[error(
         "the world's device has six axes (inertia_kg_m2), and this device has no torque about three axes; allowed: a \
-         device that has, such as simulated"
+         device that has, such as simulated, or gives_torque = false, with which the hand alone turns the tool"
     )]
     SixAxes,
+    /// A world whose tool turns, on a device that does not say how it is turned.
+    #[error(
+        "the world's tool turns (inertia_kg_m2), and this device measures no orientation; allowed: a device that does, such as \
+         simulated, or a tool that keeps the axes of the world"
+    )]
+    Orientation,
     /// A world whose tool turns, on a device whose axes are not those of the world.
     #[error("a device of six axes has the axes of the world, x,y,z; its place may be another one")]
     TurnedFrame,

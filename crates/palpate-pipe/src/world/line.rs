@@ -23,8 +23,10 @@ pub struct WorldFormat {
 pub struct DeviceColumns {
     /// What the device is called.
     pub name: String,
-    /// Whether it has six axes: an orientation behind the position, a torque behind the force.
+    /// Whether it measures six axes: an orientation behind the position.
     pub turns: bool,
+    /// Whether it gives a torque, which stands behind the force.
+    pub gives_torque: bool,
 }
 
 /// A line that was understood.
@@ -47,7 +49,7 @@ impl WorldFormat {
         let positions = named(
             &self.devices,
             |axis| format!("{axis}_{unit}"),
-            &["qw", "qx", "qy", "qz"],
+            |device| device.turns.then_some(&["qw", "qx", "qy", "qz"][..]),
         );
         time.into_iter().chain(positions).collect()
     }
@@ -56,7 +58,11 @@ impl WorldFormat {
     #[must_use]
     pub fn forces(&self) -> Vec<String> {
         let torques = ["tx_n_m", "ty_n_m", "tz_n_m"];
-        named(&self.devices, |axis| format!("f{axis}_n"), &torques)
+        named(
+            &self.devices,
+            |axis| format!("f{axis}_n"),
+            |device| device.gives_torque.then_some(&torques[..]),
+        )
     }
 
     /// Whether a line is the header of these columns.
@@ -131,13 +137,15 @@ impl WorldFormat {
     }
 }
 
-/// A column for each axis of each device, and `more` for one that turns; of several devices with the device's name.
-fn named(devices: &[DeviceColumns], column: impl Fn(char) -> String, more: &[&str]) -> Vec<String> {
+/// A column for each axis of each device, and `more` of it; of several devices with the device's name.
+fn named<'m>(
+    devices: &[DeviceColumns],
+    column: impl Fn(char) -> String,
+    more: impl Fn(&DeviceColumns) -> Option<&'m [&'m str]>,
+) -> Vec<String> {
     let columns = devices.iter().flat_map(|device| {
-        let more = more
-            .iter()
-            .filter(|_| device.turns)
-            .map(ToString::to_string);
+        let more = more(device).unwrap_or_default();
+        let more = more.iter().map(ToString::to_string);
         let own = ['x', 'y', 'z'].map(&column).into_iter().chain(more);
         own.map(|column| match devices {
             [_] => column,
@@ -161,6 +169,7 @@ mod tests {
                 .map(|&name| DeviceColumns {
                     name: name.to_owned(),
                     turns: false,
+                    gives_torque: false,
                 })
                 .collect(),
         }
@@ -186,6 +195,7 @@ mod tests {
     fn a_device_of_six_axes_has_an_orientation_and_a_torque() {
         let mut format = of(&["tool", "finger"], false);
         format.devices[0].turns = true;
+        format.devices[0].gives_torque = true;
         let sample = format.parse("1,2,3,0.8,0.6,0,0,4,5,6").unwrap();
         assert_eq!(sample.positions, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
         assert_eq!(sample.orientations, [[0.8, 0.6, 0.0, 0.0], NOT_TURNED]);
@@ -199,6 +209,10 @@ mod tests {
             format.parse("1,2,3,4,5,6"),
             Err(Refusal::Stream(_))
         ));
+        // One that its hand turns has no torque.
+        format.devices[0].gives_torque = false;
+        assert_eq!(format.columns().join(","), columns);
+        assert_eq!(format.forces()[2..4], ["tool.fz_n", "finger.fx_n"]);
     }
 
     #[test]

@@ -166,8 +166,8 @@ impl WorldStream {
     /// The limits of each device.
     fn limit_in_words(&self) -> String {
         let limits = self.world.limits();
-        let turns = self.format.devices.iter().any(|device| device.turns);
-        if turns {
+        let gives_torque = self.format.devices.iter().any(|device| device.gives_torque);
+        if gives_torque {
             format!(
                 "{} N or {} N m",
                 limits.largest_force, limits.largest_torque
@@ -259,12 +259,12 @@ impl WorldStream {
     }
 }
 
-/// Puts the forces, and the torques of devices that turn, into the line of the output.
+/// Puts the forces, and the torques of devices that give some, into the line of the output.
 fn answer(text: &mut String, wrenches: &[Wrench], format: &WorldFormat) {
     text.clear();
     let devices = wrenches.iter().zip(&format.devices);
     let numbers = devices.flat_map(|(wrench, device)| {
-        let torque = wrench.torque.into_iter().filter(|_| device.turns);
+        let torque = wrench.torque.into_iter().filter(|_| device.gives_torque);
         wrench.force.into_iter().chain(torque)
     });
     for (place, force) in numbers.enumerate() {

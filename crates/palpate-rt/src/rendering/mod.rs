@@ -19,7 +19,7 @@ pub use one_contact::OneContact;
 pub use palpate::{CHANGE_DURATION, ChangeError};
 pub use rendered::Rendered;
 pub use renders::{Answer, Fresh, FreshDevice, Renders};
-pub use world::RenderedWorld;
+pub use world::{RenderedWorld, Turns};
 pub use world_rows::WorldRows;
 
 /// What a loop renders, in the loop's numbers.

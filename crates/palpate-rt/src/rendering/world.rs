@@ -2,12 +2,35 @@
 
 use palpate_device::{Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
-use palpate_world::{Limited, Sample, Succession, World, WorldError, WorldRenderer, WorldState};
+use palpate_world::{
+    Limited, Sample, Succession, Tool, World, WorldError, WorldRenderer, WorldState,
+};
 
 use super::frame::WorldFrame;
 use super::renders::{Answer, Fresh, Renders};
 use super::world_rows::WorldRows;
 use crate::setup::SetupError;
+
+/// How a tool turns, and so what its device has to be able to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turns {
+    /// Not at all: any device of three axes will do.
+    No,
+    /// Its device measures an orientation and gives a torque.
+    WithTorque,
+    /// Its hand alone turns it: its device measures an orientation, and is asked for no torque.
+    ByHand,
+}
+
+impl Turns {
+    fn of(tool: &Tool) -> Self {
+        match (tool.turns, tool.gives_torque) {
+            (false, _) => Self::No,
+            (true, true) => Self::WithTorque,
+            (true, false) => Self::ByHand,
+        }
+    }
+}
 
 /// A world in the loop: its renderer, its state, and where each device stands in it.
 #[derive(Clone, Debug)]
@@ -19,8 +42,8 @@ pub struct RenderedWorld {
     frames: Vec<WorldFrame>,
     /// The names of the tools.
     names: Vec<String>,
-    /// Which tools turn.
-    turns: Vec<bool>,
+    /// How each tool turns.
+    turns: Vec<Turns>,
     /// Where the tools were sampled, along the world's axes; room for a tick.
     positions: Vec<Vector>,
     orientations: Vec<[f64; 4]>,
@@ -70,9 +93,9 @@ impl RenderedWorld {
                 given: frames.len(),
             });
         }
-        let turns: Vec<bool> = world.tools.iter().map(|tool| tool.turns).collect();
+        let turns: Vec<_> = world.tools.iter().map(Turns::of).collect();
         let mut placed = turns.iter().zip(&frames);
-        if placed.any(|(turns, frame)| *turns && !frame.is_aligned()) {
+        if placed.any(|(turns, frame)| *turns != Turns::No && !frame.is_aligned()) {
             return Err(SetupError::TurnedFrame);
         }
         let actuation = renderer.in_loop().actuation;
@@ -100,9 +123,9 @@ impl RenderedWorld {
         &self.frames
     }
 
-    /// Which tools turn: they need a device of six axes.
+    /// How each tool turns: one that does needs a device that measures six axes.
     #[must_use]
-    pub fn turns(&self) -> &[bool] {
+    pub fn turns(&self) -> &[Turns] {
         &self.turns
     }
 

@@ -6,7 +6,7 @@ use palpate_device::clock::SteppedClock;
 use palpate_device::{Device, ScriptedDevice, Step, Vector};
 use palpate_record::recording::Flags;
 use palpate_rt::safety::{OscillationParams, SafetyParams, Trip};
-use palpate_rt::{ControlLoop, RenderedWorld, SetupError, Told, WorldAxis, WorldFrame, tap};
+use palpate_rt::{ControlLoop, RenderedWorld, SetupError, Told, Turns, WorldAxis, WorldFrame, tap};
 use palpate_scene::world::{WorldFile, WorldScene, usual_guard};
 use palpate_sim::device::SpatialDevice;
 use palpate_sim::world::WorldBench;
@@ -349,6 +349,47 @@ fn a_tool_that_turns_needs_a_device_that_turns_with_the_axes_of_the_world() {
     let frame = WorldFrame::new(axes, [0.0; 3], [0.0; 3]).unwrap();
     let refused = RenderedWorld::new(&scene.world, renderer, "coupled", frame);
     assert_eq!(refused.unwrap_err(), SetupError::TurnedFrame);
+}
+
+/// Most devices with a stylus measure six axes and push along three: for a tool that its hand turns that is enough.
+#[test]
+fn a_stylus_needs_a_device_that_measures_how_it_is_turned() {
+    let scene = scene("stylus.toml");
+    let clock = SteppedClock::new();
+    let device = ScriptedDevice::new(clock.clone(), 3, Vec::new());
+    let world = rendered(&scene, "coupled", WorldFrame::the_same());
+    assert_eq!(world.turns(), [Turns::ByHand]);
+    let refused = ControlLoop::of_world(device, clock, world, wide());
+    assert_eq!(refused.err(), Some(SetupError::Orientation));
+
+    let mut control = in_space(&scene, "coupled", wide());
+    let can = control.device().capabilities();
+    assert_eq!((can.torque_axes, can.measures_orientation), (0, true));
+    let start = control.device().orientation().unwrap();
+    let (mut force, mut turned) = (0.0_f64, 0.0_f64);
+    for _ in 0..300 {
+        let tick = control.tick().tick;
+        assert_eq!(tick.commanded_torque, [0.0; 3]);
+        assert_eq!(tick.delivered_torque, [0.0; 3]);
+        force = force.max(length(tick.commanded_force));
+        let parts = control.device().orientation().unwrap();
+        let apart = parts
+            .iter()
+            .zip(start)
+            .map(|(now, then)| (now - then).abs());
+        turned = apart.fold(turned, f64::max);
+    }
+    assert!(force > 1.0 && turned > 0.1, "{force} {turned}");
+
+    // The same device is none for a tool that feels a torque.
+    let mut felt = scene.clone();
+    felt.world.tools[0].gives_torque = true;
+    let clock = SteppedClock::new();
+    let device =
+        SpatialDevice::new(&scene.devices[0], &scene.timing.actuator, clock.clone()).unwrap();
+    let world = rendered(&felt, "coupled", WorldFrame::the_same());
+    let refused = ControlLoop::of_world(device, clock, world, wide());
+    assert_eq!(refused.err(), Some(SetupError::SixAxes));
 }
 
 /// What the guard lets pass is what the loop commands, and the recording says so.

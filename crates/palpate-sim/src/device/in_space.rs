@@ -124,10 +124,7 @@ impl<C: Clock> SpatialDevice<C> {
         };
         Ok(Self {
             clock,
-            capabilities: Capabilities {
-                torque_axes: if turning.is_some() { 3 } else { 0 },
-                ..capabilities("simulated", device)
-            },
+            capabilities: capabilities("simulated", device),
             axes: [axis(0)?, axis(1)?, axis(2)?],
             turning,
             moved_until: None,
@@ -213,9 +210,10 @@ impl<C: Clock> Device for SpatialDevice<C> {
         let now = self.move_on();
         self.cut.is_over();
         // Motors that it has.
-        self.written = match self.turning {
-            Some(_) => wrench,
-            None => Wrench::of_force(wrench.force),
+        self.written = if self.capabilities.torque_axes == 0 {
+            Wrench::of_force(wrench.force)
+        } else {
+            wrench
         };
         if self.late > Duration::ZERO {
             if self.later.len() == MOST_LATER {
@@ -340,10 +338,7 @@ impl<C: Clock> SpatialPointer<C> {
             .map(|turning| TurningPointer::new(turning, actuator, &hand.turned, clock.clone()))
             .transpose()?;
         Ok(Self {
-            capabilities: Capabilities {
-                torque_axes: if turning.is_some() { 3 } else { 0 },
-                ..capabilities("pointer", device)
-            },
+            capabilities: capabilities("pointer", device),
             hand: hand.clone(),
             axes: [axis(0)?, axis(1)?, axis(2)?],
             turning,
@@ -387,8 +382,10 @@ impl<C: Clock> Device for SpatialPointer<C> {
         }
         let is_held = self.hand.target().is_some();
         let torque = match &mut self.turning {
-            Some(turning) => turning.write(wrench.torque, is_held),
-            None => [0.0; 3],
+            Some(turning) if self.capabilities.torque_axes > 0 => {
+                turning.write(wrench.torque, is_held)
+            }
+            _ => [0.0; 3],
         };
         Ok(Wrench {
             force: held,
@@ -443,7 +440,11 @@ impl ZeroWriter for AllZero {
 fn capabilities(name: &str, device: &WorldDevice) -> Capabilities {
     let mut masses = device.mass.into_iter().filter(|mass| mass.is_finite());
     let first = masses.next();
+    let turning = device.turning.as_ref();
+    let gives_torque = turning.is_some_and(|turning| turning.gives_torque);
     Capabilities {
+        torque_axes: if gives_torque { 3 } else { 0 },
+        measures_orientation: turning.is_some(),
         effective_mass: first.filter(|first| masses.all(|mass| mass == *first)),
         encoder_quantum: Some(device.quantum.into_iter().fold(0.0, f64::max)),
         ..Capabilities::unknown(name, 3)

@@ -9,6 +9,7 @@ use palpate_pipe::world::{
 use palpate_rt::BoundedWorld;
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::world::WorldFile;
+use palpate_world::Tool;
 
 use super::answering::{MISTAKES, answer, messages};
 use super::{PipeArguments, limits_in_words, soft_start};
@@ -58,6 +59,7 @@ fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<WorldStream, Fa
     let devices = scene.world.tools.iter().map(|tool| DeviceColumns {
         name: tool.name.clone(),
         turns: tool.turns,
+        gives_torque: tool.feels_torque(),
     });
     let format = WorldFormat {
         time: arguments.stream.time,
@@ -83,7 +85,7 @@ fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<WorldStream, Fa
         mistakes: MISTAKES,
         summary: WorldSummary::new(
             force_limit,
-            torque_limit.filter(|_| scene.world.tools.iter().any(|tool| tool.turns)),
+            torque_limit.filter(|_| scene.world.tools.iter().any(Tool::feels_torque)),
             soft_start,
         ),
         memory: WorldMemory::default(),

@@ -9,6 +9,7 @@ use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_sim::world::{WorldBench, WorldBenchError, WorldRun};
 use palpate_study::world::WorldReport;
 use palpate_testbed::world::LedPath;
+use palpate_world::Tool;
 
 use crate::arguments::{Flags, RenderArguments, Results};
 use crate::commands::simulate::{AnyScene, read_any};
@@ -89,7 +90,7 @@ pub fn deliver(
 }
 
 /// A row for each method, sample and device: where it was, and the force that was commanded then; where a device turns, also
-/// how it was turned, and the torque.
+/// how it was turned, and where one gives a torque, that.
 fn write_forces(
     writer: &mut dyn Write,
     scene: &WorldScene,
@@ -101,7 +102,11 @@ fn write_forces(
         "method", "device", "t_s", "x_m", "y_m", "z_m", "fx_n", "fy_n", "fz_n",
     ];
     if turns {
-        header.extend(["qw", "qx", "qy", "qz", "tx_n_m", "ty_n_m", "tz_n_m"]);
+        header.extend(["qw", "qx", "qy", "qz"]);
+    }
+    let gives_torque = scene.world.tools.iter().any(Tool::feels_torque);
+    if gives_torque {
+        header.extend(["tx_n_m", "ty_n_m", "tz_n_m"]);
     }
     csv.write_record(header)?;
     for run in runs {
@@ -113,8 +118,11 @@ fn write_forces(
                 row.extend(position.iter().chain(forces).map(ToString::to_string));
                 if turns {
                     let orientation = &run.orientations[sample][device];
+                    row.extend(orientation.iter().map(ToString::to_string));
+                }
+                if gives_torque {
                     let torques = &run.commanded_torques[sample][device];
-                    row.extend(orientation.iter().chain(torques).map(ToString::to_string));
+                    row.extend(torques.iter().map(ToString::to_string));
                 }
                 csv.write_record(row)?;
             }
