@@ -1455,15 +1455,16 @@ typedef struct palpate_device_params {
    */
   double quantum[3];
   /*
-   Of a device of six axes, its moments of inertia along the tool's axes, above 0 [kg m^2].
+   Of a device that measures six axes, its moments of inertia along the tool's axes, above 0 [kg m^2].
    */
   double inertia[3];
   /*
-   Of a device of six axes, the quantum of its angles, not below 0 [rad]. Default: 0.
+   Of a device that measures six axes, the quantum of its angles, not below 0 [rad]. Default: 0.
    */
   double angle_quantum;
   /*
-   1: a device of six axes. 0, the default: one of three.
+   1: a device of six axes. 2: one that measures six axes and gives no torque, so that its hand alone turns the tool. 0, the
+   default: one of three.
    */
   uint32_t turns;
   /*
@@ -2623,12 +2624,14 @@ const char *palpate_world_device_name(const struct palpate_world *world,
                                       size_t device);
 
 /*
- 1 for a device of six axes, 0 for one of three axes or of another place than there are.
+ 1 for a device of six axes, 2 for one that measures six axes and gives no torque, 0 for one of three axes or of another place
+ than there are.
 
  # Safety
  `world` is NULL or a world.
  */
-uint32_t palpate_world_device_turns(const struct palpate_world *world, size_t device);
+uint32_t palpate_world_device_turns(const struct palpate_world *world,
+                                    size_t device);
 
 /*
  Number of bodies, fixed ones too; 0 where `world` is NULL.

@@ -31,6 +31,7 @@ pub unsafe extern "C" fn palpate_scene_add_device(
         let device = params.device()?;
         let mut tool = Tool::new(name, shape);
         tool.turns = device.turning.is_some();
+        tool.gives_torque = device.turning.is_none_or(|turning| turning.gives_torque);
         let number = scene.scene.world.tools.len();
         scene.scene.world.tools.push(tool);
         // Only now is it known whether the tool can be.

@@ -116,11 +116,12 @@ pub struct DeviceParams {
     pub mass: [f64; 3],
     /// Quantum of the position sensor along each axis, not below 0 [m]. Default: 0.
     pub quantum: [f64; 3],
-    /// Of a device of six axes, its moments of inertia along the tool's axes, above 0 [kg m^2].
+    /// Of a device that measures six axes, its moments of inertia along the tool's axes, above 0 [kg m^2].
     pub inertia: [f64; 3],
-    /// Of a device of six axes, the quantum of its angles, not below 0 [rad]. Default: 0.
+    /// Of a device that measures six axes, the quantum of its angles, not below 0 [rad]. Default: 0.
     pub angle_quantum: f64,
-    /// 1: a device of six axes. 0, the default: one of three.
+    /// 1: a device of six axes. 2: one that measures six axes and gives no torque, so that its hand alone turns the tool. 0, the
+    /// default: one of three.
     pub turns: u32,
     /// 0.
     pub reserved: u32,
@@ -145,6 +146,9 @@ impl Default for DeviceParams {
     }
 }
 
+/// What `turns` is of a device that gives no torque.
+const BY_HAND: u32 = 2;
+
 impl DeviceParams {
     /// The device, checked. Nobody simulates its hand.
     pub(super) fn device(&self) -> Result<WorldDevice, Refusal<'static>> {
@@ -155,6 +159,13 @@ impl DeviceParams {
             ])?;
         }
         let none = [0.0; 3];
+        if self.turns > BY_HAND {
+            return Err(Refusal::WorldNumber {
+                name: "turns",
+                given: f64::from(self.turns),
+                allowed: "0, 1 or 2",
+            });
+        }
         let turning = if self.turns == 0 {
             None
         } else {
@@ -167,6 +178,7 @@ impl DeviceParams {
                 orientation: NOT_TURNED,
                 angular_velocity: none,
                 quantum: self.angle_quantum,
+                gives_torque: self.turns != BY_HAND,
                 hand: TurningHand {
                     torque: none,
                     stiffness: 0.0,

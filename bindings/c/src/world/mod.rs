@@ -51,8 +51,10 @@ pub struct World {
 /// A device of a world, as the scene says it.
 pub(crate) struct Device {
     pub name: CString,
-    /// Whether it has six axes.
+    /// Whether it measures six axes,
     pub turns: bool,
+    /// and gives a torque, too, if it does.
+    pub gives_torque: bool,
 }
 
 /// Makes the world of a scene file of format 2, to be freed by palpate_world_free, and puts it into `*world`; NULL on
@@ -178,6 +180,7 @@ impl World {
                 .map(|tool| Device {
                     name: as_c(&tool.name),
                     turns: tool.turns,
+                    gives_torque: tool.gives_torque,
                 })
                 .collect(),
             bodies: names_of_bodies(&scene.world),

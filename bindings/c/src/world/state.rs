@@ -78,7 +78,8 @@ pub unsafe extern "C" fn palpate_world_device_name(
     device.map_or(ptr::null(), |device| device.name.as_ptr())
 }
 
-/// 1 for a device of six axes, 0 for one of three axes or of another place than there are.
+/// 1 for a device of six axes, 2 for one that measures six axes and gives no torque, 0 for one of three axes or of another place
+/// than there are.
 ///
 /// # Safety
 /// `world` is NULL or a world.
@@ -87,7 +88,11 @@ pub unsafe extern "C" fn palpate_world_device_turns(world: *const World, device:
     // SAFETY: as the caller says.
     let world = unsafe { at(world) }.ok();
     let device = world.and_then(|world| world.devices.get(device));
-    device.map_or(0, |device| u32::from(device.turns))
+    device.map_or(0, |device| match (device.turns, device.gives_torque) {
+        (false, _) => 0,
+        (true, true) => 1,
+        (true, false) => 2,
+    })
 }
 
 /// Number of bodies, fixed ones too; 0 where `world` is NULL.

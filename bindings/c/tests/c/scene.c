@@ -278,6 +278,8 @@ static void misuse(void) {
   device.turns = 1;
   shape.kind = PALPATE_SHAPE_KIND_SPHERE;
   REFUSED(palpate_scene_add_device(scene, "second", &device, &shape), PARAMETER, "inertia is 0");
+  device.turns = 3;
+  REFUSED(palpate_scene_add_device(scene, "second", &device, &shape), PARAMETER, "turns is 3, but must be 0, 1 or 2");
 
   REFUSED(palpate_scene_add_body(scene, "*", &body, &shape), SCENE, "must be a name");
   REFUSED(palpate_scene_add_body(scene, "world", &body, &shape), SCENE, "must be a name");
@@ -348,6 +350,43 @@ static void misuse(void) {
   palpate_scene_free(scene);
 }
 
+/* A pen beside a wall, which a hand turns against it: with turns = 1 the tool feels a torque, with 2 it feels none. */
+static void turned(unsigned turns) {
+  palpate_scene_params params = palpate_scene_params_default();
+  palpate_device_params device = palpate_device_params_default();
+  palpate_body_params floor = palpate_body_params_default();
+  palpate_shape pen = palpate_shape_default(), plane = pen;
+  palpate_contact_law law = palpate_contact_law_default();
+  palpate_scene *scene;
+  palpate_world *world;
+  double force = 0.0, torque = 0.0;
+  params.period = 0.001;
+  device.turns = turns;
+  for (int axis = 0; axis < 3; axis++) device.mass[axis] = 0.1, device.inertia[axis] = 1e-4;
+  pen.kind = PALPATE_SHAPE_KIND_CAPSULE, pen.radius = 0.004, pen.half_length = 0.04;
+  plane.kind = PALPATE_SHAPE_KIND_HALF_SPACE, plane.normal[2] = 1.0;
+  law.stiffness = law.friction_stiffness = 3000.0;
+  OK(palpate_scene_new(&params, &scene));
+  OK(palpate_scene_add_device(scene, "pen", &device, &pen));
+  OK(palpate_scene_add_body(scene, "floor", &floor, &plane));
+  OK(palpate_scene_set_law(scene, "*", "*", &law));
+  OK(palpate_world_of_scene(scene, NULL, &world));
+  EXPECT(palpate_world_device_turns(world, 0) == turns);
+  for (int tick = 0; tick < 100; tick++) {
+    double half = 0.7 - 1e-3 * tick;
+    palpate_pose pose = {{0.0, 0.0, 0.011}, {cos(half), 0.0, sin(half), 0.0}};
+    palpate_world_sample sample = palpate_world_sample_at(&pose, 1);
+    palpate_wrench wrench;
+    EXPECT(palpate_world_step(world, &sample, &wrench, 1, NULL) == PALPATE_FAULT_NONE);
+    force = fmax(force, wrench.force[2]);
+    torque = fmax(torque, fabs(wrench.torque[1]));
+  }
+  EXPECT(force > 1.0);
+  EXPECT(turns == 1 ? torque > 0.01 : torque == 0.0);
+  palpate_world_free(world);
+  palpate_scene_free(scene);
+}
+
 /* A recorder of a world that is changed takes no more ticks; a new one does. */
 static void recorded(const char *folder) {
   palpate_scene *scene = built();
@@ -386,6 +425,8 @@ int main(int argc, char **argv) {
   softer();
   shapes_and_joints();
   misuse();
+  turned(1);
+  turned(2);
   recorded(argv[2]);
   return failures != 0;
 }
