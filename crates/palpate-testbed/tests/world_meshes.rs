@@ -34,6 +34,7 @@ fn scene(radius: f64, position: Vector, rest: Vector, bodies: Vec<WorldBody>) ->
         joints: Vec::new(),
         devices: vec![WorldDevice {
             name: "tool".into(),
+            own_axes: None,
             mass: [0.15; 3],
             position,
             velocity: [0.0; 3],

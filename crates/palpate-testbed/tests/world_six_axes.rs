@@ -14,6 +14,7 @@ const NOT_TURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 fn tool(tool: Tool, inertia: [f64; 3], angular_velocity: [f64; 3]) -> WorldDevice {
     WorldDevice {
         name: "tool".into(),
+        own_axes: None,
         mass: [0.2; 3],
         position: [0.0, 0.0, 0.022],
         velocity: [0.05, 0.0, -0.3],

@@ -118,6 +118,7 @@ fn judged(scene: &Scene) -> WorldScene {
     WorldScene {
         devices: vec![WorldDevice {
             name: "tool".to_owned(),
+            own_axes: None,
             mass: DEVICE_MASS,
             position: scene.start,
             velocity: [0.0; 3],

@@ -85,6 +85,7 @@ fn judged_device(name: &str, tool: &Shape, device: &WorldDevice) -> judge::World
     let hand = &device.hand;
     judge::WorldDevice {
         name: name.to_owned(),
+        own_axes: None,
         mass: device.mass,
         position: device.position,
         velocity: device.velocity,

@@ -109,6 +109,7 @@ impl Scene {
         let judged = WorldScene {
             devices: vec![WorldDevice {
                 name: "tool".to_owned(),
+                own_axes: None,
                 mass: DEVICE_MASS,
                 position: start,
                 velocity: [0.0; 3],

@@ -416,6 +416,7 @@ const PERIOD: f64 = 0.001;
 fn device(name: &str, position: Vector, tool_radius: f64) -> WorldDevice {
     WorldDevice {
         name: name.into(),
+        own_axes: None,
         mass: [0.1, 0.16, 0.25],
         position,
         velocity: [0.0; 3],

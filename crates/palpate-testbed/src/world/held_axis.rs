@@ -1,6 +1,7 @@
 //! One axis of a device in its hand, under a force that is held: exact for any duration.
 
-use super::scene::{InvalidScene, WorldDevice};
+use super::scene::{InvalidScene, Vector, WorldDevice};
+use super::vector::Vec3;
 use crate::InvalidParameter;
 use crate::device::Device;
 use crate::hand::Sinusoid;
@@ -20,7 +21,7 @@ impl HeldAxis {
         if device.moves_along(axis) {
             SwungMass::new(device, axis, name).map(Self::Moves)
         } else {
-            Ok(Self::Stays(device.position[axis]))
+            Ok(Self::Stays(device.own(Vec3(device.position)).0[axis]))
         }
     }
 
@@ -107,22 +108,24 @@ impl SwungMass {
             value: invalid.value,
             allowed: invalid.allowed,
         };
-        let left = SprungMass::new(mass, hand.stiffness, hand.damping, hand.force[axis])
+        let own = |vector: Vector| device.own(Vec3(vector)).0[axis];
+        let (force, rest) = (own(hand.force), own(hand.rest));
+        let left = SprungMass::new(mass, hand.stiffness, hand.damping, force)
             .and_then(|left| {
                 left.starting_at(
-                    device.position[axis] - hand.rest[axis] - swing,
-                    device.velocity[axis] - slope,
+                    own(device.position) - rest - swing,
+                    own(device.velocity) - slope,
                 )
             })
             .map_err(of_device)?;
         Ok(Self {
-            rest: hand.rest[axis],
+            rest,
             left,
             swings,
             time: 0.0,
             mass,
             stiffness: hand.stiffness,
-            force: hand.force[axis],
+            force,
         })
     }
 

@@ -37,7 +37,7 @@ pub struct DeviceJudgement {
     pub force: Option<Fidelity>,
     /// The torques alone; `None` for a device that gives none.
     pub torque: Option<TorqueJudgement>,
-    /// Along each axis of the world; `None` where the ideal force is 0 or rounding, below 1e-8 of the force along all axes.
+    /// Along each of the device's axes; `None` where the ideal force is 0 or rounding, below 1e-8 of the force along all axes.
     pub axes: [Option<Fidelity>; 3],
     /// Each ideal touch that the held forces can show apart, in order.
     pub touches: Vec<TouchJudgement>,
@@ -196,6 +196,7 @@ impl DeviceJudgement {
         let mut sum = ErrorSums::default();
         for (interval, force) in held.iter().enumerate() {
             let duration = grid.duration(interval);
+            let force = device.own(Vec3(*force)).0;
             for axis in (0..3).filter(|&axis| device.moves_along(axis)) {
                 let impulse = profile.impulses[interval][axis];
                 let squared = profile.squares[interval][axis];
@@ -220,7 +221,9 @@ impl DeviceJudgement {
             judged_torque(grid, weights, profile, torques, [&mut sum, sum_of_all])
         });
         let along_all = axes.iter().map(ErrorSums::ideal).sum();
-        let (touches, rendered_touches) = touches(grid, profile, held);
+        let means = profile.mean_forces(grid).into_iter();
+        let means: Vec<Vector> = means.map(|own| device.out(Vec3(own)).0).collect();
+        let (touches, rendered_touches) = touches(grid, profile, &means, held);
         Self {
             sum: sum.fidelity(period),
             force,
@@ -281,13 +284,17 @@ fn larger(a: f64, b: f64) -> f64 {
     }
 }
 
-fn touches(grid: &Grid, profile: &DeviceProfile, held: &[Vector]) -> (Vec<TouchJudgement>, usize) {
+fn touches(
+    grid: &Grid,
+    profile: &DeviceProfile,
+    means: &[Vector],
+    held: &[Vector],
+) -> (Vec<TouchJudgement>, usize) {
     let sizes = |forces: &[Vector]| -> Vec<f64> {
         forces.iter().map(|force| Vec3(*force).norm()).collect()
     };
-    let means = profile.mean_forces(grid);
     let rendered_sizes = sizes(held);
-    let ideal_runs = separated(&sizes(&means), grid);
+    let ideal_runs = separated(&sizes(means), grid);
     let rendered_runs = separated(&rendered_sizes, grid);
     let impulse_of = |forces: &[Vector], run: &std::ops::Range<usize>| {
         run.clone().fold(Vec3::ZERO, |sum, interval| {
@@ -298,7 +305,7 @@ fn touches(grid: &Grid, profile: &DeviceProfile, held: &[Vector]) -> (Vec<TouchJ
         .iter()
         .enumerate()
         .map(|(number, run)| {
-            let ideal_impulse = impulse_of(&means, run);
+            let ideal_impulse = impulse_of(means, run);
             let ideal_peak = profile.peaks[run.clone()]
                 .iter()
                 .copied()
@@ -331,7 +338,7 @@ fn touches(grid: &Grid, profile: &DeviceProfile, held: &[Vector]) -> (Vec<TouchJ
 }
 
 impl DeviceProfile {
-    /// The best that can be held: the mean force on the tool over each interval \[N\].
+    /// The best that can be held: the mean force on the tool over each interval, along the device's axes \[N\].
     #[must_use]
     pub fn mean_forces(&self, grid: &Grid) -> Vec<Vector> {
         self.impulses

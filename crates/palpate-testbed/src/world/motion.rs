@@ -314,8 +314,9 @@ impl System {
         for (number, device) in self.devices.iter().enumerate() {
             let placed = &now.placed[number];
             let push = now.forces[number] + hand_force(device, time, placed);
+            let push = device.own(push);
             let linear = std::array::from_fn(|axis| push.0[axis] / device.mass[axis]);
-            now.accelerations[number].linear = Vec3(linear);
+            now.accelerations[number].linear = device.out(Vec3(linear));
             if let Some(turning) = &device.turning {
                 let q = quaternion(&state[self.layout.device(number) + 6..]);
                 let omega = placed.turning;
@@ -506,9 +507,11 @@ fn angular_velocity(rotation: &Rotation, motion: &Motion, v: Vec3) -> Vec3 {
 /// Force of the hand on its device \[N\].
 pub(super) fn hand_force(device: &WorldDevice, time: f64, placed: &Placed) -> Vec3 {
     let hand = &device.hand;
+    let tremor = hand.tremor.each_ref();
+    let tremor = tremor.map(|sines| sines.iter().map(|sine| sine.value(time)).sum());
+    let tremor = device.out(Vec3(tremor));
     Vec3(std::array::from_fn(|axis| {
-        let tremor: f64 = hand.tremor[axis].iter().map(|sine| sine.value(time)).sum();
-        hand.force[axis] + tremor
+        hand.force[axis] + tremor.0[axis]
             - hand.stiffness * (placed.position.0[axis] - hand.rest[axis])
             - hand.damping * placed.velocity.0[axis]
     }))
@@ -526,9 +529,10 @@ impl Instant {
                     let momentum = turning.angular_momentum(&placed.rotation, placed.turning);
                     0.5 * momentum.dot(placed.turning)
                 });
+                let velocity = device.own(placed.velocity);
                 (0..3)
                     .filter(|&axis| device.moves_along(axis))
-                    .map(|axis| 0.5 * device.mass[axis] * placed.velocity.0[axis].powi(2))
+                    .map(|axis| 0.5 * device.mass[axis] * velocity.0[axis].powi(2))
                     .sum::<f64>()
                     + of_turning
             });

@@ -5,7 +5,8 @@ use std::collections::VecDeque;
 use super::contact::WorldError;
 use super::held_axis::HeldAxis;
 use super::held_turning::HeldTurning;
-use super::scene::{Vector, WorldScene};
+use super::scene::{Vector, WorldDevice, WorldScene};
+use super::vector::Vec3;
 use crate::InvalidParameter;
 use crate::actuator::{Actuator, ActuatorParams};
 use crate::device::Device;
@@ -51,6 +52,7 @@ impl PlantParams {
 /// # fn main() -> Result<(), palpate_testbed::world::WorldError> {
 /// let device = WorldDevice {
 ///     name: "tool".into(),
+///     own_axes: None,
 ///     mass: [0.25; 3],
 ///     position: [0.0; 3],
 ///     velocity: [0.0; 3],
@@ -84,9 +86,12 @@ pub struct WorldPlant {
 
 #[derive(Debug, Clone)]
 struct PlantDevice {
+    /// What is held here, which says along which axes it moves.
+    device: WorldDevice,
     axes: [HeldAxis; 3],
     actuators: [Actuator; 3],
     samplers: [Sampler; 3],
+    /// Along its axes.
     impulses: Vec<Vector>,
     turning: Option<HeldTurning>,
     angular_impulses: Vec<Vector>,
@@ -115,6 +120,7 @@ impl WorldPlant {
             let name = format!("devices[{number}]");
             let axis = |axis| HeldAxis::new(device, axis, &name);
             devices.push(PlantDevice {
+                device: device.clone(),
                 axes: [axis(0)?, axis(1)?, axis(2)?],
                 actuators: [actuator; 3],
                 samplers: device.quantum.map(Sampler::Quantum),
@@ -150,7 +156,7 @@ impl WorldPlant {
         self.samples as f64 * self.params.period
     }
 
-    /// What the sensors say now: positions, rounded to the quantum of each axis \[m\].
+    /// What the sensors say now: positions, rounded along each of a device's axes to its quantum \[m\].
     #[must_use]
     pub fn measure(&self) -> Vec<Vector> {
         self.each(|device, axis| device.samplers[axis].sample(device.axes[axis].position()))
@@ -200,7 +206,10 @@ impl WorldPlant {
     fn each(&self, value: impl Fn(&PlantDevice, usize) -> f64) -> Vec<Vector> {
         self.devices
             .iter()
-            .map(|device| std::array::from_fn(|axis| value(device, axis)))
+            .map(|device| {
+                let own = Vec3(std::array::from_fn(|axis| value(device, axis)));
+                device.device.out(own).0
+            })
             .collect()
     }
 
@@ -251,6 +260,7 @@ impl WorldPlant {
             let Some(impulse) = device.impulses.last_mut() else {
                 continue;
             };
+            let force = device.device.own(Vec3(*force)).0;
             for axis in 0..3 {
                 if device.axes[axis].stays() {
                     continue;
@@ -299,7 +309,11 @@ impl WorldPlant {
     /// There is no device of that number.
     #[must_use]
     pub fn delivered(&self, device: usize) -> Vec<Vector> {
-        self.means(&self.devices[device].impulses)
+        let PlantDevice {
+            device, impulses, ..
+        } = &self.devices[device];
+        let own = self.means(impulses).into_iter();
+        own.map(|mean| device.out(Vec3(mean)).0).collect()
     }
 
     /// Mean torque on the tool of a device \[N m\] likewise.
@@ -365,6 +379,7 @@ mod tests {
             joints: Vec::new(),
             devices: vec![WorldDevice {
                 name: "tool".into(),
+                own_axes: None,
                 mass: [0.1, 0.16, 0.25],
                 position: [0.01, -0.02, 0.05],
                 velocity: [0.1, 0.0, -0.3],

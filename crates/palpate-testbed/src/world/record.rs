@@ -2,7 +2,7 @@
 
 use super::scene::{Member, Vector};
 
-/// The contact force on the tool of one device along the axes that the device has, cut into the intervals of a grid.
+/// The contact force on the tool of one device, along each axis that the device has, cut into the intervals of a grid.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct DeviceProfile {
     /// ∫ f dt over each interval \[N s\].

@@ -16,12 +16,14 @@ pub type Vector = [f64; 3];
 
 /// A device in three axes or in six, the hand that holds it, and the tool that it moves.
 ///
-/// Along each axis m x″ = f + F − k (x − x_rest) − b x′ + Σ tremor, with the contact force f on the
-/// tool.
+/// Along each of its axes m x″ = f + F − k (x − x_rest) − b x′ + Σ tremor, with the contact force f on the
+/// tool. Its axes are those of the world, or three of its own, along which its mobility is diagonal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldDevice {
     /// Name, for messages.
     pub name: String,
+    /// The device's axes: unit vectors at right angles, along the world's axes; `None` for the world's own.
+    pub own_axes: Option<[Vector; 3]>,
     /// Moved mass m along each axis, above 0 \[kg\]; infinite along an axis that the device lacks. Its mechanism holds it there:
     /// it stays, and no motor gives a force along that axis, so none is judged.
     pub mass: Vector,
@@ -35,7 +37,7 @@ pub struct WorldDevice {
     pub turning: Option<Turning>,
     /// The hand.
     pub hand: WorldHand,
-    /// Quantum of the position sensor along each axis, 0 for a perfect one \[m\].
+    /// Quantum of the position sensor along each of the device's axes, 0 for a perfect one \[m\].
     pub quantum: Vector,
 }
 
@@ -76,7 +78,7 @@ pub struct WorldHand {
     pub damping: f64,
     /// Where the spring is relaxed \[m\].
     pub rest: Vector,
-    /// Tremor forces along each axis, their amplitudes in \[N\]; they add up.
+    /// Tremor forces along each of the device's axes, their amplitudes in \[N\]; they add up.
     pub tremor: [Vec<Sinusoid>; 3],
 }
 
@@ -339,17 +341,35 @@ pub(super) fn unit_length(name: &str, values: &[f64]) -> Result<(), InvalidScene
     InvalidParameter::unless(holds, name.to_owned(), length, "a vector of length 1").map(|_| ())
 }
 
+/// By how much the axes of a device may be off unit length and right angles.
+const NOT_SQUARE: f64 = 1e-9;
+
 impl WorldDevice {
     /// Whether the device has this axis.
     pub(super) fn moves_along(&self, axis: usize) -> bool {
         self.mass[axis].is_finite()
     }
 
-    /// What of a force is along the axes that the device has.
+    /// A vector of the world along the device's axes.
+    pub(super) fn own(&self, vector: Vec3) -> Vec3 {
+        self.own_axes
+            .map_or(vector, |axes| Vec3(axes.map(|axis| Vec3(axis).dot(vector))))
+    }
+
+    /// A vector along the device's axes in the world.
+    pub(super) fn out(&self, own: Vec3) -> Vec3 {
+        self.own_axes.map_or(own, |axes| {
+            let parts = axes.iter().zip(own.0);
+            parts.fold(Vec3::ZERO, |sum, (axis, part)| sum + Vec3(*axis) * part)
+        })
+    }
+
+    /// What of a force is along the axes that the device has, along those axes.
     pub(super) fn along_its_axes(&self, force: Vec3) -> Vec3 {
+        let own = self.own(force);
         Vec3(std::array::from_fn(|axis| {
             if self.moves_along(axis) {
-                force.0[axis]
+                own.0[axis]
             } else {
                 0.0
             }
@@ -357,10 +377,31 @@ impl WorldDevice {
     }
 
     fn check(&self, name: &str) -> Result<(), InvalidScene> {
-        for (mass, velocity) in self.mass.iter().zip(self.velocity) {
+        if let Some(axes) = &self.own_axes {
+            let apart = |of: usize, with: usize| Vec3(axes[of]).dot(Vec3(axes[with]));
+            let off = |(of, with): (usize, usize)| {
+                let expected = if of == with { 1.0 } else { 0.0 };
+                (apart(of, with) - expected).abs()
+            };
+            let pairs = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+            let most = pairs
+                .map(off)
+                .into_iter()
+                .fold(0.0, |a: f64, b| if b > a || b.is_nan() { b } else { a });
+            let allowed = "unit vectors at right angles, to 1e-9";
+            InvalidParameter::unless(
+                most <= NOT_SQUARE,
+                format!("{name}.own_axes"),
+                most,
+                allowed,
+            )?;
+        }
+        let velocity = self.own(Vec3(self.velocity));
+        let speed = velocity.norm();
+        for (mass, velocity) in self.mass.iter().zip(velocity.0) {
             let allowed = "above 0, or infinite along an axis that the device lacks";
             InvalidParameter::unless(*mass > 0.0, format!("{name}.mass"), *mass, allowed)?;
-            let rests = mass.is_finite() || velocity == 0.0;
+            let rests = mass.is_finite() || velocity.abs() <= NOT_SQUARE * speed;
             let allowed = "0 along an axis that the device lacks";
             InvalidParameter::unless(rests, format!("{name}.velocity"), velocity, allowed)?;
         }

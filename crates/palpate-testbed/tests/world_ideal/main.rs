@@ -10,6 +10,7 @@ mod conservation;
 mod friction;
 mod joints;
 mod one_dimension;
+mod own_axes;
 mod refused;
 
 use palpate_testbed::grid::Grid;
@@ -24,6 +25,7 @@ const NOT_TURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 fn device(mass: f64, position: Vector) -> WorldDevice {
     WorldDevice {
         name: "tool".into(),
+        own_axes: None,
         mass: [mass; 3],
         position,
         velocity: [0.0; 3],

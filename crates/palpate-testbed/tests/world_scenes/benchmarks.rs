@@ -177,6 +177,7 @@ fn read(file: &toml::Table) -> (WorldScene, f64, f64) {
         .into_iter()
         .map(|device| WorldDevice {
             name: name(device),
+            own_axes: None,
             mass: vector(&device["mass_kg"]),
             position: vector(&device["position_m"]),
             velocity: [0.0; 3],
