@@ -417,15 +417,96 @@ fn a_device_says_which_axes_it_has() {
 }
 
 #[test]
+fn a_device_may_have_axes_of_its_own() {
+    let with = |of: &str| {
+        let source = BALL
+            .replace("mass_kg = [0.25, 0.3, 0.35]", of)
+            .replace("hand_force_n = [0.0, 0.0, -1.0]\nquantum_m = 2e-6\n", "");
+        WorldFile::parse("ball.toml", &source).unwrap().scene
+    };
+    let scene = with(
+        "axes = [[3.0, 4.0, 0.0], [-8, 6, 0], [0, 0, 1e-3]]\nmass_kg = [0.25, 0.3, 0.35]\nquantum_m = [1e-6, 2e-6, 3e-6]",
+    );
+    let own = [[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0, 0.0, 1.0]];
+    assert_eq!(scene.world.tools[0].own_axes, Some(own));
+    assert_eq!(scene.devices[0].own_axes, Some(own));
+    assert_eq!(scene.devices[0].mass, [0.25, 0.3, 0.35]);
+    assert_eq!(scene.devices[0].quantum, [1e-6, 2e-6, 3e-6]);
+    assert_eq!(scene.world.tools[0].axes, [true; 3]);
+    // What lies in a plane, with decimals that are rounded.
+    let plane = "axes = [[0.6, 0.8, 0.0], [0.0, 0.0, 1.0]]\nmass_kg = [0.2, 0.3]\nvelocity_m_per_s = [0.3, 0.4, 1.0]";
+    let scene = with(plane);
+    assert_eq!(scene.world.tools[0].axes, [true, true, false]);
+    assert_eq!(scene.devices[0].mass, [0.2, 0.3, f64::INFINITY]);
+    assert_eq!(
+        scene.world.tools[0].names_of_axes(),
+        "the first and the second of its own axes"
+    );
+    let third = scene.devices[0].own_axes.unwrap()[2];
+    let along = |vector: [f64; 3]| third.iter().zip(vector).map(|(a, b)| a * b).sum::<f64>();
+    assert!(along([0.6, 0.8, 0.0]).abs() < 1e-15 && (along(third) - 1.0).abs() < 1e-15);
+    // One axis is a slide.
+    let scene = with("axes = [[1.0, 1.0, 1.0]]\nmass_kg = 0.2");
+    assert_eq!(scene.devices[0].mass[1..], [f64::INFINITY; 2]);
+    let said = said(&BALL.replace(
+        "mass_kg = [0.25, 0.3, 0.35]",
+        "axes = [[0.6, 0.8, 0.0], [0.0, 0.0, 1.0]]\nmass_kg = 0.2\nvelocity_m_per_s = [0.4, -0.3, 1.0]",
+    ));
+    assert_eq!(
+        said,
+        [
+            "ball.toml:11:20: velocity_m_per_s has a part of 0.5 along an axis that the device lacks by its `axes`: its mechanism \
+             holds it there; write what lies along its axes only"
+        ]
+    );
+}
+
+/// Of a device of the loop that lacks an axis of the world, that has to be one of the own axes.
+#[test]
+fn own_axes_on_a_device_that_lacks_an_axis_of_the_world() {
+    let with = |of: &str| {
+        let source = BALL.replace("mass_kg = [0.25, 0.3, 0.35]", of);
+        WorldFile::parse("ball.toml", &source).unwrap().scene
+    };
+    let along_z = with(
+        "axes = [[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0, 0.0, 1.0]]\nmass_kg = [0.1, 0.2, 0.3]",
+    );
+    let told = along_z.with_axes(0, [true, true, false]);
+    assert_eq!(told.world.tools[0].axes, [true, true, false]);
+    assert_eq!(told.devices[0].mass, [0.1, 0.2, f64::INFINITY]);
+    assert!(told.renderer("coupled").is_ok());
+    let oblique = with("axes = [[2, 2, 1], [-2, 1, 2], [1, -2, 2]]\nmass_kg = [0.1, 0.2, 0.3]");
+    assert!(oblique.renderer("coupled").is_ok());
+    let told = oblique.with_axes(0, [true, true, false]);
+    let faults = told.renderer("coupled").unwrap_err();
+    assert!(
+        faults[0].to_string().contains("has none of its own axes"),
+        "{}",
+        faults[0]
+    );
+}
+
+#[test]
 fn axes_that_contradict_the_rest_are_refused() {
     let with = |of: &str| said(&BALL.replace("mass_kg = [0.25, 0.3, 0.35]", of));
-    let expected =
-        "expected one to three of \"x\", \"y\" and \"z\", in this order, such as [\"x\", \"y\"]";
+    let expected = "expected one to three of \"x\", \"y\" and \"z\", in this order, such as [\"x\", \"y\"], or one to three \
+                    directions at right angles, such as [[0.8, 0.6, 0.0], [-0.6, 0.8, 0.0]]";
     for (given, what) in [
         ("[]", "no axis"),
         ("[\"z\", \"x\"]", "[\"z\", \"x\"]"),
         ("[\"x\", \"x\"]", "[\"x\", \"x\"]"),
         ("[\"x\", \"up\"]", "[\"x\", \"up\"]"),
+        ("[[1.0, 0.0, 0.0], \"y\"]", "names and directions"),
+        (
+            "[[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 0]]",
+            "4 directions",
+        ),
+        ("[[0.0, 0.0, 0.0]]", "[0.0, 0.0, 0.0] has no direction"),
+        ("[[nan, 0.0, 0.0]]", "[NaN, 0.0, 0.0] has no direction"),
+        (
+            "[[1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]",
+            "[1.0, 1.0, 0.0] is at 45.0000 degrees to another axis",
+        ),
     ] {
         let said = with(&format!("axes = {given}\nmass_kg = 0.2"));
         assert_eq!(said, [format!("ball.toml:9:8: {what}, {expected}")]);

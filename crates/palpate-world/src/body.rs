@@ -24,9 +24,12 @@ pub struct Tool {
     /// Whether a device that turns it gives a torque, too. If not, its hand alone turns it, whatever the contacts push, and
     /// feels no torque: most devices with a stylus measure six axes and push along three. Read only if the tool turns.
     pub gives_torque: bool,
-    /// Along which of the world's axes the device moves it and can push it; at least one. Along the others its mechanism holds the
+    /// Along which of its axes the device moves it and can push it; at least one. Along the others its mechanism holds the
     /// tool where the device is measured: the force on the device is 0 there, whatever the contacts push.
     pub axes: [bool; 3],
+    /// The device's axes, along which its mass is told and its mobility diagonal: unit vectors at right angles, to 1e-9, along the
+    /// world's axes. `None`: the world's own. Positions and forces are in the world's axes in any case.
+    pub own_axes: Option<[Vector; 3]>,
 }
 
 impl Tool {
@@ -39,19 +42,38 @@ impl Tool {
             turns: false,
             gives_torque: true,
             axes: [true; 3],
+            own_axes: None,
         }
     }
 
-    /// The same tool, moved by a device that has these axes of the world only: a pantograph in a plane has two.
+    /// The same tool, moved by a device with axes of its own ([`own_axes`](Self::own_axes)): those of its mobility 1/m, which is a
+    /// matrix in the world's axes.
+    #[must_use]
+    pub fn with_own_axes(self, own_axes: [Vector; 3]) -> Self {
+        Self {
+            own_axes: Some(own_axes),
+            ..self
+        }
+    }
+
+    /// The same tool, moved by a device that has these of its axes only: a pantograph in a plane has two.
     #[must_use]
     pub fn along(self, axes: [bool; 3]) -> Self {
         Self { axes, ..self }
     }
 
-    /// The axes of the world along which its device moves it, in words: `x and z`.
+    /// The axes along which its device moves it, in words: `x and z`, or `the first and the third of its own axes`.
     #[must_use]
     pub fn names_of_axes(&self) -> String {
-        let names = ["x", "y", "z"].into_iter().zip(self.axes);
+        if self.own_axes.is_some() {
+            let named = self.named(["the first", "the second", "the third"]);
+            return format!("{named} of its own axes");
+        }
+        self.named(["x", "y", "z"])
+    }
+
+    fn named(&self, names: [&'static str; 3]) -> String {
+        let names = names.into_iter().zip(self.axes);
         let names: Vec<_> = names
             .filter_map(|(name, has)| has.then_some(name))
             .collect();

@@ -1,5 +1,6 @@
 //! A tool or body in motion.
 
+use crate::axes::{OwnAxes, out, own, scaled};
 use crate::rigid::{Mobility, Rigid, Vector3};
 use crate::turning::TurningDrive;
 
@@ -8,7 +9,7 @@ use crate::turning::TurningDrive;
 pub(crate) struct Drive {
     /// Acceleration at the interval's start `[m/s^2]`.
     pub acceleration: Vector3,
-    /// By how much it falls with the velocity gained since `[1/s]`,
+    /// By how much it falls with the velocity gained since, along each axis of the mobility `[1/s]`,
     pub damping_rate: Vector3,
     /// and with the way made since `[1/s^2]`.
     pub spring_rate: Vector3,
@@ -34,9 +35,9 @@ impl Drive {
     }
 
     /// Acceleration at a place but for what the velocity itself takes from it `[m/s^2]`.
-    fn at(&self, position: &Vector3) -> Vector3 {
-        self.acceleration + self.damping_rate.component_mul(&self.velocity)
-            - self.spring_rate.component_mul(&(position - self.position))
+    fn at(&self, axes: &OwnAxes, position: &Vector3) -> Vector3 {
+        self.acceleration + scaled(axes, &self.damping_rate, &self.velocity)
+            - scaled(axes, &self.spring_rate, &(position - self.position))
     }
 }
 
@@ -177,10 +178,7 @@ impl Part {
     /// `[J]`.
     pub fn work_of_constant_force(&self) -> f64 {
         let way = self.rigid.position - self.drive.position;
-        (0..3)
-            .filter(|&axis| self.mobility.linear[axis] > 0.0)
-            .map(|axis| self.drive.acceleration[axis] * way[axis] / self.mobility.linear[axis])
-            .sum()
+        self.mobility.weighted(&self.drive.acceleration, &way)
     }
 
     /// Its contacts are to be looked at as it is.
@@ -194,8 +192,9 @@ impl Part {
     /// The first half of a sub-step's push.
     pub fn first_push(&mut self, half: f64) {
         let before = self.rigid.velocity;
-        let slowed = self.drive.damping_rate.component_mul(&before);
-        let by_drive = (self.drive.at(&self.rigid.position) - slowed) * half;
+        let axes = &self.mobility.linear_axes;
+        let slowed = scaled(axes, &self.drive.damping_rate, &before);
+        let by_drive = (self.drive.at(axes, &self.rigid.position) - slowed) * half;
         let torque = self.turning_drive.first_torque(&self.rigid);
         self.push(before, by_drive, torque, half);
     }
@@ -203,9 +202,12 @@ impl Part {
     /// The second half: with the damping of the drive at its end, so that both halves together are of second order.
     pub fn second_push(&mut self, half: f64) {
         let before = self.rigid.velocity;
-        let by_contacts = self.mobility.linear.component_mul(&self.force) * half;
-        let sum = before + by_contacts + self.drive.at(&self.rigid.position) * half;
-        let after = sum.zip_map(&self.drive.damping_rate, |v, rate| v / (1.0 + half * rate));
+        let axes = &self.mobility.linear_axes;
+        let by_contacts = self.mobility.acceleration(&self.force) * half;
+        let sum = before + by_contacts + self.drive.at(axes, &self.rigid.position) * half;
+        let after =
+            own(axes, &sum).zip_map(&self.drive.damping_rate, |v, rate| v / (1.0 + half * rate));
+        let after = out(axes, &after);
         let torque = self
             .turning_drive
             .second_torque(&self.rigid, &self.torque, half);
@@ -213,17 +215,12 @@ impl Part {
     }
 
     fn push(&mut self, before: Vector3, by_drive: Vector3, torque: Vector3, half: f64) {
-        self.gained = by_drive + self.mobility.linear.component_mul(&self.force) * half;
+        self.gained = by_drive + self.mobility.acceleration(&self.force) * half;
         self.rigid.velocity += self.gained;
         let spun = (self.torque + torque) * half;
         self.rigid.spin += spun;
         let mean = before + self.gained * 0.5;
-        for axis in 0..3 {
-            let mobility = self.mobility.linear[axis];
-            if mobility > 0.0 {
-                self.driven += by_drive[axis] * mean[axis] / mobility;
-            }
-        }
+        self.driven += self.mobility.weighted(&by_drive, &mean);
         self.update_twist();
         self.mean = Twist {
             velocity: self.rigid.velocity - self.gained * 0.5,

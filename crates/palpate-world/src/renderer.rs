@@ -65,6 +65,10 @@ impl WorldRenderer {
             .tools
             .iter()
             .map(|tool| {
+                let mobility = Mobility {
+                    linear_axes: Axes::of(tool).own_axes(),
+                    ..Mobility::none()
+                };
                 let nowhere = Rigid {
                     position: Vector3::zeros(),
                     orientation: UnitQuaternion::identity(),
@@ -74,7 +78,7 @@ impl WorldRenderer {
                 Part {
                     has_torque: tool.turns,
                     led: tool.is_led(),
-                    ..Part::new(nowhere, Mobility::none(), Drive::constant(Vector3::zeros()))
+                    ..Part::new(nowhere, mobility, Drive::constant(Vector3::zeros()))
                 }
             })
             .collect();

@@ -2,7 +2,10 @@
 
 use nalgebra::{Quaternion, UnitQuaternion};
 
+use crate::axes::{OwnAxes, own, scaled};
+
 pub(crate) type Vector3 = nalgebra::Vector3<f64>;
+pub(crate) type Matrix3 = nalgebra::Matrix3<f64>;
 pub(crate) type Rotation = UnitQuaternion<f64>;
 
 /// Where a tool or body is, and how it moves. The angular momentum is the state, not the angular velocity: no
@@ -21,8 +24,10 @@ pub(crate) struct Rigid {
 /// How a tool or body answers to forces and torques.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Mobility {
-    /// 1/m along each of the world's axes `[1/kg]`; 0 for what no force moves.
+    /// 1/m along each axis `[1/kg]`; 0 for what no force moves.
     pub linear: Vector3,
+    /// Those axes.
+    pub linear_axes: OwnAxes,
     /// Inverse moments of inertia along the body's own axes `[1/(kg m^2)]`; 0 for what no torque turns.
     pub angular: Vector3,
     /// Whether all three moments are the same.
@@ -34,6 +39,7 @@ impl Mobility {
     pub fn none() -> Self {
         Self {
             linear: Vector3::zeros(),
+            linear_axes: None,
             angular: Vector3::zeros(),
             is_round: true,
         }
@@ -43,6 +49,7 @@ impl Mobility {
         let angular = Vector3::from(moments.map(|moment| 1.0 / moment));
         Self {
             linear: Vector3::repeat(1.0 / mass),
+            linear_axes: None,
             angular,
             is_round: angular.x == angular.y && angular.y == angular.z,
         }
@@ -51,6 +58,20 @@ impl Mobility {
     /// Whether nothing turns it.
     pub fn does_not_turn(&self) -> bool {
         self.is_round && self.angular.x == 0.0
+    }
+
+    /// Acceleration by a force `[m/s^2]`.
+    pub fn acceleration(&self, force: &Vector3) -> Vector3 {
+        scaled(&self.linear_axes, &self.linear, force)
+    }
+
+    /// Sum over the axes that a force can move of the products of two vectors' parts along them, each over the mobility.
+    pub fn weighted(&self, one: &Vector3, other: &Vector3) -> f64 {
+        let [one, other] = [one, other].map(|vector| own(&self.linear_axes, vector));
+        (0..3)
+            .filter(|&axis| self.linear[axis] > 0.0)
+            .map(|axis| one[axis] * other[axis] / self.linear[axis])
+            .sum()
     }
 
     /// Angular velocity of an angular momentum `[rad/s]`.
@@ -92,16 +113,8 @@ impl Mobility {
     /// Kinetic energy of its motion and rotation `[J]`; 0 for what no force moves.
     pub fn kinetic_energy(&self, rigid: &Rigid) -> f64 {
         let turning = self.turning(&rigid.orientation, &rigid.spin);
-        0.5 * (self.linear_energy(&rigid.velocity) + rigid.spin.dot(&turning))
-    }
-
-    fn linear_energy(&self, velocity: &Vector3) -> f64 {
-        velocity
-            .iter()
-            .zip(&self.linear)
-            .filter(|(_, mobility)| **mobility > 0.0)
-            .map(|(v, mobility)| v * v / mobility)
-            .sum()
+        let by_motion = self.weighted(&rigid.velocity, &rigid.velocity);
+        0.5 * (by_motion + rigid.spin.dot(&turning))
     }
 }
 

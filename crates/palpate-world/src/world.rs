@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use palpate::Range;
 
 use crate::fault::out_of_range;
+use crate::rigid::{Matrix3, Vector3};
 use crate::{
     Body, Contact, ContactLaw, Free, Joint, JointKind, Motion, Party, Place, Shape, Tool, Vector,
     WorldError,
@@ -71,13 +72,28 @@ impl World {
             of.shape(&tool.shape, true, false);
             of.tool(&tool.shape);
             if tool.axes == [false; 3] {
-                let message =
-                    "the device has no axis of the world; give it at least one of x, y and z";
+                let message = if tool.own_axes.is_none() {
+                    "the device has no axis of the world; give it at least one of x, y and z"
+                } else {
+                    "the device has none of its own axes; give it at least one. A device of a loop that lacks an axis of the \
+                     world needs own axes of which that is one"
+                };
                 of.fault("axes", message.into());
             }
             if !tool.gives_torque && !tool.turns {
                 let message = "gives_torque is false, and is read only of a tool that turns; let it turn, or leave this out";
                 of.fault("gives_torque", message.into());
+            }
+            if let Some(off) = tool.own_axes.map(off_right_angles)
+                && !(off <= MOST_OFF_RIGHT_ANGLES)
+            {
+                of.fault(
+                    "own_axes",
+                    format!(
+                        "own_axes are {:?}, off unit vectors at right angles by {off:e}; at most {MOST_OFF_RIGHT_ANGLES:e} is allowed",
+                        tool.own_axes.unwrap_or_default()
+                    ),
+                );
             }
         }
         for (number, body) in self.bodies.iter().enumerate() {
@@ -371,4 +387,20 @@ impl<'a> Faults<'a> {
             self.finite(field, vector);
         }
     }
+}
+
+/// By how much the axes of a device may be off unit vectors at right angles.
+const MOST_OFF_RIGHT_ANGLES: f64 = 1e-9;
+
+/// The largest difference of a product of two of these from that of unit vectors at right angles; infinite if one is no number.
+fn off_right_angles(axes: [Vector; 3]) -> f64 {
+    let columns = Matrix3::from_columns(&axes.map(Vector3::from));
+    let off = columns.tr_mul(&columns) - Matrix3::identity();
+    off.iter().fold(0.0, |most: f64, off| {
+        if off.is_finite() {
+            most.max(off.abs())
+        } else {
+            f64::INFINITY
+        }
+    })
 }

@@ -189,6 +189,7 @@ impl DeviceParams {
             })
         };
         Ok(WorldDevice {
+            own_axes: None,
             mass: self.mass,
             position: none,
             velocity: none,

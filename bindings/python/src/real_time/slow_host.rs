@@ -139,6 +139,7 @@ impl SlowHost {
 
     /// The device as it begins.
     pub fn device(&self) -> WorldDevice {
+        own_axes: None,
         WorldDevice {
             mass: self.given.device_mass,
             position: self.given.position,

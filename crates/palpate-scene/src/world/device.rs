@@ -6,7 +6,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::file::Reading;
-use super::per_axis::{NamedAxes, PerAxis};
+use super::per_axis::{DeviceAxes, PerAxis};
 use super::shape::{RawShape, unit};
 use super::{DeviceTurning, Tremor, TurningHand, WorldDevice, WorldHand};
 
@@ -14,7 +14,7 @@ use super::{DeviceTurning, Tremor, TurningHand, WorldDevice, WorldHand};
 #[serde(deny_unknown_fields)]
 pub(super) struct RawDevice {
     name: Spanned<String>,
-    axes: Option<Spanned<NamedAxes>>,
+    axes: Option<Spanned<DeviceAxes>>,
     mass_kg: Spanned<PerAxis>,
     position_m: Option<Spanned<Vector>>,
     velocity_m_per_s: Option<Spanned<Vector>>,
@@ -37,6 +37,9 @@ pub(super) struct RawDevice {
     tremor_n_m: Option<Spanned<f64>>,
     tool: Spanned<RawShape>,
 }
+
+/// By how much a vector may leave the axes of its device, of its largest part: decimal fractions are rounded.
+const MOST_BEYOND: f64 = 1e-6;
 
 impl Reading {
     pub(super) fn device(&mut self, index: usize, raw: Spanned<RawDevice>) -> (Tool, WorldDevice) {
@@ -69,17 +72,17 @@ impl Reading {
             self.fault(raw.name.span(), message);
         }
         let name = self.places.take(place, "name", raw.name);
-        let axes = raw.axes.take().map_or([true; 3], |axes| {
-            let NamedAxes(axes) = self.places.take(place, "axes", axes);
-            axes
+        let axes = raw.axes.take().map_or(DeviceAxes::WORLD, |axes| {
+            self.places.take(place, "axes", axes)
         });
-        let known = self.has_its_axes(index).then_some(axes);
+        let known = self.has_its_axes(index).then_some(axes.has);
         let tool = Tool {
             shape: self.shape(place, &name, raw.tool),
             name,
             turns: turning.is_some(),
             gives_torque: turning.is_none_or(|turning| turning.gives_torque),
-            axes,
+            axes: axes.has,
+            own_axes: axes.own,
         };
         let position = self.vector("position_m", raw.position_m, [0.0; 3]);
         let mut at_least_0 = |key: &str, value: Option<Spanned<f64>>| {
@@ -111,6 +114,7 @@ impl Reading {
             self.per_axis("mass_kg", &raw.mass_kg, Range::Positive, (known, elsewhere))
         };
         let device = WorldDevice {
+            own_axes: axes.own,
             mass,
             position,
             velocity: self.vector("velocity_m_per_s", raw.velocity_m_per_s, [0.0; 3]),
@@ -134,7 +138,30 @@ impl Reading {
         let Some(value) = value else {
             return;
         };
-        for axis in (0..3).filter(|&axis| !tool.axes[axis]) {
+        let lacking = (0..3).filter(|&axis| !tool.axes[axis]);
+        if let Some(own) = &tool.own_axes {
+            let given = value.get_ref();
+            let beyond = |axis: usize| {
+                let parts = own[axis].iter().zip(given.iter().zip(held));
+                parts
+                    .map(|(of, (given, held))| of * (given - held))
+                    .sum::<f64>()
+            };
+            let off = lacking.map(beyond).fold(0.0, |a: f64, b: f64| a.hypot(b));
+            let size = given
+                .iter()
+                .chain(&held)
+                .fold(0.0, |most: f64, part| most.max(part.abs()));
+            if off > MOST_BEYOND * size {
+                let message = format!(
+                    "{key} has a part of {off} along an axis that the device lacks by its `axes`: its mechanism holds it there; \
+                     write what lies along its axes only"
+                );
+                self.fault(value.span(), message);
+            }
+            return;
+        }
+        for axis in lacking {
             let given = value.get_ref()[axis];
             let name = ["x", "y", "z"][axis];
             if given != held[axis] {

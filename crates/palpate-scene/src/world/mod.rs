@@ -37,9 +37,13 @@ pub struct WorldScene {
     pub duration: f64,
 }
 
-/// A device and the hand that holds it. Its axes are those of the world.
+/// A device and the hand that holds it. Its axes are those of the world, or some of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldDevice {
+    /// Its axes, unit vectors at right angles along the world's: mass, quantum and tremor are along them, positions, velocities and
+    /// forces along the world's. `None`: the world's own. Those of its tool are the same
+    /// ([`Tool::own_axes`](palpate_world::Tool::own_axes)).
+    pub own_axes: Option<[Vector; 3]>,
     /// Effective mass along each axis, each above 0 `[kg]`; infinite along an axis that the device lacks
     /// ([`Tool::axes`](palpate_world::Tool::axes)), along which its mechanism holds it.
     pub mass: Vector,
@@ -53,6 +57,34 @@ pub struct WorldDevice {
     pub hand: WorldHand,
     /// How it turns; `None` for a device of three axes.
     pub turning: Option<DeviceTurning>,
+}
+
+impl WorldDevice {
+    /// A vector of the world along the device's axes.
+    #[must_use]
+    pub fn own(&self, vector: Vector) -> Vector {
+        self.own_axes.map_or(vector, |axes| {
+            axes.map(|axis| {
+                axis.iter()
+                    .zip(vector)
+                    .map(|(axis, part)| axis * part)
+                    .sum()
+            })
+        })
+    }
+
+    /// A vector along the device's axes in the world.
+    #[must_use]
+    pub fn out(&self, own: Vector) -> Vector {
+        self.own_axes.map_or(own, |axes| {
+            [0, 1, 2].map(|to| {
+                axes.iter()
+                    .zip(own)
+                    .map(|(axis, part)| axis[to] * part)
+                    .sum()
+            })
+        })
+    }
 }
 
 /// How a device of six axes turns, about the centre of mass.

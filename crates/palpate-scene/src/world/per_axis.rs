@@ -1,12 +1,13 @@
-//! Axes of the world by their names, and a value along each axis of a device.
+//! The axes of a device, and a value along each of them.
 
 use std::fmt;
 
 use palpate_world::Vector;
 use serde::Deserialize;
+use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 
-/// One number for all axes, or one for each axis of a device, in the order x, y, z.
+/// One number for all axes, or one for each axis of a device, in the order in which it has them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum PerAxis {
     All(f64),
@@ -23,7 +24,7 @@ impl PerAxis {
         }
     }
 
-    /// The value along each axis of the world, `otherwise` along those that are not among `axes`. `None`: there are more or fewer
+    /// The value along each axis, `otherwise` along those that are not among `axes`. `None`: there are more or fewer
     /// numbers than axes.
     pub fn along(&self, axes: [bool; 3], otherwise: f64) -> Option<Vector> {
         let count = axes.iter().filter(|has| **has).count();
@@ -80,28 +81,141 @@ impl<'de> Deserialize<'de> for PerAxis {
     }
 }
 
-/// The axes of a device by their names, in the order x, y, z.
+/// The axes of a device: some of the world's by their names, in the order x, y, z, or directions of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct NamedAxes(pub [bool; 3]);
+pub(super) struct DeviceAxes {
+    /// Which it has.
+    pub has: [bool; 3],
+    /// Unit vectors at right angles; `None` for the world's axes.
+    pub own: Option<[Vector; 3]>,
+}
 
-impl<'de> Deserialize<'de> for NamedAxes {
+impl DeviceAxes {
+    /// Of a device that has all axes of the world.
+    pub const WORLD: Self = Self {
+        has: [true; 3],
+        own: None,
+    };
+}
+
+/// One axis of a device as a file says it.
+enum Axis {
+    /// By a name of one of the world's.
+    Named(String),
+    /// By a direction of any length.
+    Along(Vector),
+}
+
+impl<'de> Deserialize<'de> for Axis {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        const ALLOWED: &str =
-            "one to three of \"x\", \"y\" and \"z\", in this order, such as [\"x\", \"y\"]";
-        let names = Vec::<String>::deserialize(deserializer)?;
-        let mut axes = [false; 3];
-        let mut next = 0;
-        for name in &names {
-            let axis = (0..3).find(|&axis| ["x", "y", "z"][axis] == name);
-            let axis = axis.filter(|&axis| axis >= next);
-            let axis =
-                axis.ok_or_else(|| Error::custom(format!("{names:?}, expected {ALLOWED}")))?;
-            axes[axis] = true;
-            next = axis + 1;
+        struct NameOrDirection;
+
+        impl<'de> Visitor<'de> for NameOrDirection {
+            type Value = Axis;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("\"x\", \"y\" or \"z\", or a direction, such as [0.8, 0.6, 0.0]")
+            }
+
+            fn visit_str<E: Error>(self, name: &str) -> Result<Axis, E> {
+                Ok(Axis::Named(name.to_owned()))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, values: A) -> Result<Axis, A::Error> {
+                Vector::deserialize(SeqAccessDeserializer::new(values)).map(Axis::Along)
+            }
         }
-        if names.is_empty() {
-            return Err(Error::custom(format!("no axis, expected {ALLOWED}")));
-        }
-        Ok(Self(axes))
+
+        deserializer.deserialize_any(NameOrDirection)
     }
+}
+
+impl<'de> Deserialize<'de> for DeviceAxes {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        const ALLOWED: &str = "one to three of \"x\", \"y\" and \"z\", in this order, such as [\"x\", \"y\"], or one to three \
+                               directions at right angles, such as [[0.8, 0.6, 0.0], [-0.6, 0.8, 0.0]]";
+        let wrong = |what: String| D::Error::custom(format!("{what}, expected {ALLOWED}"));
+        let (mut names, mut directions) = (Vec::new(), Vec::new());
+        for axis in Vec::<Axis>::deserialize(deserializer)? {
+            match axis {
+                Axis::Named(name) => names.push(name),
+                Axis::Along(direction) => directions.push(direction),
+            }
+        }
+        match (names.len(), directions.len()) {
+            (0, 0) => Err(wrong("no axis".into())),
+            (_, 0) => Ok(Self {
+                has: named(&names).map_err(wrong)?,
+                own: None,
+            }),
+            (0, count @ 1..=3) => Ok(Self {
+                has: [0, 1, 2].map(|axis| axis < count),
+                own: Some(at_right_angles(&directions).map_err(wrong)?),
+            }),
+            (0, count) => Err(wrong(format!("{count} directions"))),
+            _ => Err(wrong("names and directions".into())),
+        }
+    }
+}
+
+/// Which axes of the world these are, in the order x, y, z.
+fn named(names: &[String]) -> Result<[bool; 3], String> {
+    let (mut has, mut next) = ([false; 3], 0);
+    for name in names {
+        let axis = ["x", "y", "z"].iter().position(|axis| axis == name);
+        let axis = axis.filter(|&axis| axis >= next);
+        let axis = axis.ok_or_else(|| format!("{names:?}"))?;
+        has[axis] = true;
+        next = axis + 1;
+    }
+    Ok(has)
+}
+
+/// By how much the cosine of two directions may be off 0.
+const OFF_RIGHT_ANGLES: f64 = 1e-6;
+
+/// Unit vectors at right angles along these one to three directions, and along others where there are less.
+fn at_right_angles(directions: &[Vector]) -> Result<[Vector; 3], String> {
+    let dot = |a: &Vector, b: &Vector| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let unit = |vector: &Vector| {
+        // Of numbers that are as large as a file may have them.
+        let largest = vector
+            .iter()
+            .fold(0.0_f64, |most, part| most.max(part.abs()));
+        let vector = vector.map(|part| part / largest);
+        let length = dot(&vector, &vector).sqrt();
+        (length.is_finite() && length > 0.0).then(|| vector.map(|part| part / length))
+    };
+    let mut found: Vec<Vector> = Vec::with_capacity(3);
+    // Where a device lacks axes, any will do that are not along those that it has.
+    let others = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    for (number, direction) in directions.iter().chain(&others).enumerate() {
+        if found.len() == 3 {
+            break;
+        }
+        let is_given = number < directions.len();
+        let Some(mut axis) = unit(direction) else {
+            return Err(format!("{direction:?} has no direction"));
+        };
+        for before in &found {
+            let cosine = dot(&axis, before);
+            if is_given && cosine.abs() > OFF_RIGHT_ANGLES {
+                let angle = cosine.clamp(-1.0, 1.0).acos().to_degrees();
+                return Err(format!(
+                    "{direction:?} is at {angle:.4} degrees to another axis"
+                ));
+            }
+            for (part, before) in axis.iter_mut().zip(before) {
+                *part -= cosine * before;
+            }
+        }
+        let left = dot(&axis, &axis).sqrt();
+        // Of three directions one is at least this far from any plane.
+        if is_given || left > 0.5 {
+            found.push(axis.map(|part| part / left));
+        }
+    }
+    found
+        .try_into()
+        .map_err(|found: Vec<Vector>| format!("{} directions", found.len()))
 }

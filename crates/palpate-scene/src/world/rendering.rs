@@ -105,6 +105,9 @@ impl WorldRender {
     }
 }
 
+/// By how much the cosine of an axis of a device and one of the world may be off 1 for them to be the same.
+const ALONG: f64 = 1e-9;
+
 impl WorldScene {
     /// Names of the methods that render worlds.
     pub const METHODS: [&str; 5] = [
@@ -142,7 +145,8 @@ impl WorldScene {
     }
 
     /// The scene on a device `number` that has no more than these axes of the world: along the others its mechanism holds the
-    /// tool.
+    /// tool. Where the scene gives the device axes of its own, each of those others has to be one of them; else the tool is left
+    /// without an axis, which no renderer takes.
     #[must_use]
     pub fn with_axes(mut self, number: usize, axes: [bool; 3]) -> Self {
         let (tool, device) = (
@@ -152,14 +156,22 @@ impl WorldScene {
         let (Some(tool), Some(device)) = (tool, device) else {
             return self;
         };
-        for (axis, has) in axes.into_iter().enumerate() {
-            if !has {
-                tool.axes[axis] = false;
-                device.mass[axis] = f64::INFINITY;
-                device.velocity[axis] = 0.0;
-                if let Some(told) = self.render.device_mass.get_mut(number) {
-                    told[axis] = f64::INFINITY;
-                }
+        for (of_world, has) in axes.into_iter().enumerate() {
+            let axis = tool.own_axes.map_or(Some(of_world), |own| {
+                (0..3).find(|&axis| own[axis][of_world].abs() > 1.0 - ALONG)
+            });
+            if has {
+                continue;
+            }
+            let Some(axis) = axis else {
+                tool.axes = [false; 3];
+                break;
+            };
+            tool.axes[axis] = false;
+            device.mass[axis] = f64::INFINITY;
+            device.velocity[of_world] = 0.0;
+            if let Some(told) = self.render.device_mass.get_mut(number) {
+                told[axis] = f64::INFINITY;
             }
         }
         self

@@ -1,6 +1,7 @@
 //! The device of a world, which moves along three axes, each by itself.
 
 use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use palpate_device::clock::Clock;
@@ -23,12 +24,14 @@ use crate::world::judged_turning;
 /// Most forces that begin later: those of the longest delay that a scene can state.
 const MOST_LATER: usize = DelayedHold::LONGEST_DELAY + 1;
 
-/// The device of a world with its hand, moved by the time that passes on the loop's clock. Along each axis it is a mass
-/// in a hand, as the scene says; its axes are those of the world. A device of six axes turns in its hand, too.
+/// The device of a world with its hand, moved by the time that passes on the loop's clock. Along each of its axes it is a mass
+/// in a hand, as the scene says. A device of six axes turns in its hand, too.
 #[derive(Clone, Debug)]
 pub struct SpatialDevice<C> {
     clock: C,
     capabilities: Capabilities,
+    /// What it is in the scene, which says where its axes are.
+    device: WorldDevice,
     axes: [Axis; 3],
     /// How it turns, of a device of six axes.
     turning: Option<HeldTurning>,
@@ -93,9 +96,10 @@ impl<C: Clock> SpatialDevice<C> {
             .transpose()?;
         let axis = |number: usize| -> Result<Axis, InvalidParameter> {
             let hand = &device.hand;
-            let (force, mass) = (hand.force[number], device.mass[number]);
+            let own = |vector: Vector| device.own(vector)[number];
+            let (force, mass) = (own(hand.force), device.mass[number]);
             if mass == f64::INFINITY {
-                return Ok(Axis::Stays(device.position[number]));
+                return Ok(Axis::Stays(own(device.position)));
             }
             let tremor = (hand.tremor.amplitude > 0.0).then(|| Sinusoid {
                 amplitude: hand.tremor.amplitude,
@@ -107,7 +111,7 @@ impl<C: Clock> SpatialDevice<C> {
                     mass: 0.0,
                     stiffness: hand.stiffness,
                     damping: hand.damping,
-                    intention: Intention::constant(hand.rest[number]),
+                    intention: Intention::constant(own(hand.rest)),
                     force,
                     tremor,
                 }
@@ -115,7 +119,7 @@ impl<C: Clock> SpatialDevice<C> {
                 Hand::ConstantForce { force, tremor }
             };
             let mass = HeldMass::new(mass, hand)?
-                .starting_at(device.position[number], device.velocity[number])?;
+                .starting_at(own(device.position), own(device.velocity))?;
             Ok(Axis::Moves {
                 mass: Box::new(mass),
                 motor: Actuator::new(motors)?,
@@ -125,6 +129,7 @@ impl<C: Clock> SpatialDevice<C> {
         Ok(Self {
             clock,
             capabilities: capabilities("simulated", device),
+            device: *device,
             axes: [axis(0)?, axis(1)?, axis(2)?],
             turning,
             moved_until: None,
@@ -139,7 +144,7 @@ impl<C: Clock> SpatialDevice<C> {
     /// True position `[m]`, at the last call.
     #[must_use]
     pub fn position(&self) -> Vector {
-        self.axes.each_ref().map(Axis::position)
+        self.device.out(self.axes.each_ref().map(Axis::position))
     }
 
     /// How it is truly turned at the last call, a unit quaternion `[w, x, y, z]`; `None` for a device of three axes.
@@ -182,7 +187,8 @@ impl<C: Clock> SpatialDevice<C> {
             if let Some(turning) = &mut self.turning {
                 let _ = turning.advance(self.held.torque, duration);
             }
-            for (axis, force) in self.axes.iter_mut().zip(self.held.force) {
+            let held = self.device.own(self.held.force);
+            for (axis, force) in self.axes.iter_mut().zip(held) {
                 if let Axis::Moves { mass, motor, .. } = axis {
                     // The testbed has the force on the object, which is the other one.
                     motor.drive(&mut **mass, -force, duration);
@@ -199,7 +205,7 @@ impl<C: Clock> Device for SpatialDevice<C> {
 
     fn read(&mut self) -> Result<Pose, DeviceError> {
         let time = self.move_on();
-        let position = self.axes.each_ref().map(Axis::measured);
+        let position = self.device.out(self.axes.each_ref().map(Axis::measured));
         Ok(Pose {
             orientation: self.turning.as_ref().map(HeldTurning::measured),
             ..Pose::at(position, time)
@@ -240,6 +246,8 @@ impl<C: Clock> Device for SpatialDevice<C> {
 pub struct SpatialHand {
     along: [PointerHand; 3],
     turned: TurningWish,
+    /// The device that it holds, which has axes. The loop does not look at it.
+    device: Arc<Mutex<Option<WorldDevice>>>,
 }
 
 impl SpatialHand {
@@ -249,12 +257,33 @@ impl SpatialHand {
         Self {
             along: target.map(PointerHand::at),
             turned: TurningWish::none(),
+            device: Arc::new(Mutex::new(None)),
         }
+    }
+
+    /// The device that it holds, where one is known.
+    fn device(&self) -> Option<WorldDevice> {
+        *self.device.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Holds this device from now on, where it wanted to hold one.
+    fn take(&self, device: &WorldDevice) {
+        let target = self.target();
+        *self.device.lock().unwrap_or_else(PoisonError::into_inner) = Some(*device);
+        if let Some(target) = target {
+            self.move_to(target);
+        }
+    }
+
+    /// Whether it holds a device.
+    fn holds(&self) -> bool {
+        self.along.iter().all(|hand| hand.target().is_some())
     }
 
     /// Wants to be at `target` `[m]`, and takes hold of the device if it had let go. A coordinate that is not finite
     /// changes nothing.
     pub fn move_to(&self, target: Vector) {
+        let target = self.device().map_or(target, |device| device.own(target));
         for (hand, target) in self.along.iter().zip(target) {
             hand.move_to(target);
         }
@@ -288,15 +317,17 @@ impl SpatialHand {
     #[must_use]
     pub fn target(&self) -> Option<Vector> {
         let [x, y, z] = self.along.each_ref().map(PointerHand::target);
-        Some([x?, y?, z?])
+        let own = [x?, y?, z?];
+        Some(self.device().map_or(own, |device| device.out(own)))
     }
 }
 
-/// A device in a [`SpatialHand`]: along each axis of the world a [`PointerDevice`] with the mass that the device has
+/// A device in a [`SpatialHand`]: along each of its axes a [`PointerDevice`] with the mass that the device has
 /// along it. One of six axes is turned by the hand, too.
 #[derive(Clone, Debug)]
 pub struct SpatialPointer<C> {
     capabilities: Capabilities,
+    device: WorldDevice,
     hand: SpatialHand,
     axes: [PointerAxis<C>; 3],
     turning: Option<TurningPointer<C>>,
@@ -315,14 +346,16 @@ impl<C: Clock> SpatialPointer<C> {
         hand: &SpatialHand,
         clock: C,
     ) -> Result<Self, InvalidParameter> {
+        hand.take(device);
         let axis = |number: usize| -> Result<_, InvalidParameter> {
+            let position = device.own(device.position)[number];
             if device.mass[number] == f64::INFINITY {
-                return Ok(PointerAxis::Stays(device.position[number]));
+                return Ok(PointerAxis::Stays(position));
             }
             let params = PointerParams {
                 device_mass: device.mass[number],
                 encoder_quantum: device.quantum[number],
-                position: device.position[number],
+                position,
                 delay_seconds: actuator.delay,
                 actuator: ActuatorParams {
                     gain: actuator.gain,
@@ -340,6 +373,7 @@ impl<C: Clock> SpatialPointer<C> {
         Ok(Self {
             capabilities: capabilities("pointer", device),
             hand: hand.clone(),
+            device: *device,
             axes: [axis(0)?, axis(1)?, axis(2)?],
             turning,
         })
@@ -365,22 +399,23 @@ impl<C: Clock> Device for SpatialPointer<C> {
                 PointerAxis::Stays(place) => *position = *place,
             }
         }
-        let is_held = self.hand.target().is_some();
+        let is_held = self.hand.holds();
         let turning = self.turning.as_mut();
         Ok(Pose {
             orientation: turning.map(|turning| turning.read(is_held)),
-            ..Pose::at(position, last)
+            ..Pose::at(self.device.out(position), last)
         })
     }
 
     fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
         let mut held = [0.0; 3];
-        for ((axis, force), held) in self.axes.iter_mut().zip(wrench.force).zip(&mut held) {
+        let force = self.device.own(wrench.force);
+        for ((axis, force), held) in self.axes.iter_mut().zip(force).zip(&mut held) {
             if let PointerAxis::Moves(pointer) = axis {
                 [*held, ..] = pointer.write([force, 0.0, 0.0].into())?.force;
             }
         }
-        let is_held = self.hand.target().is_some();
+        let is_held = self.hand.holds();
         let torque = match &mut self.turning {
             Some(turning) if self.capabilities.torque_axes > 0 => {
                 turning.write(wrench.torque, is_held)
@@ -388,7 +423,7 @@ impl<C: Clock> Device for SpatialPointer<C> {
             _ => [0.0; 3],
         };
         Ok(Wrench {
-            force: held,
+            force: self.device.out(held),
             torque,
         })
     }
@@ -402,7 +437,7 @@ impl<C: Clock> Device for SpatialPointer<C> {
         }
         let turning = self.turning.as_ref();
         Some(Wrench {
-            force: sent,
+            force: self.device.out(sent),
             torque: turning.map_or([0.0; 3], TurningPointer::last_sent),
         })
     }

@@ -1,4 +1,4 @@
-//! A device of six axes in a pointer's hand.
+//! Devices of six axes, and of axes of their own, in a hand.
 
 use palpate_device::clock::SteppedClock;
 use palpate_scene::world::WorldFile;
@@ -183,4 +183,79 @@ fn a_pointer_s_hand_turns_a_device_of_six_axes() {
     hand.let_go();
     let free = apart(run([0.0, 0.03, 0.0], 200), start);
     assert!(free > 0.3, "nobody holds it: {free}");
+}
+
+/// A point whose mobility has its axes at 2/3, 2/3, 1/3 and so on.
+const OBLIQUE: &str = r#"
+format = 2
+[loop]
+period_s = 0.001
+[[device]]
+name = "tool"
+axes = [[2, 2, 1], [-2, 1, 2], [1, -2, 2]]
+mass_kg = [0.1, 0.2, 0.4]
+quantum_m = [1e-4, 0.0, 0.0]
+position_m = [0.1, 0.2, 0.3]
+tool = { sphere = { radius_m = 0.0 } }
+[[body]]
+name = "floor"
+fixed = true
+shape = { half_space = { normal = [0.0, 0.0, 1.0], offset_m = -1.0 } }
+[[contact]]
+between = "*"
+stiffness_n_per_m = 1000.0
+"#;
+
+#[test]
+fn a_force_moves_a_device_with_axes_of_its_own_as_its_mobility_says() {
+    let scene = WorldFile::parse("oblique.toml", OBLIQUE).unwrap().scene;
+    let own = scene.devices[0];
+    let clock = SteppedClock::new();
+    let mut device = SpatialDevice::new(&own, &scene.timing.actuator, clock.clone()).unwrap();
+    device.read().unwrap();
+    let force = [0.3, -0.2, 0.5];
+    device.write(Wrench::of_force(force)).unwrap();
+    clock.sleep_until(clock.now() + Duration::from_millis(100));
+    let read = device.read().unwrap().position;
+    // x = f t^2/2m along each of its axes.
+    let along = own.own(force);
+    let way: Vector = [0, 1, 2].map(|axis| 0.5 * along[axis] * 0.01 / own.mass[axis]);
+    let way = own.out(way);
+    for axis in 0..3 {
+        let expected = [0.1, 0.2, 0.3][axis] + way[axis];
+        assert!((device.position()[axis] - expected).abs() < 1e-12);
+    }
+    // The first of its axes is measured in steps.
+    let [first, second, third] = own.own(read);
+    assert!((first / 1e-4 - (first / 1e-4).round()).abs() < 1e-6);
+    let truly = own.own(device.position());
+    assert!((first - truly[0]).abs() < 0.6e-4 && (first - truly[0]).abs() > 1e-9);
+    assert!((second - truly[1]).abs() < 1e-12 && (third - truly[2]).abs() < 1e-12);
+}
+
+#[test]
+fn a_pointer_s_hand_leads_a_device_with_axes_of_its_own() {
+    let scene = WorldFile::parse("oblique.toml", OBLIQUE).unwrap().scene;
+    let clock = SteppedClock::new();
+    let hand = SpatialHand::at(scene.devices[0].position);
+    let actuator = &scene.timing.actuator;
+    let mut device =
+        SpatialPointer::new(&scene.devices[0], actuator, &hand, clock.clone()).unwrap();
+    let near = |one: Vector, other: Vector| {
+        one.iter()
+            .zip(other)
+            .all(|(one, other)| (one - other).abs() < 2e-4)
+    };
+    assert!(near(device.read().unwrap().position, [0.1, 0.2, 0.3]));
+    let target = [0.12, 0.19, 0.28];
+    hand.move_to(target);
+    assert!(near(hand.target().unwrap(), target));
+    for _ in 0..2000 {
+        device.write(Wrench::NONE).unwrap();
+        clock.sleep_until(clock.now() + Duration::from_millis(1));
+        device.read().unwrap();
+    }
+    assert!(near(device.read().unwrap().position, target));
+    let sent = device.write(Wrench::of_force([0.3, -0.2, 0.5])).unwrap();
+    assert!(near(sent.force, [0.3, -0.2, 0.5]));
 }

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use palpate_scene::world::{DeviceTurning, Tremor, WorldDevice, WorldScene};
 use palpate_testbed::hand::Sinusoid;
 use palpate_testbed::world as judge;
-use palpate_world::{Body, Joint, JointKind, Motion, Shape};
+use palpate_world::{Body, Joint, JointKind, Motion, Shape, Tool};
 
 /// The scene as the judge takes it: every pair that has a law and of which one side can move.
 #[must_use]
 pub fn as_judged(scene: &WorldScene) -> judge::WorldScene {
     let world = &scene.world;
     let tools = world.tools.iter().zip(&scene.devices);
-    let devices = tools.map(|(tool, device)| judged_device(&tool.name, &tool.shape, device));
+    let devices = tools.map(|(tool, device)| judged_device(tool, device));
     let mut members: Vec<_> = world
         .tools
         .iter()
@@ -81,15 +81,15 @@ fn judged_joint(joint: &Joint, bodies: &[Body]) -> judge::WorldJoint {
     }
 }
 
-fn judged_device(name: &str, tool: &Shape, device: &WorldDevice) -> judge::WorldDevice {
+fn judged_device(tool: &Tool, device: &WorldDevice) -> judge::WorldDevice {
     let hand = &device.hand;
     judge::WorldDevice {
-        name: name.to_owned(),
-        own_axes: None,
+        name: tool.name.clone(),
+        own_axes: device.own_axes,
         mass: device.mass,
         position: device.position,
         velocity: device.velocity,
-        tool: match tool {
+        tool: match &tool.shape {
             Shape::Spheres { spheres } => judge::Tool::Spheres(
                 spheres
                     .iter()

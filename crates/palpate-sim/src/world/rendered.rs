@@ -31,6 +31,7 @@ pub fn as_rendered(scene: &judge::WorldScene) -> World {
             turns: device.turning.is_some(),
             gives_torque: device.turning.as_ref().is_none_or(|it| it.gives_torque),
             axes: device.mass.map(f64::is_finite),
+            own_axes: device.own_axes,
             ..Tool::new(&device.name, shape)
         }
     });

@@ -146,6 +146,7 @@ impl WorldRenderer {
                     || tool.turns != before.turns
                     || tool.gives_torque != before.gives_torque
                     || tool.axes != before.axes
+                    || tool.own_axes != before.own_axes
             })
             .map(|(number, (tool, before))| {
                 let turns = match (before.turns, before.gives_torque) {

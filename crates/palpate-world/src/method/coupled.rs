@@ -7,7 +7,7 @@ use crate::interval::advance;
 use crate::moving::Moving;
 use crate::observer::{AxisForce, AxisMotion, AxisObserver, AxisPrior};
 use crate::part::Drive;
-use crate::rigid::{Rigid, Rotation, Vector3};
+use crate::rigid::{Mobility, Rigid, Rotation, Vector3};
 use crate::state::{Progress, quaternion, show_contacts};
 use crate::turning_observer::TurningPrior;
 use crate::{Effort, Limited, Vector, WorldRenderer};
@@ -68,19 +68,35 @@ impl Avatar {
     }
 }
 
-/// A device as an observer knows it, counted from its measured position.
+/// A device as its observers know it along each of its axes, counted from its measured position.
 #[derive(Clone, Copy, Debug)]
-struct Motions([AxisMotion; 3]);
+struct Motions {
+    along: [AxisMotion; 3],
+    axes: Axes,
+}
 
 impl Motions {
+    fn seen_by(observers: &[AxisObserver; 3], axes: Axes) -> Self {
+        Self {
+            along: observers.each_ref().map(|observer| observer.motion),
+            axes,
+        }
+    }
+
+    /// A number for each of the device's axes.
+    fn own(&self, quantity: impl Fn(&AxisMotion) -> f64) -> Vector3 {
+        Vector3::from(self.along.each_ref().map(quantity))
+    }
+
+    /// A vector in the world.
     fn of(&self, quantity: impl Fn(&AxisMotion) -> f64) -> Vector3 {
-        Vector3::from(self.0.each_ref().map(quantity))
+        self.axes.out(&self.own(quantity))
     }
 
     fn drive(&self) -> Drive {
         Drive {
-            damping_rate: self.of(|axis| axis.damping_rate),
-            spring_rate: self.of(|axis| axis.spring_rate),
+            damping_rate: self.own(|axis| axis.damping_rate),
+            spring_rate: self.own(|axis| axis.spring_rate),
             ..Drive::constant(self.of(|axis| axis.external))
         }
     }
@@ -88,10 +104,11 @@ impl Motions {
     /// The device after `h` `[s]` under what a method intended.
     fn under(&self, acting: &Acting, h: f64) -> Self {
         let mut after = *self;
-        for (axis, motion) in after.0.iter_mut().enumerate() {
+        let [intended, lead] = [&acting.intended, &acting.lead].map(|force| self.axes.own(force));
+        for (axis, motion) in after.along.iter_mut().enumerate() {
             let force = AxisForce {
-                mean: acting.intended[axis],
-                lead: acting.lead[axis],
+                mean: intended[axis],
+                lead: lead[axis],
                 impulse_deviation: 0.0,
             };
             let change = motion.under(&force, h);
@@ -102,30 +119,40 @@ impl Motions {
         after
     }
 
-    /// Sum of `quantity` over the axes that a force can move, each over its mobility.
-    fn weighted(&self, quantity: impl Fn(usize) -> f64) -> f64 {
-        (0..3)
-            .filter(|&axis| self.0[axis].mobility > 0.0)
-            .map(|axis| quantity(axis) / self.0[axis].mobility)
-            .sum()
+    fn mobility(&self) -> Mobility {
+        Mobility {
+            linear: self.own(|axis| axis.mobility),
+            linear_axes: self.axes.own_axes(),
+            ..Mobility::none()
+        }
+    }
+
+    /// Sum over the axes that a force can move of the products of two vectors' parts along them, each over the mobility.
+    fn weighted(&self, one: &Vector3, other: &Vector3) -> f64 {
+        self.mobility().weighted(one, other)
     }
 }
 
 impl Device {
-    fn new(priors: &[AxisPrior; 3], turning: Option<&TurningPrior>, measured: Rotation) -> Self {
+    fn new(
+        priors: &[AxisPrior; 3],
+        axes: Axes,
+        turning: Option<&TurningPrior>,
+        measured: Rotation,
+    ) -> Self {
         let observers = priors.each_ref().map(AxisObserver::new);
         Self {
             measured: Vector3::zeros(),
             observers,
             avatar: Avatar::none(),
             turning: turning.map(|prior| (Turning::new(prior, measured), *prior)),
-            ahead: Motions(observers.each_ref().map(|observer| observer.motion)),
+            ahead: Motions::seen_by(&observers, axes),
             touched: false,
         }
     }
 
-    fn axes(&self) -> Motions {
-        Motions(self.observers.each_ref().map(|observer| observer.motion))
+    fn seen(&self) -> Motions {
+        Motions::seen_by(&self.observers, self.ahead.axes)
     }
 }
 
@@ -134,7 +161,7 @@ fn place(moving: &mut Moving, tool: usize, measured: &Vector3, device: &Motions,
     let part = &mut moving.parts[tool];
     part.rigid.position = measured + device.of(|axis| axis.offset) + avatar.offset;
     part.rigid.velocity = device.of(|axis| axis.velocity) + avatar.velocity_offset;
-    part.mobility.linear = device.of(|axis| axis.mobility);
+    part.mobility.linear = device.own(|axis| axis.mobility);
     part.drive = device.drive();
 }
 
@@ -171,7 +198,10 @@ impl Coupled {
     /// What is known of the devices before the first sample.
     fn devices(&self) -> impl Iterator<Item = Device> {
         let priors = self.priors.iter().zip(&self.turning_priors);
-        priors.map(|(axes, turning)| Device::new(axes, turning.as_ref(), Rotation::identity()))
+        let devices = priors.zip(&self.axes);
+        devices.map(|((priors, turning), axes)| {
+            Device::new(priors, *axes, turning.as_ref(), Rotation::identity())
+        })
     }
 
     pub fn begin(
@@ -187,10 +217,15 @@ impl Coupled {
             let turned = state.tracking.seen_turn[tool];
             *device = Device {
                 measured: Vector3::from(*position),
-                ..Device::new(priors, self.turning_priors[tool].as_ref(), turned)
+                ..Device::new(
+                    priors,
+                    self.axes[tool],
+                    self.turning_priors[tool].as_ref(),
+                    turned,
+                )
             };
-            let (axes, avatar) = (device.axes(), device.avatar);
-            place(&mut state.now, tool, &device.measured, &axes, &avatar);
+            let (seen, avatar) = (device.seen(), device.avatar);
+            place(&mut state.now, tool, &device.measured, &seen, &avatar);
             if let Some((turning, prior)) = &device.turning {
                 turning.place(&mut state.now.parts[tool], prior);
             }
@@ -211,15 +246,18 @@ impl Coupled {
         let (points, tools) = (&renderer.points, renderer.tools);
         memory.periods = [memory.periods[1], memory.periods[2], elapsed];
         for (tool, (device, priors)) in memory.devices.iter_mut().zip(&self.priors).enumerate() {
-            let moved = Vector3::from(positions[tool]) - device.measured;
+            let axes = &self.axes[tool];
+            let moved = axes.own(&(Vector3::from(positions[tool]) - device.measured));
             let acted = state.commands.passed(tool);
+            let [sent, lead] = [&acted.sent, &acted.lead].map(|force| axes.own(force));
+            let deviations = axes.own_deviations(&acted.impulse_deviation);
             for axis in 0..3 {
                 let force = AxisForce {
-                    mean: acted.sent[axis],
-                    lead: acted.lead[axis],
-                    impulse_deviation: acted.impulse_deviation[axis],
+                    mean: sent[axis],
+                    lead: lead[axis],
+                    impulse_deviation: deviations[axis],
                 };
-                device.ahead.0[axis] =
+                device.ahead.along[axis] =
                     device.observers[axis].see(&priors[axis], moved[axis], &force, elapsed);
             }
             place(
@@ -305,15 +343,13 @@ impl Coupled {
             }
             book.unforeseen = book.port_work + book.carried - book.held;
             let [before, after] = [&device.avatar, &avatar].map(|avatar| avatar.velocity_offset);
-            let kinetic = |device: &Motions, w: &Vector3| {
-                device.weighted(|axis| w[axis] * (device.0[axis].velocity + 0.5 * w[axis]))
+            let [u, v] = [&start, &end].map(|device| device.of(|axis| axis.velocity));
+            let gained = start.weighted(&(0.5 * (v - u)), &(v + u));
+            let kinetic = |device: &Motions, velocity: &Vector3, w: &Vector3| {
+                device.weighted(w, &(velocity + 0.5 * w))
             };
-            let gained = start.weighted(|axis| {
-                let [u, v] = [&start, &end].map(|device| device.0[axis].velocity);
-                0.5 * (v - u) * (v + u)
-            });
             book.offset += part.driven - (gained - acted.intended.dot(&way));
-            book.velocity_offset += kinetic(&end, &after) - kinetic(&start, &before);
+            book.velocity_offset += kinetic(&end, &v, &after) - kinetic(&start, &u, &before);
             book.unpaid += axes.along(&(mean - acted.intended)).dot(&way);
 
             device.avatar = avatar;
@@ -330,7 +366,7 @@ impl Coupled {
                 self.walk_back_in_contact(device, elapsed)
             };
             let book = &mut state.books.devices[tool];
-            book.walked_back += start.weighted(|axis| external[axis] * back[axis]);
+            book.walked_back += start.weighted(&external, &back);
             if is_free && let Some((turning, _)) = &mut device.turning {
                 let kept = 1.0 - (elapsed / self.velocity_return).min(1.0);
                 let torque = turning.now().external / turning.now().mobility;
@@ -396,7 +432,7 @@ impl Coupled {
         let mut effort = Effort::default();
         state.ahead.copy_from(&state.now);
         for (tool, device) in memory.devices.iter_mut().enumerate() {
-            device.ahead = device.axes();
+            device.ahead = device.seen();
             place(
                 &mut state.ahead,
                 tool,
@@ -473,13 +509,19 @@ impl Coupled {
             // What is owed at the beginning of the interval that this force governs.
             let start = state.ahead.parts[tool].drive.velocity;
             let owed = start - device.ahead.of(|axis| axis.velocity);
-            let mut mean = impulse / period;
-            for axis in 0..3 {
-                let mobility = device.ahead.0[axis].mobility;
-                if mobility > 0.0 {
-                    mean[axis] += owed[axis] / (mobility * period);
-                }
-            }
+            let mobility = device.ahead.own(|axis| axis.mobility);
+            let owed = device
+                .ahead
+                .axes
+                .own(&owed)
+                .zip_map(&mobility, |owed, mobility| {
+                    if mobility > 0.0 {
+                        owed / (mobility * period)
+                    } else {
+                        0.0
+                    }
+                });
+            let mean = impulse / period + device.ahead.axes.out(&owed);
             *intended = state.commands.command(tool, &mean, period);
         }
         effort
@@ -527,9 +569,9 @@ impl CoupledMemory {
     /// Writes what is known of the tools.
     pub fn publish(&self, state: &mut Progress) {
         for (tool, device) in state.tools.iter_mut().zip(&self.devices) {
-            let axes = device.axes();
-            let position = device.measured + axes.of(|axis| axis.offset);
-            let velocity = axes.of(|axis| axis.velocity);
+            let seen = device.seen();
+            let position = device.measured + seen.of(|axis| axis.offset);
+            let velocity = seen.of(|axis| axis.velocity);
             let Avatar {
                 offset,
                 velocity_offset,
@@ -540,7 +582,7 @@ impl CoupledMemory {
             tool.velocity_offset = velocity_offset.into();
             tool.avatar_position = (position + offset).into();
             tool.avatar_velocity = (velocity + velocity_offset).into();
-            tool.mass = Some(axes.of(|axis| 1.0 / axis.mobility).into());
+            tool.mass = Some(seen.own(|axis| 1.0 / axis.mobility).into());
             if let Some((turning, prior)) = &device.turning {
                 let motion = turning.now();
                 let avatar = turning.avatar();

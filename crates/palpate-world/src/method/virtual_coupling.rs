@@ -194,17 +194,15 @@ impl VirtualCoupling {
         positions: &[Vector],
     ) {
         let parts = state.now.parts.iter_mut().zip(&mut memory.devices);
-        for ((part, device), (coupling, position)) in
-            parts.zip(self.couplings.iter().zip(positions))
-        {
+        for ((part, device), position) in parts.zip(positions) {
             device.position = Vector3::from(*position);
             device.velocity = Vector3::zeros();
             part.rigid.position = device.position;
             part.rigid.velocity = Vector3::zeros();
-            part.mobility.linear = Vector3::repeat(1.0 / coupling.mass);
         }
-        for (part, axes) in state.now.parts.iter_mut().zip(&renderer.axes) {
-            part.mobility.linear = axes.along(&part.mobility.linear);
+        let parts = state.now.parts.iter_mut().zip(&renderer.axes);
+        for ((part, axes), coupling) in parts.zip(&self.couplings) {
+            part.mobility.linear = axes.where_there(1.0 / coupling.mass);
         }
         for (tool, device) in memory.devices.iter_mut().enumerate() {
             device.orientation = state.tracking.seen_turn[tool];
@@ -323,8 +321,8 @@ impl VirtualCoupling {
                 + (device.velocity - part.rigid.velocity) * damping;
             let pull = axes.along(&pull);
             part.drive = Drive {
-                damping_rate: axes.along(&Vector3::repeat(damping / mass)),
-                spring_rate: axes.along(&Vector3::repeat(stiffness / mass)),
+                damping_rate: axes.where_there(damping / mass),
+                spring_rate: axes.where_there(stiffness / mass),
                 ..Drive::constant(pull / mass)
             };
             *intended = state.commands.for_force(&-pull);

@@ -188,6 +188,9 @@ impl OnDevice {
 /// has a motor.
 pub fn tell_of_axes(scene: &WorldScene, on: &[OnDevice]) {
     for (tool, on) in scene.world.tools.iter().zip(on) {
+        if tool.own_axes.is_some() {
+            continue;
+        }
         let left = Tool::new(tool.name.clone(), tool.shape.clone())
             .along([0, 1, 2].map(|axis| tool.axes[axis] && on.frame.has(axis)));
         if left.axes == tool.axes || left.axes == [false; 3] {
