@@ -239,6 +239,7 @@ fn every_method_pushes_in_a_turned_world_as_it_does_in_the_world() {
     let mut other = scene.clone();
     other.world.tools[0].own_axes = Some(AXES);
     for device in &mut other.devices {
+        device.own_axes = Some(AXES);
         device.position = turned(device.position);
         device.hand.force = turned(device.hand.force);
         device.hand.rest = turned(device.hand.rest);

@@ -112,8 +112,10 @@ pub struct WorldDeviceReport {
     pub force: Option<FidelityReport>,
     /// Errors of the torque alone; none for a device that gives none.
     pub torque: Option<TorqueReport>,
-    /// Errors of the force along x, y and z; none where the ideal has no force.
+    /// Errors of the force along x, y and z, or along the device's own axes; none where the ideal has no force.
     pub axes: [Option<FidelityReport>; 3],
+    /// The device's axes, unit vectors along the world's; none if they are the world's.
+    pub own_axes: Option<[[f64; 3]; 3]>,
     /// Largest length of the held force.
     pub peak_force_n: f64,
     /// The same over the largest length of the ideal's force; none if the ideal has none.
@@ -173,7 +175,15 @@ impl WorldReport {
             peaks.fold(0.0, f64::max)
         });
         let names = scene.world.tools.iter().map(|tool| tool.name.as_str());
-        let of_devices: Vec<(&str, f64)> = names.clone().zip(peaks).collect();
+        let own_axes = scene.devices.iter().map(|device| device.own_axes);
+        let of_devices = names.clone().zip(peaks).zip(own_axes);
+        let of_devices: Vec<_> = of_devices
+            .map(|((name, ideal_peak), own_axes)| OfDevice {
+                name,
+                ideal_peak,
+                own_axes,
+            })
+            .collect();
         let decisive = names.zip(bench.decisive());
         Self {
             format: FORMAT,
@@ -214,15 +224,20 @@ fn overlapping_at_start(scene: &WorldScene, ideal: &WorldIdeal) -> Vec<[String; 
     pairs
 }
 
-fn of_run(run: &WorldRun, of_devices: &[(&str, f64)]) -> WorldMethodReport {
+/// What all methods have in common of a device.
+struct OfDevice<'a> {
+    name: &'a str,
+    ideal_peak: f64,
+    own_axes: Option<[[f64; 3]; 3]>,
+}
+
+fn of_run(run: &WorldRun, of_devices: &[OfDevice<'_>]) -> WorldMethodReport {
     let devices = run.judgement.devices.iter().zip(of_devices);
     let contacts = &run.books.contacts;
     WorldMethodReport {
         method: run.method.clone(),
         sum: run.judgement.sum.map(Into::into),
-        devices: devices
-            .map(|(judged, (name, ideal_peak))| of_device(judged, name, *ideal_peak))
-            .collect(),
+        devices: devices.map(|(judged, of)| of_device(judged, of)).collect(),
         leak_j: run.created(),
         dissipated_j: contacts.iter().map(|book| book.dissipated).sum(),
         refused_samples: run.refused,
@@ -233,11 +248,12 @@ fn of_run(run: &WorldRun, of_devices: &[(&str, f64)]) -> WorldMethodReport {
     }
 }
 
-fn of_device(judged: &DeviceJudgement, name: &str, ideal_peak: f64) -> WorldDeviceReport {
+fn of_device(judged: &DeviceJudgement, of: &OfDevice<'_>) -> WorldDeviceReport {
+    let ideal_peak = of.ideal_peak;
     let rendered = judged.touches.iter().filter_map(|it| it.rendered.as_ref());
     let errors = rendered.filter_map(|touch| touch.impulse_error);
     WorldDeviceReport {
-        name: name.to_owned(),
+        name: of.name.to_owned(),
         sum: judged.sum.map(Into::into),
         force: judged.force.map(Into::into),
         torque: judged.torque.as_ref().map(|torque| TorqueReport {
@@ -246,6 +262,7 @@ fn of_device(judged: &DeviceJudgement, name: &str, ideal_peak: f64) -> WorldDevi
             peak_torque_n_m: torque.peak_torque,
         }),
         axes: judged.axes.map(|axis| axis.map(Into::into)),
+        own_axes: of.own_axes,
         peak_force_n: judged.peak_force,
         peak_over_ideal_peak: (ideal_peak > 0.0).then(|| judged.peak_force / ideal_peak),
         touches: judged.touches.len(),

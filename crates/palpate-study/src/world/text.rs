@@ -177,6 +177,17 @@ impl WorldReport {
             format!("\"{one}\" and \"{other}\" overlap at the start; their contact begins so.")
         };
         let mut remarks: Vec<_> = self.overlapping_at_start.iter().map(overlap).collect();
+        let devices = self
+            .methods
+            .first()
+            .map_or(&[][..], |method| &method.devices);
+        let of_own = devices.iter().filter(|device| device.own_axes.is_some());
+        remarks.extend(of_own.map(|device| {
+            format!(
+                "\"{}\": x, y and z are the device's own axes, in the order of the file.",
+                device.name
+            )
+        }));
         remarks.extend(self.decisive.iter().flat_map(|it| self.decided(it)));
         for method in &self.methods {
             if method.refused_samples > 0 {
