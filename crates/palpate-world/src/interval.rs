@@ -13,7 +13,7 @@ use crate::solid::Solid;
 pub struct SubSteps {
     /// Least number in an interval.
     pub least: u32,
-    /// Most, before any is refined.
+    /// Most, before any is refined; four times as many where a motion would grow by so few.
     pub most: u32,
     /// Phase of the fastest contact that one may have, where the number allows it `[rad]`.
     pub phase: f64,
@@ -25,7 +25,7 @@ pub struct SubSteps {
 }
 
 impl Default for SubSteps {
-    /// 16 to 64, 0.03 rad; up to 4 of them 32 times finer: 188 at most.
+    /// 16 to 64, 0.03 rad; up to 4 of them 32 times finer: 188 at most, and 380 where 64 are too few for a motion not to grow.
     fn default() -> Self {
         Self {
             least: 16,
@@ -47,9 +47,11 @@ pub struct Effort {
     /// Sub-steps in which a contact changed its mode or its face and that were not refined, because
     /// [`SubSteps::refined`] others were.
     pub unrefined: u32,
-    /// Whether the fastest contact asked for more than [`SubSteps::most`].
+    /// Whether the fastest contact or joint asked for more than [`SubSteps::most`]. With
+    /// [`Fault::Overflow`](palpate::Fault::Overflow) it is why the sample was refused.
     pub too_fast: bool,
-    /// Whether it is so fast that its computed motion would grow without bound.
+    /// Whether it is so fast that its computed motion would grow without bound by four times [`SubSteps::most`], too: the sample is
+    /// refused.
     pub unstable: bool,
     /// Triangles of meshes, contacts with them, and points of shells that a sub-step had no room for, at most: the furthest from what
     /// they might touch, or the least deep.
@@ -69,10 +71,44 @@ impl Effort {
     }
 }
 
-/// Phase of the fastest contact in a sub-step beyond which its motion would grow `[rad]`: Verlet's method is stable up to 2
-/// for a spring, and for a damper, whose velocity is that of half a sub-step before, up to a rate of 2 a sub-step, which
-/// [`DAMPING_PER_FREQUENCY`] counts as 1.
+/// How many times [`SubSteps::most`] an interval may have where its motion would grow by that many.
+const MOST_TIMES: u32 = 4;
+/// Phase of the fastest contact in a sub-step beyond which its motion would grow `[rad]`: half of that up to which Verlet's
+/// method is stable, since the frequency is a bound of several contacts together.
 const MOST_PHASE: f64 = 1.0;
+/// Largest rate of a damper times a sub-step, and a fourth of the square of the phase with it. A damper sees the velocity that is
+/// expected at the sub-step's end. With velocity w and damper's push b, both times the sub-step, s the square of the phase and u
+/// the rate of the damper times the sub-step:
+///
+/// ```text
+/// x' = x + w + b/2    b' = -s x' - u (w + b)    w' = w + (b + b')/2
+/// ```
+///
+/// With s = 0 that is r^2 - (1 - 3u/2) r - u/2 = 0 for the factor r of w and b from a sub-step to the next, and r = -1 at u = 1. With
+/// s the motion is stable while u + s/4 < 1. (A damper that saw the velocity half a sub-step before would be stable up to u = 2.)
+const MOST_DAMPING: f64 = 0.9;
+
+/// Bounds of what is fastest in a world.
+#[derive(Clone, Copy, Debug)]
+struct Fastest {
+    /// Angular frequency `[rad/s]`.
+    frequency: f64,
+    /// Rate of dampers `[1/s]`.
+    damping: f64,
+}
+
+impl Fastest {
+    /// How many sub-steps of an interval of `h` `[s]` keep to a phase `[rad]`.
+    fn asks_for(self, h: f64, phase: f64) -> f64 {
+        self.frequency.max(self.damping / DAMPING_PER_FREQUENCY) * h / phase
+    }
+
+    /// Whether its computed motion would grow, by sub-steps of `h` `[s]`.
+    fn grows(self, h: f64) -> bool {
+        let phase = self.frequency * h;
+        phase > MOST_PHASE || self.damping * h + 0.25 * phase * phase > MOST_DAMPING
+    }
+}
 
 /// Integrates `moving` over `h` `[s]`, from contacts that were looked at. `before` is overwritten.
 pub(crate) fn advance(
@@ -84,8 +120,9 @@ pub(crate) fn advance(
 ) -> Effort {
     let mut effort = Effort::default();
     moving.gather(points, h);
-    let asked = fastest(moving, points, h) * h / sub_steps.phase;
-    let count = if asked <= f64::from(sub_steps.least) {
+    let fastest = fastest(moving, points, h);
+    let asked = fastest.asks_for(h, sub_steps.phase);
+    let mut count = if asked <= f64::from(sub_steps.least) {
         sub_steps.least
     } else if asked < f64::from(sub_steps.most) {
         whole(asked.ceil())
@@ -93,7 +130,11 @@ pub(crate) fn advance(
         effort.too_fast = asked > f64::from(sub_steps.most);
         sub_steps.most
     };
-    effort.unstable = asked * sub_steps.phase > MOST_PHASE * f64::from(count);
+    if fastest.grows(h / f64::from(count)) {
+        effort.too_fast = true;
+        count = sub_steps.most.saturating_mul(MOST_TIMES);
+        effort.unstable = fastest.grows(h / f64::from(count));
+    }
     let step = h / f64::from(count);
     for _ in 0..count {
         before.copy_nearby_from(moving);
@@ -137,9 +178,9 @@ fn reach_of_blocks(first: &Part, second: &Part, blocks: &Blocks, h: f64) -> f64 
     approach(first, second, one, other, h)
 }
 
-/// A bound of the largest angular frequency among the contacts that touch, or may within `h` `[s]` `[rad/s]`: over a
-/// contact's two sides, the sum of the stiffness times mobility of all contacts there, and the stiffest spring of a drive.
-fn fastest(moving: &Moving, points: &[Point], h: f64) -> f64 {
+/// Bounds of the largest angular frequency and damping rate among the contacts that touch, or may within `h` `[s]`: over a
+/// contact's two sides, the sum of the stiffness or damping times mobility of all contacts there, and the stiffest spring of a drive.
+fn fastest(moving: &Moving, points: &[Point], h: f64) -> Fastest {
     let mut most_square: f64 = 0.0;
     let mut most_damping: f64 = 0.0;
     let is_near = |number: usize, point: &Point| {
@@ -238,7 +279,8 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> f64 {
         part.drive.spring_rate.max().max(turning)
     };
     let most_drive = moving.parts.iter().map(of_drives).fold(0.0, f64::max);
-    (most_square + most_drive)
-        .sqrt()
-        .max(most_damping / DAMPING_PER_FREQUENCY)
+    Fastest {
+        frequency: (most_square + most_drive).sqrt(),
+        damping: most_damping,
+    }
 }

@@ -244,16 +244,18 @@ impl WorldRenderer {
         progress.commands.pass(duration);
         progress.torque_commands.pass(duration);
         self.account(progress, elapsed.is_ok());
-        let answer = elapsed.and_then(|elapsed| self.try_step(progress, memory, sample, elapsed));
-        let (limited, effort, fault) = match answer {
-            Ok((limited, effort)) => (limited, effort, None),
+        let mut effort = Effort::default();
+        let answer = elapsed
+            .and_then(|elapsed| self.try_step(progress, memory, sample, (elapsed, &mut effort)));
+        let (limited, fault) = match answer {
+            Ok(limited) => (limited, None),
             Err(fault) => {
                 progress.tracking.in_progress = false;
                 progress.intended.fill(Vector3::zeros());
                 progress.intended_torques.fill(Vector3::zeros());
                 progress.forces.fill([0.0; 3]);
                 progress.torques.fill([0.0; 3]);
-                (Limited::default(), Effort::default(), Some(fault))
+                (Limited::default(), Some(fault))
             }
         };
         progress.commands.send(&progress.intended, &progress.forces);
@@ -269,37 +271,36 @@ impl WorldRenderer {
         }
     }
 
+    /// `effort` says what it took, of a sample that is refused too.
     fn try_step(
         &self,
         state: &mut Progress,
         memory: &mut Memory,
         sample: &Sample<'_>,
-        elapsed: f64,
-    ) -> Result<(Limited, Effort), WorldFault> {
+        (elapsed, effort): (f64, &mut Effort),
+    ) -> Result<Limited, WorldFault> {
         let overflow = WorldFault {
             fault: Fault::Overflow,
             tool: None,
         };
         let mut limited = Limited::default();
         let positions = sample.positions;
-        let mut effort = if state.tracking.in_progress {
-            let effort =
-                self.method
-                    .conclude(self, state, memory, positions, elapsed, &mut limited);
+        if state.tracking.in_progress {
+            *effort = self
+                .method
+                .conclude(self, state, memory, positions, elapsed, &mut limited);
             if !state.now.is_finite() {
                 self.put_back(state);
                 return Err(overflow);
             }
-            effort
         } else {
             state.now.forget_sides();
             let before = state.books.observed();
             self.method.begin(self, state, memory, positions);
             state.guard.appeared(state.books.observed() - before);
-            Effort::default()
-        };
+        }
         state.tracking.trust();
-        effort = effort.and(self.plan(state, memory));
+        *effort = effort.and(self.plan(state, memory));
         let intended = state.intended.iter().chain(&state.intended_torques);
         if effort.unstable || !intended.flatten().all(|x| x.is_finite()) {
             self.put_back(state);
@@ -309,7 +310,7 @@ impl WorldRenderer {
         limited.force = limit(&state.intended, &mut state.forces, limits.0);
         limited.torque = limit(&state.intended_torques, &mut state.torques, limits.1);
         limited.guard = self.guard(state);
-        Ok((limited, effort))
+        Ok(limited)
     }
 
     /// A method finds the devices at these positions `[m]`, at rest, and makes up its mind about the next interval.
