@@ -220,8 +220,9 @@ const VELOCITY: usize = 1;
 pub(crate) const SURPRISE: f64 = 900.0;
 /// Square of the standard deviations that are left of a surprise when a kick has been reckoned with.
 pub(crate) const EXPLAINED: f64 = 4.0;
-/// Quantum of a sensor that is not known to have one `[m]`.
-const FINEST_QUANTUM: f64 = 1e-9;
+/// Quantum of a sensor that is not known to have one, or a finer one `[m]`. Finer positions would tell more than a filter can use that
+/// takes its equations for straight: it would trust what the first samples say of the hand's spring and damper far too much.
+const FINEST_QUANTUM: f64 = 5e-7;
 /// The device is taken for no lighter than this part of what was told,
 const LIGHTEST: f64 = 0.05;
 /// and for no heavier than this multiple of it.
@@ -236,6 +237,8 @@ pub(crate) struct AxisObserver {
     pub motion: AxisMotion,
     covariance: Covariance,
     sensor_noise: SensorNoise<f64>,
+    /// The innovation of the last sample if that was a surprise, else 0 `[m]`.
+    surprise: f64,
 }
 
 /// What an observer starts from.
@@ -307,6 +310,7 @@ impl AxisObserver {
             },
             covariance: Covariance::from_diagonal(&Row::from(variances)),
             sensor_noise: SensorNoise::default(),
+            surprise: 0.0,
         }
     }
 
@@ -335,11 +339,18 @@ impl AxisObserver {
         };
         let mut at_start = self.covariance;
         let (mut cross, mut covariance, mut variance) = expects(&at_start);
-        if innovation * innovation > SURPRISE * variance {
-            // Nothing the filter reckons with: something kicked the device. Let the kick come first in the interval, which makes the
-            // velocity that of the last step.
-            at_start[(VELOCITY, VELOCITY)] +=
-                (innovation * innovation / EXPLAINED - variance) / (h * h);
+        let is_surprised = innovation * innovation > SURPRISE * variance;
+        if is_surprised {
+            // Nothing the filter reckons with.
+            let explained = innovation * innovation / EXPLAINED;
+            if self.surprise * innovation > 0.0 {
+                // Twice in a row and the same way, as no sample does that is wrong once: what it believes of hand and mass is wrong. It
+                // trusts all of it less. Kick after kick would leave it wrong for ever.
+                at_start *= explained / variance;
+                (_, _, variance) = expects(&at_start);
+            }
+            // Something kicked the device. Let the kick come first in the interval, which makes the velocity that of the last step.
+            at_start[(VELOCITY, VELOCITY)] += (explained - variance).max(0.0) / (h * h);
             (cross, covariance, variance) = expects(&at_start);
         }
         let seen: Row = covariance.column(0).into();
@@ -368,6 +379,7 @@ impl AxisObserver {
             },
             covariance,
             sensor_noise: self.sensor_noise,
+            surprise: if is_surprised { innovation } else { 0.0 },
         };
         if !adapted.is_sound() {
             *self = Self::new(from);
