@@ -403,8 +403,11 @@ impl System {
             let bristle_rate = match condition.mode {
                 Mode::Stick => touch.tangential() + touch.carried(bristle),
                 Mode::Slip => {
-                    let back = slip_direction(bristle, touch) * now.slips[number];
-                    touch.tangential() + touch.carried(bristle) - back
+                    let direction = slip_direction(bristle, touch);
+                    let back = direction * now.slips[number];
+                    let rate = touch.tangential() + touch.carried(bristle) - back;
+                    let held = (1.0 - bristle.norm() / TURNED_WITHIN).max(0.0);
+                    rate - touch.tangential().across(direction) * held
                 }
                 Mode::Free | Mode::Clipped | Mode::Smooth => Vec3::ZERO,
             };
@@ -466,6 +469,11 @@ impl System {
 /// A length \[m\] and a speed \[m/s\] of haptic contact, against which errors count.
 const LENGTH: f64 = 1e-3;
 const SPEED: f64 = 0.1;
+
+/// A bristle of a sliding contact turns into the motion within a way of its own length, or of this one where it is shorter \[m\]. A
+/// force that begins at 0 has a bristle without length, and the equations would be stiff without bound. A bristle this short holds
+/// k_t times as much \[N\], 0.2 mN at 2 kN/m; energy does not depend on where it points.
+const TURNED_WITHIN: f64 = 1e-7;
 
 /// Where the bristle of a sliding contact points; one without length points along the motion.
 pub(super) fn slip_direction(bristle: Vec3, touch: &Touch) -> Vec3 {
