@@ -15,7 +15,8 @@ pub enum JointKind {
 ///
 /// It is a bearing of springs, stiff in all directions but one. A hinge holds two points of its axis, `span` apart, by
 /// K/2 each. A slider holds four points, half a span from its own in both directions along the axis and across it, by K/4
-/// each in the two directions across the axis. Along or about the axis it may have a spring, a damper and stops.
+/// each in the two directions across the axis. The points across the axis lie along the first of those axes of the body that are least
+/// along it, as far as that is across. Along or about the axis it may have a spring, a damper and stops.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
     /// Name of the body that moves.
@@ -42,7 +43,8 @@ pub struct JointLaw {
     pub stiffness: f64,
     /// Damping of such a displacement, at least 0 `[N s/m]`.
     pub damping: f64,
-    /// Length of the bearing, above 0 `[m]`: against tilt it has K span^2/4 `[N m/rad]`.
+    /// Length of the bearing, above 0 `[m]`: against tilt a hinge has K span^2/4, and a slider K span^2/8, as it has
+    /// against a turn about its axis `[N m/rad]`.
     pub span: f64,
     /// Stiffness of a spring along q, at least 0: `[N/m]`, of a hinge `[N m/rad]`.
     pub spring: f64,

@@ -94,11 +94,9 @@ pub(crate) fn links_of(
     };
     let law = &joint.law;
     let axis = Vector3::from(joint.axis).normalize();
-    // Any direction across the axis: that of the world's axes which is least along it.
-    let across = Vector3::ith(axis.iamin(), 1.0);
-    let across = (across - axis * axis.dot(&across)).normalize();
-    let axes = [axis, across, axis.cross(&across)];
     let one = &parts[first].rigid;
+    let across = across(&axis, &one.orientation);
+    let axes = [axis, across, axis.cross(&across)];
     let other = second.map_or(rigid_world(), |second| parts[second].rigid);
     let moves = |number: Option<usize>, lever: Vector3| {
         number.map_or(0.0, |number| moves_at(&parts[number], lever))
@@ -172,6 +170,19 @@ pub(crate) fn links_of(
             links
         }
     }
+}
+
+/// Components of a unit vector that differ by no more than this are equal.
+const EQUAL: f64 = 1e-6;
+
+/// A unit vector across the axis of a joint: that of the body's axes which is least along it, of equal ones the first. So it turns
+/// with a world that is turned as a whole.
+fn across(axis: &Vector3, orientation: &Rotation) -> Vector3 {
+    let own = orientation.inverse() * axis;
+    let most = own.amin() + EQUAL;
+    let place = own.iter().position(|along| along.abs() <= most);
+    let way = Vector3::ith(place.unwrap_or(0), 1.0);
+    orientation * (way - own * own.dot(&way)).normalize()
 }
 
 /// How fast a force moves a part at most, that acts so far from its centre of mass, in its own axes `[1/kg]`.

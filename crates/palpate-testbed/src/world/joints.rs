@@ -18,7 +18,8 @@ pub enum Freedom {
 ///
 /// Its coordinate q is the angle \[rad\] about, or the way \[m\] along the axis of the body against the other one, 0 at t = 0.
 /// A joint that turns holds two points of the axis, half a span on both sides of its own, by a spring K/2 each. One that
-/// slides holds four, as far away along the axis and across it, by K/4 each against motion across the axis.
+/// slides holds four, as far away along the axis and across it, by K/4 each against motion across the axis. Across is as far as
+/// it can be along that of the body's axes at t = 0 which is least along the axis, the first of equal ones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldJoint {
     /// Number of the body.
@@ -110,16 +111,13 @@ impl Bearing {
         let members = [Some(joint.body), joint.against].map(|body| body.map(|body| devices + body));
         let [one, other] = members.map(|member| member.map_or(still(), |member| start[member]));
         let axis = Vec3(joint.axis);
-        // Some direction across the axis: the renderer may take another one, for all are as good.
-        let least = (0..3).fold(0, |least, i| {
-            if axis.0[i].abs() < axis.0[least].abs() {
-                i
-            } else {
-                least
-            }
-        });
+        // The direction across the axis is along one of the body's own axes as far as it can be: the one that is least along the
+        // axis, of equal ones the first. Rounding decides nothing when the whole scene is turned.
+        let own = one.rotation.back(axis).0.map(f64::abs);
+        let is_least = |i: &usize| own.iter().all(|other| own[*i] <= other + 1e-6);
         let mut unit = Vec3::ZERO;
-        unit.0[least] = 1.0;
+        unit.0[(0..3).find(is_least).unwrap_or(0)] = 1.0;
+        let unit = one.rotation.out(unit);
         let across = unit.across(axis);
         let across = across.direction().unwrap_or(unit);
         let half = 0.5 * joint.span;
