@@ -103,6 +103,35 @@ fn a_setting_with_which_samples_are_refused_is_not_the_best_for_its_missing_leak
     assert!(text.contains(" refused"), "{text}");
 }
 
+/// The same contact: the report says when the first sample was refused, and why.
+#[test]
+fn a_world_with_a_contact_that_is_too_fast_says_why_its_samples_are_refused() {
+    let folder = Folder::new();
+    let stiff = BALL
+        .replace("stiffness_n_per_m = 4000.0", "stiffness_n_per_m = 1e8")
+        .replace("[0.004, 0.0, 0.08]", "[0.004, 0.0, 0.069]")
+        .replace("duration_s = 0.3", "duration_s = 0.02");
+    folder.write("stiff.toml", stiff);
+    folder.write("ball.toml", BALL);
+    let report = folder.json("simulate stiff.toml --method coupled");
+    assert_eq!(schema::check(&report), "world");
+    let method = &report["methods"][0];
+    assert!(method["refused_samples"].as_u64().unwrap() > 0, "{method}");
+    let first = &method["first_refusal"];
+    assert_eq!(first["fault"], "overflow", "{first}");
+    assert_eq!(first["too_fast"], true, "{first}");
+    assert_eq!(first["device"], Value::Null, "{first}");
+    assert!(first["time_s"].as_f64().unwrap() < 0.02, "{first}");
+    let text = folder.succeed("simulate stiff.toml --method coupled");
+    let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        words.contains("The first, at ") && words.contains("too stiff or too damped"),
+        "{text}"
+    );
+    let taken = folder.json("simulate ball.toml --method coupled");
+    assert_eq!(taken["methods"][0]["first_refusal"], Value::Null);
+}
+
 #[test]
 fn without_a_method_the_scenes_own_is_run_and_the_text_explains_its_columns() {
     let folder = Folder::new();

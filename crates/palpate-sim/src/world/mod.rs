@@ -10,7 +10,9 @@ use palpate_testbed::world::{
     CheckedIdeal, Decisive, JudgementError, LedPath, PlantParams, WorldError as IdealError,
     WorldIdeal, WorldJudgement, WorldPlant,
 };
-use palpate_world::{Books, Quaternion, Sample, Vector, WorldError, WorldRenderer};
+use palpate_world::{
+    Books, Output, Quaternion, Sample, Vector, WorldError, WorldFault, WorldRenderer,
+};
 
 pub use judged::as_judged;
 pub(crate) use judged::judged_turning;
@@ -64,6 +66,8 @@ pub struct WorldRun {
     pub found_at_start: f64,
     /// Samples that the renderer refused.
     pub refused: usize,
+    /// The first of them, and why.
+    pub first_refusal: Option<Refusal>,
     /// Samples at which a limit changed a force.
     pub limited: usize,
     /// Samples at which forces exceeded the guard's bound.
@@ -72,6 +76,27 @@ pub struct WorldRun {
     pub coarse: usize,
     /// Samples at which more of what may touch was near than the renderer has room for.
     pub crowded: usize,
+}
+
+/// A sample that the renderer refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Refusal {
+    /// When it was taken `[s]`.
+    pub time: f64,
+    /// What was wrong.
+    pub fault: WorldFault,
+    /// Whether a contact or joint is too fast for the finest sub-steps: see [`Effort::unstable`](palpate_world::Effort::unstable).
+    pub too_fast: bool,
+}
+
+impl Refusal {
+    fn of(output: &Output<'_>, time: f64) -> Option<Self> {
+        output.fault.map(|fault| Self {
+            time,
+            fault,
+            too_fast: output.effort.unstable,
+        })
+    }
 }
 
 /// Why a world cannot be run.
@@ -228,6 +253,7 @@ impl WorldBench {
             },
             books: Books::default(),
             refused: 0,
+            first_refusal: None,
             limited: 0,
             guarded: 0,
             found_at_start: 0.0,
@@ -251,8 +277,10 @@ impl WorldBench {
             run.orientations.push(orientations);
             let sample = Sample::at(&measured).turned(&turned);
             let is_first = run.positions.len() == 1;
+            let time = plant.time();
             let output = renderer.step(&mut state, &sample);
             run.refused += usize::from(output.fault.is_some());
+            run.first_refusal = run.first_refusal.or(Refusal::of(&output, time));
             run.limited += usize::from(output.limited.any());
             run.guarded += usize::from(output.limited.guard);
             run.coarse += usize::from(output.effort.unrefined > 0);

@@ -10,7 +10,7 @@ pub mod tune;
 pub use setting::SettingReport;
 
 use palpate_scene::world::WorldScene;
-use palpate_sim::world::{WorldBench, WorldRun};
+use palpate_sim::world::{Refusal, WorldBench, WorldRun};
 use palpate_testbed::metrics::Fidelity;
 use palpate_testbed::world::{DeviceJudgement, Member, WorldIdeal};
 use serde::Serialize;
@@ -89,6 +89,8 @@ pub struct WorldMethodReport {
     pub dissipated_j: f64,
     /// Samples that the renderer refused.
     pub refused_samples: usize,
+    /// The first of them; none if the renderer refused none.
+    pub first_refusal: Option<RefusalReport>,
     /// Samples at which a limit changed a force.
     pub limited_samples: usize,
     /// Samples at which forces exceeded the guard's bound, whether it kept them to it or not.
@@ -98,6 +100,22 @@ pub struct WorldMethodReport {
     /// Samples at which more triangles, or points of a shell, were near what they may touch than the renderer has room for: it left
     /// out the furthest.
     pub crowded_samples: usize,
+}
+
+/// A sample that the renderer refused, and why.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RefusalReport {
+    /// When it was taken.
+    pub time_s: f64,
+    /// Name of the fault, as `overflow`.
+    pub fault: &'static str,
+    /// Name of the device whose position or orientation it is; none where it is no one's.
+    pub device: Option<String>,
+    /// Whether a contact or joint is too stiff or too damped for its masses at this period: its computed motion would have grown.
+    pub too_fast: bool,
+    /// The same in words.
+    pub reason: String,
 }
 
 /// How the force on one device was rendered.
@@ -241,10 +259,34 @@ fn of_run(run: &WorldRun, of_devices: &[OfDevice<'_>]) -> WorldMethodReport {
         leak_j: run.created(),
         dissipated_j: contacts.iter().map(|book| book.dissipated).sum(),
         refused_samples: run.refused,
+        first_refusal: run.first_refusal.map(|it| of_refusal(&it, of_devices)),
         limited_samples: run.limited,
         guarded_samples: run.guarded,
         coarse_samples: run.coarse,
         crowded_samples: run.crowded,
+    }
+}
+
+fn of_refusal(refusal: &Refusal, of_devices: &[OfDevice<'_>]) -> RefusalReport {
+    let fault = refusal.fault.fault;
+    let device = refusal.fault.tool.and_then(|tool| of_devices.get(tool));
+    let device = device.map(|of| of.name.to_owned());
+    let of_whom = device
+        .as_ref()
+        .map_or_else(String::new, |name| format!("\"{name}\": "));
+    let reason = if refusal.too_fast {
+        "a contact or joint is too stiff or too damped for its masses at this period: its computed motion would have \
+         grown"
+            .into()
+    } else {
+        format!("{of_whom}{fault}")
+    };
+    RefusalReport {
+        time_s: refusal.time,
+        fault: fault.name(),
+        device,
+        too_fast: refusal.too_fast,
+        reason,
     }
 }
 

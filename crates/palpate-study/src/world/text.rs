@@ -191,8 +191,16 @@ impl WorldReport {
         remarks.extend(self.decisive.iter().flat_map(|it| self.decided(it)));
         for method in &self.methods {
             if method.refused_samples > 0 {
+                let first = method.first_refusal.as_ref();
+                let why = first.map_or_else(String::new, |first| {
+                    format!(
+                        " The first, at {} s: {}.",
+                        digits(first.time_s),
+                        first.reason
+                    )
+                });
                 remarks.push(format!(
-                    "{}: {} refused; the forces were 0 there.",
+                    "{}: {} refused; the forces were 0 there.{why}",
                     method.method,
                     counted(method.refused_samples, "sample")
                 ));
