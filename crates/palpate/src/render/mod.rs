@@ -167,6 +167,8 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
     /// energy that the new stiffness and mass give the last sample is booked as outside work; the
     /// interval in progress ends under the new parameters.
     pub fn adopt(&self, state: &mut State<S, M::Memory>) {
+        // The slew limit goes on from a force that the new limits allow.
+        (state.commanded, _) = self.bounded(state.commanded, Limited::default());
         if self.motion.is_wall() {
             state.object.velocity = S::ZERO;
             if let Some(object) = &mut state.teleport {
@@ -194,6 +196,15 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         }
     }
 
+    /// Lets an object stand still at `position` `[m]`, as if it had stood there since the last sample, for a renderer of a wall
+    /// that is to [`adopt`](Self::adopt) the state.
+    pub(crate) fn stand(&self, state: &mut State<S, M::Memory>, position: S) {
+        state.object = ObjectState::at_rest(self.sign * position);
+        if let Device::Tracked(interval) = &mut state.device {
+            interval.start.penetration = interval.device - state.object.position;
+        }
+    }
+
     fn canonical(&self, object: ObjectState<S>) -> Result<ObjectState<S>, ParameterError> {
         let position = Parameter::ObjectPosition.finite(object.position)?;
         let velocity = Parameter::ObjectVelocity.finite(object.velocity)?;
@@ -211,6 +222,18 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
     /// allocates, blocks or loops without bound, and its output is finite for any input.
     #[inline]
     pub fn step(&self, state: &mut State<S, M::Memory>, sample: Sample<S>) -> Output<S> {
+        self.step_adding(state, sample, |_| None)
+    }
+
+    /// The same, with a force on the object that `adds` to the method's own `[N]`: it is told what the pull and the force limit
+    /// leave of that. All limits, and the guard, hold for the sum.
+    #[inline(always)]
+    pub(crate) fn step_adding(
+        &self,
+        state: &mut State<S, M::Memory>,
+        sample: Sample<S>,
+        adds: impl FnOnce(S) -> Option<S>,
+    ) -> Output<S> {
         let elapsed = self.elapsed(&sample);
         let h = elapsed.map_or(self.motion.period(), |(elapsed, _)| elapsed);
         // The books go by what was told, a method by what it has learned.
@@ -227,7 +250,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                 passed: state.under_way.pass(&learned, h),
             },
         };
-        match self.try_step(state, &sample, elapsed, &passed) {
+        match self.try_step(state, &sample, elapsed, &passed, adds) {
             Ok(output) => output,
             Err(fault) => self.wait(state, &sample, fault),
         }
@@ -242,6 +265,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         sample: &Sample<S>,
         elapsed: Result<(S, bool), Fault>,
         Passed { booked, passed }: &Passed<S>,
+        adds: impl FnOnce(S) -> Option<S>,
     ) -> Result<Output<S>, Fault> {
         let device = self.sign * sample.device_position;
         let virtual_force = self.sign * sample.virtual_force;
@@ -379,7 +403,14 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         }
         let gain = self.actuator.gain();
         let intended = plan.force / gain;
-        let (mut commanded, mut limited) = self.limit(intended, state.commanded);
+        let (mut wanted, mut limited) = self.bounded(intended, Limited::default());
+        if let Some(added) = adds(self.sign * wanted)
+            && let sum = wanted + self.sign * added
+            && sum.is_finite()
+        {
+            (wanted, limited) = self.bounded(sum, limited);
+        }
+        let mut commanded = self.slewed(wanted, state.commanded, elapsed, &mut limited);
         let claims = || gain * situation.ahead.magnitude();
         let balance = state.ledger.balance();
         if let Some((bound, kept)) = self.guard_bound(balance, claims)
@@ -456,9 +487,9 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         }
     }
 
+    /// What the contact and the force limit leave of a force.
     #[inline(always)]
-    fn limit(&self, planned: S, previous: S) -> (S, Limited) {
-        let mut limited = Limited::default();
+    fn bounded(&self, planned: S, mut limited: Limited) -> (S, Limited) {
         let mut force = planned;
         if self.contact.unilateral && force < S::ZERO {
             force = S::ZERO;
@@ -468,12 +499,19 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             force = force.within(self.force_limit);
             limited.force = true;
         }
-        let largest_change = self.slew_limit * self.motion.period();
-        if (force - previous).abs() > largest_change {
-            force = previous + (force - previous).within(largest_change);
-            limited.slew = true;
-        }
         (force, limited)
+    }
+
+    /// What the slew limit leaves of a force that keeps the other limits, `elapsed` `[s]` after `previous` was commanded.
+    #[inline(always)]
+    fn slewed(&self, force: S, previous: S, elapsed: S, limited: &mut Limited) -> S {
+        let largest_change = self.slew_limit * elapsed;
+        if (force - previous).abs() > largest_change {
+            limited.slew = true;
+            previous + (force - previous).within(largest_change)
+        } else {
+            force
+        }
     }
 
     /// Largest force that the guard lets pass, and whether it keeps to it.

@@ -170,13 +170,17 @@ impl<S: Scalar> Running<S> {
             let between = blend.advance();
             if other_method && let Some(before) = &before {
                 self.state.forget_past();
-                if !old.is_wall() && before.fault.is_none() {
-                    self.wall = touching(&self.rendering, sample(S::ZERO).device_position);
+                if !old.is_wall() {
+                    self.wall = where_it_stands(&self.rendering, before, sample(S::ZERO));
                 }
-                if self.rendering.is_wall() && before.object_position != self.wall.position {
-                    // Another method has placed it. Where none has, what is known of the device
-                    // would be lost, and with it a damper's velocity.
-                    let _ = self.renderer.teleport(&mut self.state, self.wall);
+                if self.rendering.is_wall() {
+                    if before.object_position != self.wall.position {
+                        // Another method has placed it. Where none has, what is known of the device
+                        // would be lost, and with it a damper's velocity.
+                        let _ = self.renderer.teleport(&mut self.state, self.wall);
+                    } else if !old.is_wall() {
+                        self.renderer.stand(&mut self.state, self.wall.position);
+                    }
                 }
             }
             self.renderer = between.renderer;
@@ -185,60 +189,44 @@ impl<S: Scalar> Running<S> {
             remainder = between.remainder;
             self.blend = (!between.is_over).then_some(blend);
             if let Some(before) = before {
-                let mut output = self
-                    .renderer
-                    .step(&mut self.state, sample(self.virtual_force));
-                let step = before.force_on_device + carried - output.force_on_device;
-                if let Some(blend) = &mut self.blend {
-                    blend.step = step;
-                    self.add(&mut output, step);
-                }
-                return output;
+                let blend = &mut self.blend;
+                let wanted = before.force_on_object - carried;
+                return self.renderer.step_adding(
+                    &mut self.state,
+                    sample(self.virtual_force),
+                    |own| {
+                        let blend = blend.as_mut()?;
+                        blend.step = own - wanted;
+                        Some(wanted - own)
+                    },
+                );
             }
         }
-        let mut output = self
-            .renderer
-            .step(&mut self.state, sample(self.virtual_force));
-        // Nothing is left on a device that has come free.
-        if output.force_on_device != S::ZERO {
-            self.add(&mut output, remainder);
-        }
-        output
-    }
-
-    /// Adds what is left of another method's `force` on the device `[N]`, as far as the limits of the
-    /// contact and the loop let it, and tells the renderer. A sample that was refused gets none.
-    fn add(&mut self, output: &mut Output<S>, force: S) {
-        if output.fault.is_some() {
-            return;
-        }
-        let contact = self.renderer.contact();
-        let sign: S = contact.side.sign();
-        output.force_on_device += force;
-        output.force_on_object -= force;
-        if contact.unilateral && sign * output.force_on_object < S::ZERO {
-            (output.force_on_device, output.force_on_object) = (S::ZERO, S::ZERO);
-            output.limited.pull = true;
-        }
-        if let Some(limit) = self.renderer.loop_params().force_limit
-            && output.force_on_object.abs() > limit
-        {
-            output.force_on_object = output.force_on_object.within(limit);
-            output.force_on_device = -output.force_on_object;
-            output.limited.force = true;
-        }
-        self.report_sent(output.force_on_object);
+        self.renderer
+            .step_adding(&mut self.state, sample(self.virtual_force), |own| {
+                // Nothing is left on a device that has come free.
+                (own != S::ZERO).then_some(-remainder)
+            })
     }
 }
 
-/// Where something that becomes a wall is: at its place, or where it touches a device that is beyond
-/// that at `position` `[m]`. There it would strike, and no spring that fades in would soften the blow.
-fn touching<S: Scalar>(rendering: &Rendering<S>, position: S) -> ObjectState<S> {
-    let object = rendering.object;
+/// Where an object stands that becomes a wall with a `sample`, of which the method `before` has made that. One that is
+/// touched, or waits for a good sample, stays where it is. One that is apart goes to its place, or touches a device that is
+/// beyond that: there it would strike, and no spring that fades in would soften the blow.
+fn where_it_stands<S: Scalar>(
+    rendering: &Rendering<S>,
+    before: &Output<S>,
+    sample: Sample<S>,
+) -> ObjectState<S> {
+    let touches = before.penetration > S::ZERO || before.force_on_object != S::ZERO;
+    if touches || before.fault.is_some() {
+        return ObjectState::at_rest(before.object_position);
+    }
+    let (object, device) = (rendering.object, sample.device_position);
     ObjectState {
         position: match rendering.contact.side {
-            Side::Positive => object.position.max(position),
-            Side::Negative => object.position.min(position),
+            Side::Positive => object.position.max(device),
+            Side::Negative => object.position.min(device),
         },
         ..object
     }

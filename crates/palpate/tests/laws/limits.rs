@@ -116,6 +116,31 @@ fn a_pushing_contact_never_pulls_on_either_side_and_says_when_it_would_have() {
     }
 }
 
+/// So much per second: of a late sample more, of an early one less.
+#[test]
+fn the_slew_limit_goes_by_the_measured_time() {
+    for side in [Side::Positive, Side::Negative] {
+        let limits = LoopParams {
+            slew_limit: Some(10.0),
+            ..LoopParams::new(PERIOD)
+        };
+        let renderer = Renderer::new(contact().on(side), limits, AnyParams::Basic).unwrap();
+        let mut state = renderer.start(ObjectState::at_rest(0.0)).unwrap();
+        let sign: f64 = side.sign();
+        let pressed = Sample::at(sign * 0.05).with_virtual_force(sign * -5.0);
+        let mut expected = 0.0;
+        for elapsed in [PERIOD, 0.5 * PERIOD, 3.0 * PERIOD, 0.1 * PERIOD] {
+            let output = renderer.step(&mut state, pressed.after(elapsed));
+            expected += 10.0 * elapsed;
+            assert!(
+                (sign * output.force_on_object - expected).abs() < 1e-12,
+                "{elapsed}"
+            );
+            assert!(output.limited.slew);
+        }
+    }
+}
+
 #[test]
 fn all_limits_together_act_in_the_stated_order() {
     let limits = LoopParams {

@@ -3,6 +3,7 @@
 
 mod adversary;
 mod books;
+mod changes;
 mod common;
 mod coupled;
 mod damper;
