@@ -24,8 +24,8 @@ const MOST_UNANSWERED: u64 = 3;
 const LOST_AFTER: Duration = Duration::from_millis(50);
 /// After something that cannot be made out, nothing is asked until nothing has come for this long.
 const QUIET: Duration = Duration::from_millis(4);
-/// A board that has said nothing sensible for this long is gone, if it was asked often enough
-/// meanwhile: it may have been us who stood still.
+/// A board that has not answered for this long is gone, and one whose angles have all been impossible has lost their count,
+/// if it was asked often enough meanwhile: it may have been us who stood still.
 const GONE_AFTER: Duration = Duration::from_secs(1);
 const GONE_AFTER_READS: u32 = 20;
 
@@ -70,6 +70,8 @@ pub struct TwoDiy<C> {
     /// When the last good sample came, and how often there was none since.
     heard: Instant,
     failures: u32,
+    /// Answers since the last good sample whose angles cannot be.
+    doubts: u32,
     counts: Counts,
 }
 
@@ -164,6 +166,7 @@ impl<C> TwoDiy<C> {
             patience: ready.patience,
             trust: Trust::Counted,
             failures: 0,
+            doubts: 0,
             commanded: [0.0; 2],
             given: [0.0; 2],
             cuts: 0,
@@ -359,6 +362,16 @@ impl<C> TwoDiy<C> {
     fn is_heard(&mut self) {
         self.heard = Instant::now();
         self.failures = 0;
+        self.doubts = 0;
+    }
+
+    /// What to make of angles that cannot be: after a second of them the count is lost, though no two agree.
+    fn for_good(&mut self, implausible: Implausible) -> Implausible {
+        self.doubts = self.doubts.saturating_add(1);
+        if self.heard.elapsed() < GONE_AFTER || self.doubts < GONE_AFTER_READS {
+            return implausible;
+        }
+        self.plausible.lose_count()
     }
 
     /// The angles of the joints `[degrees]`, for whoever asks outside a loop.
@@ -497,10 +510,13 @@ impl<C: Clock> Device for TwoDiy<C> {
         let now = Instant::now();
         if let Err(implausible) = self.plausible.take(angles, asked, now) {
             self.counts.implausible += 1;
-            return Err(match implausible {
-                Implausible::Once(what) => self.missing(what),
+            // It has answered, so it is not gone.
+            self.failures = 0;
+            return Err(match self.for_good(implausible) {
+                Implausible::Once(what) => nothing_new(what),
                 Implausible::Stays(what) => {
                     // Where the arm is, is not known until the device is opened anew.
+                    self.heard = Instant::now();
                     self.pose = None;
                     let _ = self.command([0.0; 2]);
                     DeviceError::new(DeviceErrorKind::Refused, what)

@@ -325,6 +325,47 @@ fn a_silent_board_is_gone_after_a_second_and_a_dead_port_at_once() {
     assert_eq!(played.device.write([0.0; 3].into()).unwrap_err(), GONE);
 }
 
+/// It goes on slipping, and no two of its angles agree; or it has slipped once, and answers late now and then.
+#[test]
+fn a_board_whose_encoders_slip_is_not_gone_and_says_so() {
+    for slips_on in [true, false] {
+        let mut played = Played::new();
+        played.reads(START).unwrap();
+        let begun = Instant::now();
+        let mut slips = 0;
+        let mut error = None;
+        // Until well after a silent board would be gone.
+        while begun.elapsed() < 2 * GONE_AFTER || error.is_none_or(is_passing) {
+            slips += 1;
+            let by = if slips_on {
+                40.0 * (slips % 6) as f32
+            } else {
+                0.0
+            };
+            error = played.reads([START[0] - 60.0 - by, START[1]]).err();
+            let kind = error.map(|error| error.kind);
+            assert!(
+                kind.is_some_and(|kind| kind != DeviceErrorKind::Disconnected),
+                "{error:?}"
+            );
+            assert!(begun.elapsed() < LIMIT, "{error:?}");
+        }
+        let error = error.unwrap();
+        assert_eq!(error.kind, DeviceErrorKind::Refused);
+        assert!(error.what.contains("slipped"), "{}", error.what);
+        // Answers that do not come are missing, and no reason to call it gone before a second is over.
+        for _ in 0..GONE_AFTER_READS {
+            played.reads([START[0] - 60.0, START[1]]).unwrap_err();
+            let missing = played.device.read().unwrap_err();
+            assert_ne!(missing.kind, DeviceErrorKind::Disconnected, "{missing:?}");
+        }
+    }
+}
+
+fn is_passing(error: DeviceError) -> bool {
+    error.kind == DeviceErrorKind::NothingNew
+}
+
 /// The other side of a guardian that the test plays.
 fn guarded(played: &Played) -> std::os::unix::net::UnixStream {
     use palpate_rt::guardian::Guardian;

@@ -19,7 +19,7 @@ pub enum Implausible {
 }
 
 const LOST: Implausible = Implausible::Stays(
-    "the angles have jumped and stay so: the encoders have lost their count; open the device anew \
+    "the angles have jumped and stay so: the encoders have slipped, and lost their count; open the device anew \
      with the arm in its start pose",
 );
 
@@ -51,6 +51,12 @@ impl Plausible {
             doubted: None,
             lost: false,
         }
+    }
+
+    /// No angle is believed any more.
+    pub fn lose_count(&mut self) -> Implausible {
+        self.lost = true;
+        LOST
     }
 
     /// The last angles that were believed `[degrees]`.
@@ -89,8 +95,7 @@ impl Plausible {
         };
         match from_doubted {
             Some((from_doubted, true)) if by > reach || from_doubted < by => {
-                self.lost = true;
-                return Err(LOST);
+                return Err(self.lose_count());
             }
             _ if by > reach => {
                 self.doubted = Some(Doubted {

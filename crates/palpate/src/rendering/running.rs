@@ -101,6 +101,10 @@ impl<S: Scalar> Running<S> {
     /// does the difference that another method makes. The energy of it is booked in the ledger as
     /// outside work.
     ///
+    /// The new limits and the new guard hold from the next tick on, for what passes over, too. An object that the device touches
+    /// and that becomes a wall stays where it is; one that is apart goes to the place of `rendering`, or to the device if that is
+    /// beyond it.
+    ///
     /// # Errors
     /// A parameter outside its range, another period, another side of the device.
     pub fn change(&mut self, rendering: Rendering<S>) -> Result<(), ChangeError> {
