@@ -141,7 +141,7 @@ impl BoundedWorld {
     pub fn step(&mut self, sample: &Sample<'_>) -> Held<'_> {
         let is_compared = self.is_compared && self.fade.is_settling() && self.ask_before(sample);
         let output = self.renderer.step(&mut self.state, sample);
-        let (limited, effort, fault) = (output.limited, output.effort, output.fault);
+        let (mut limited, effort, fault) = (output.limited, output.effort, output.fault);
         let asked = output.forces.iter().zip(output.torques);
         let asked = asked.map(|(&force, &torque)| Wrench { force, torque });
         if fault.is_some() {
@@ -149,7 +149,13 @@ impl BoundedWorld {
         }
         let elapsed = sample.elapsed.unwrap_or(self.renderer.in_loop().period);
         let before = is_compared.then_some(&*self.asked_before);
-        self.fade.answer(asked, before, elapsed, &mut self.wrenches);
+        let wrenches = &mut self.wrenches;
+        if self.fade.answer(asked, before, elapsed, wrenches) {
+            let within = self.renderer.keep_within(&self.state, wrenches, |wrench| {
+                [&mut wrench.force, &mut wrench.torque]
+            });
+            limited = limited.and(within);
+        }
         let answered = Answered {
             elapsed: sample.elapsed,
             positions: sample.positions,
@@ -250,7 +256,8 @@ impl BoundedWorld {
 mod tests {
     use super::*;
     use palpate_world::{
-        BasicParams, Body, Contact, ContactLaw, Motion, Party, Shape, Tool, World, WorldLoop,
+        BasicParams, Body, Contact, ContactLaw, Motion, Party, Shape, Tool, World, WorldGuard,
+        WorldGuardParams, WorldLoop,
     };
 
     const PERIOD: f64 = 1e-3;
@@ -395,6 +402,40 @@ mod tests {
         }
         assert!((held(&mut world, 0.0).0[2] - 0.01).abs() < 1e-9);
         assert!(world.place(1, &higher).is_err());
+    }
+
+    /// The limits of the world's loop, and not only those of the safety behind it, hold for what was held before a change.
+    #[test]
+    fn the_limits_and_the_guard_of_a_world_hold_in_every_tick_of_a_change() {
+        let params = WorldGuardParams {
+            largest_speed: 1.0,
+            largest_turning: 1.0,
+            allowance: 1e-3,
+            late: 0,
+        };
+        // A millijoule that may be given out within a millisecond at 1 m/s: 1 N, too.
+        for guard in [WorldGuard::Off, WorldGuard::Limit(params)] {
+            let plain = world(unbounded()).renderer().world().clone();
+            let mut in_loop = WorldLoop::new(PERIOD).with_guard(guard);
+            if guard == WorldGuard::Off {
+                in_loop = in_loop.with_force_limits(vec![1.0]);
+            }
+            let renderer =
+                WorldRenderer::new(&plain, in_loop, BasicParams::default()).expect("renderable");
+            let mut world =
+                BoundedWorld::new(renderer, unbounded()).expect("limits in their range");
+            // What a world before has left: 5 N.
+            world.wrenches[0] = Wrench::of_force([0.0, 0.0, 5.0]);
+            world.fade.begin();
+            let mut acted = 0;
+            for tick in 0..120 {
+                let (force, answer) = held(&mut world, -1e-3);
+                assert!(force[2] <= 1.0 + 1e-12, "{guard:?}, tick {tick}: {force:?}");
+                acted += usize::from(answer.limited.any());
+            }
+            assert!(acted > 0, "{guard:?}");
+            assert_eq!(held(&mut world, -1e-3).0, [0.0; 3]);
+        }
     }
 
     /// Coupled rendering under a finger that rests: a change of stiffness is felt within 0.1 s, without a step.

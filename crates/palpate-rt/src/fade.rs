@@ -56,19 +56,20 @@ impl Fade {
     }
 
     /// Puts what is asked for and what is left into `held`, which has what was held before. `before` is what the world of
-    /// before the change asks for, where somebody knows it. `elapsed` is the time since the sample before `[s]`.
+    /// before the change asks for, where somebody knows it. `elapsed` is the time since the sample before `[s]`. Whether
+    /// anything was left: then no limit of the world has seen what is to be held.
     pub fn answer(
         &mut self,
         asked: impl Iterator<Item = Wrench>,
         before: Option<&[Wrench]>,
         elapsed: f64,
         held: &mut [Wrench],
-    ) {
+    ) -> bool {
         if self.left <= 0.0 {
             for (held, asked) in held.iter_mut().zip(asked) {
                 *held = asked;
             }
-            return;
+            return false;
         }
         let is_settling = self.is_settling();
         if is_settling {
@@ -87,6 +88,7 @@ impl Fade {
             }
             *held = sum(&asked, more, share);
         }
+        true
     }
 }
 

@@ -61,6 +61,11 @@ impl WorldGuard {
         }
     }
 
+    /// Whether it makes forces smaller.
+    pub(crate) fn limits(&self) -> bool {
+        matches!(self, Self::Limit(_))
+    }
+
     /// Each of its parameters outside its range.
     pub(crate) fn faults(&self) -> Vec<WorldError> {
         let mut faults = Vec::new();
@@ -105,6 +110,8 @@ pub(crate) struct Account {
     /// What acted on each tool in the intervals that have ended, by what the loop says, the newest first.
     acted: Vec<Both>,
     tools: usize,
+    /// Energy that the forces of the last output could give the hands `[J]`.
+    pub left: f64,
 }
 
 impl Account {
@@ -116,6 +123,7 @@ impl Account {
             ports: [0.0; MOST_LATE + 1],
             acted: vec![[Vector3::zeros(); 2]; kept * tools],
             tools,
+            left: 0.0,
         }
     }
 
@@ -123,6 +131,7 @@ impl Account {
     pub fn copy_from(&mut self, other: &Self) {
         self.there = other.there;
         self.ports = other.ports;
+        self.left = other.left;
         for (own, other) in self.acted.iter_mut().zip(&other.acted) {
             *own = *other;
         }

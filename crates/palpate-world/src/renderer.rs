@@ -20,7 +20,7 @@ use crate::state::{ContactState, Progress, ToolState, WorldState, body_state};
 use crate::tracking::Tracking;
 use crate::{
     Body, Effort, Limited, Motion, Output, Sample, Tool, Vector, World, WorldError, WorldFault,
-    WorldGuard, WorldLoop,
+    WorldLoop,
 };
 
 /// A world, rendered by one method in one loop. Immutable: a tick cannot change a parameter, and one renderer serves
@@ -363,19 +363,51 @@ impl WorldRenderer {
         let free = state
             .guard
             .free(params, &state.books, expected * period, period);
-        let gain = state.commands.gain();
-        let asked = most_of(params, &state.forces, &state.torques) * gain * period;
-        if asked <= free {
-            return false;
-        }
-        // From here on asked is above 0.
-        if matches!(self.in_loop.guard, WorldGuard::Limit(_)) {
-            let kept = free / asked;
+        state.guard.left = free;
+        let power = most_of(params, &state.forces, &state.torques);
+        let kept = self.kept(state, power);
+        if let Some(kept) = kept.filter(|_| self.in_loop.guard.limits()) {
             for vector in state.forces.iter_mut().chain(&mut state.torques) {
                 *vector = vector.map(|x| x * kept + 0.0);
             }
         }
-        true
+        kept.is_some()
+    }
+
+    /// How much the guard lets pass of what can have so much power `[W]`, where it exceeds the guard's bound.
+    fn kept(&self, state: &Progress, power: f64) -> Option<f64> {
+        let asked = power * state.commands.gain() * self.in_loop.period;
+        // Where it exceeds the bound, asked is above 0.
+        (asked > state.guard.left).then(|| state.guard.left / asked)
+    }
+
+    /// Makes other forces and torques, which are to be held in place of those of the last output, so small that the limits of
+    /// the loop and its guard hold for them; which of these acted. `held` has one for each tool, of which `parts` gives the
+    /// force `[N]` and the torque `[N m]`. The guard only reports where it does so in a tick.
+    pub fn keep_within<T>(
+        &self,
+        state: &WorldState,
+        held: &mut [T],
+        parts: impl Fn(&mut T) -> [&mut Vector; 2],
+    ) -> Limited {
+        let state = &state.progress;
+        let mut limited = Limited::default();
+        let guard = self.in_loop.guard.params();
+        let mut power = 0.0;
+        for (tool, held) in held.iter_mut().enumerate() {
+            let [force, torque] = parts(held);
+            limited.force |= shorten(force, self.in_loop.force_limits.get(tool));
+            limited.torque |= shorten(torque, self.in_loop.torque_limits.get(tool));
+            power += guard.map_or(0.0, |params| most_of(params, &[*force], &[*torque]));
+        }
+        let kept = guard.and_then(|_| self.kept(state, power));
+        limited.guard = kept.is_some();
+        if let Some(kept) = kept.filter(|_| self.in_loop.guard.limits()) {
+            for vector in held.iter_mut().flat_map(parts) {
+                *vector = vector.map(|x| x * kept + 0.0);
+            }
+        }
+        limited
     }
 }
 
@@ -383,17 +415,21 @@ impl WorldRenderer {
 fn limit(intended: &[Vector3], sent: &mut [Vector], limits: &[f64]) -> bool {
     let mut acted = false;
     for (tool, (intended, sent)) in intended.iter().zip(sent).enumerate() {
-        let norm = intended.norm();
-        let mut short = *intended;
-        if let Some(&most) = limits.get(tool)
-            && norm > most
-        {
-            short *= most / norm;
-            acted = true;
-        }
-        *sent = short.into();
+        *sent = (*intended).into();
+        acted |= shorten(sent, limits.get(tool));
     }
     acted
+}
+
+/// Shortens a vector that is longer than `most`; whether it was.
+fn shorten(vector: &mut Vector, most: Option<&f64>) -> bool {
+    let long = Vector3::from(*vector);
+    let norm = long.norm();
+    let most = most.filter(|most| norm > **most);
+    if let Some(most) = most {
+        *vector = (long * (most / norm)).into();
+    }
+    most.is_some()
 }
 
 impl WorldRenderer {

@@ -62,6 +62,17 @@ pub struct Limited {
 }
 
 impl Limited {
+    /// Limits of either.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            force: self.force || other.force,
+            torque: self.torque || other.torque,
+            offset: self.offset || other.offset,
+            guard: self.guard || other.guard,
+        }
+    }
+
     /// Whether any limit acted.
     #[must_use]
     pub fn any(self) -> bool {

@@ -298,7 +298,9 @@ impl Renders for ChangingWorld {
         let elapsed = sample.elapsed.unwrap_or_else(|| self.world.period());
         let wanted = self.asked.iter().copied();
         let as_before = is_compared.then_some(&*self.asked_before);
-        self.fade.answer(wanted, as_before, elapsed, &mut self.held);
+        if self.fade.answer(wanted, as_before, elapsed, &mut self.held) {
+            self.world.keep_within(&mut self.held);
+        }
         if !self.fade.is_settling()
             && let Some(before) = self.before.take()
         {

@@ -149,6 +149,15 @@ impl RenderedWorld {
         self.is_new = before.is_new;
     }
 
+    /// Makes other wrenches, which are to be held in place of those of the last step, so small that the limits of the world's
+    /// loop and its guard hold for them.
+    pub(super) fn keep_within(&mut self, held: &mut [Wrench]) {
+        let limited = self.renderer.keep_within(&self.state, held, |wrench| {
+            [&mut wrench.force, &mut wrench.torque]
+        });
+        self.limited = self.limited.and(limited);
+    }
+
     /// Tells the renderer what was sent to a device, or held by it, in the axes of the device.
     fn report(&mut self, device: usize, wrench: Wrench) {
         let Some(frame) = self.frames.get(device) else {
