@@ -316,7 +316,7 @@ class Loop(_palpate.Loop):
 
         Stiffness, mass and virtual force, and the difference that another method makes, pass over in a tenth of a second.
         Another method begins with its own defaults. The object's position and velocity are those of the start: they do not
-        change, but for a wall, which goes to `object_position`.
+        change. An object that becomes a wall stays where it is if the device touches it, and else goes to `object_position`.
 
         A world may have other masses, weights, shapes, laws of contact, joints, places and another method; the devices, the
         bodies and the pairs that may touch stay, and so do the period and the limits of the loop. A body of which the tables

@@ -3,20 +3,23 @@
 //! Limits shape a force that is asked for; a trip replaces it by none. Trips on what passes by
 //! itself (a sample that is missing, a number that is none) end when it has passed, and the force
 //! comes back softly. Trips on what does not (the device has left its box, the loop makes energy)
-//! stay until somebody rearms.
+//! stay until somebody rearms, and so does one on recoveries that come too often.
 
 mod oscillation;
 mod params;
+mod recoveries;
 mod supervisor;
 mod trip;
 
 pub use oscillation::OscillationParams;
 pub use params::{SafetyError, SafetyParams};
+pub use recoveries::RecoveryParams;
 pub use supervisor::{Heartbeat, Supervisor};
 pub use trip::Trip;
 
 use oscillation::Oscillation;
 use palpate_device::{Vector, Wrench};
+use recoveries::Recoveries;
 
 /// Limits that changed a wrench on its way to the device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -109,6 +112,7 @@ pub struct Safety {
     /// Whether the force is kept away since another device of the same loop has none.
     withheld: bool,
     missing: u32,
+    recoveries: Recoveries,
     oscillation: Oscillation,
 }
 
@@ -121,6 +125,7 @@ impl Safety {
         params.check()?;
         Ok(Self {
             oscillation: Oscillation::new(params.oscillation),
+            recoveries: Recoveries::new(params.recoveries, params.soft_start, period),
             fresh: Some(params.soft_start),
             away: 0.0,
             withheld: false,
@@ -156,8 +161,10 @@ impl Safety {
     /// reason to trip. Created energy is not counted where the force of any device of the loop `comes_in`.
     pub(crate) fn look(&mut self, rendered: &Rendered, comes_in: bool) -> Looked {
         self.missing = 0;
-        if self.trip.is_some() || self.withheld || rendered.stalled || rendered.refused {
-            self.away += rendered.elapsed.unwrap_or(self.period);
+        let elapsed = rendered.elapsed.unwrap_or(self.period);
+        let was_out = self.trip.is_some() || rendered.stalled || rendered.refused;
+        if was_out || self.withheld {
+            self.away += elapsed;
         }
         let found = self.find(rendered, comes_in);
         self.last_position = Some(rendered.position).filter(is_finite);
@@ -180,6 +187,12 @@ impl Safety {
             }
             _ => {}
         }
+        let is_out = self.trip.is_some() || rendered.refused;
+        if self.recoveries.watch(elapsed, was_out, is_out) {
+            tripped = Some(Trip::TooManyRecoveries);
+            recovered = None;
+            self.trip = tripped;
+        }
         Looked { tripped, recovered }
     }
 
@@ -199,6 +212,7 @@ impl Safety {
             self.withheld = true;
             return self.none(tripped, recovered);
         }
+        let was_withheld = self.withheld;
         if std::mem::take(&mut self.withheld) {
             self.come_back_softly();
         }
@@ -236,8 +250,12 @@ impl Safety {
             let part = part + step;
             self.soft = (part < 1.0).then_some(SoftStart { part, step });
         }
-        let force = slewed(self.commanded.force, wrench.force, slew_limit * self.period);
-        let largest_change = torque_slew_limit * self.period;
+        // Nobody knows for how much of the time before it no force was commanded.
+        let is_back = recovered.is_some() || was_withheld;
+        let elapsed = rendered.elapsed.filter(|_| !is_back);
+        let elapsed = elapsed.unwrap_or(self.period);
+        let force = slewed(self.commanded.force, wrench.force, slew_limit * elapsed);
+        let largest_change = torque_slew_limit * elapsed;
         let torque = slewed(self.commanded.torque, wrench.torque, largest_change);
         bounded.slew = force.is_some() || torque.is_some();
         wrench = Wrench {
@@ -313,6 +331,7 @@ impl Safety {
         self.fresh = Some(self.params.soft_start);
         self.last_position = None;
         self.oscillation = Oscillation::new(self.params.oscillation);
+        self.recoveries.forget();
         true
     }
 

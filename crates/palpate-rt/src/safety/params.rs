@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use crate::safety::OscillationParams;
+use crate::safety::recoveries::REMEMBERED;
+use crate::safety::{OscillationParams, RecoveryParams};
 use palpate_device::{Capabilities, Vector};
 
 /// Limits of what may reach a device. The default lets through what a desktop device can do;
@@ -31,6 +32,8 @@ pub struct SafetyParams {
     pub soft_start: f64,
     /// When a contact counts as oscillating.
     pub oscillation: OscillationParams,
+    /// When recoveries come too often.
+    pub recoveries: RecoveryParams,
     /// How long the loop's thread may take from one tick to the next before a supervisor commands no
     /// force, in periods. It looks twice a period, so a limit of 1.5 acts within 2.
     pub stall_after_periods: f64,
@@ -52,6 +55,7 @@ impl Default for SafetyParams {
             stale_after: 2,
             soft_start: 0.2,
             oscillation: OscillationParams::default(),
+            recoveries: RecoveryParams::default(),
             stall_after_periods: 1.5,
             tolerated_lateness: 3e-3,
         }
@@ -79,7 +83,7 @@ impl SafetyParams {
     }
 
     /// Limits for a loop of somebody else's: a largest force `[N]` and torque `[N m]`, none where there is no number, and a
-    /// soft start `[s]`. Nothing trips on speed or on created energy.
+    /// soft start `[s]`. Nothing trips on speed, on created energy or on how often a force came back.
     #[must_use]
     pub fn bounding(force: Option<f64>, torque: Option<f64>, soft_start: f64) -> Self {
         let limits = Self::default();
@@ -91,6 +95,10 @@ impl SafetyParams {
             oscillation: OscillationParams {
                 energy: f64::INFINITY,
                 ..limits.oscillation
+            },
+            recoveries: RecoveryParams {
+                too_many: None,
+                ..limits.recoveries
             },
             ..limits
         }
@@ -139,6 +147,16 @@ impl SafetyParams {
         positive("largest speed", self.largest_speed)?;
         positive("energy of an oscillation", self.oscillation.energy)?;
         positive("window of an oscillation", self.oscillation.window)?;
+        let RecoveryParams { too_many, window } = self.recoveries;
+        positive("window of recoveries", window)?;
+        if let Some(too_many) = too_many {
+            named(
+                "number of recoveries that is too many",
+                too_many.into(),
+                (2..=REMEMBERED).contains(&usize::try_from(too_many).unwrap_or(usize::MAX)),
+                "2 to 32",
+            )?;
+        }
         named(
             "periods without a sample",
             self.stale_after.into(),

@@ -18,6 +18,8 @@ pub enum Trip {
     OutsideWorkspace,
     /// Held forces created more energy than a contact that is well rendered can.
     Oscillation,
+    /// The force was lost and came back too often.
+    TooManyRecoveries,
     /// The device did not take a force.
     DeviceRefused,
     /// The device is gone.
@@ -26,13 +28,14 @@ pub enum Trip {
 
 impl Trip {
     /// Every trip.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::NotANumber,
         Self::StaleSample,
         Self::TooFast,
         Self::Stalled,
         Self::OutsideWorkspace,
         Self::Oscillation,
+        Self::TooManyRecoveries,
         Self::DeviceRefused,
         Self::DeviceLost,
     ];
@@ -42,9 +45,11 @@ impl Trip {
     pub fn is_passing(self) -> bool {
         match self {
             Self::NotANumber | Self::StaleSample | Self::TooFast | Self::Stalled => true,
-            Self::OutsideWorkspace | Self::Oscillation | Self::DeviceRefused | Self::DeviceLost => {
-                false
-            }
+            Self::OutsideWorkspace
+            | Self::Oscillation
+            | Self::TooManyRecoveries
+            | Self::DeviceRefused
+            | Self::DeviceLost => false,
         }
     }
 
@@ -63,6 +68,7 @@ impl Trip {
             Self::Stalled => "stalled",
             Self::OutsideWorkspace => "outside-workspace",
             Self::Oscillation => "oscillation",
+            Self::TooManyRecoveries => "too-many-recoveries",
             Self::DeviceRefused => "device-refused",
             Self::DeviceLost => "device-lost",
         }
@@ -78,6 +84,9 @@ impl fmt::Display for Trip {
             Self::Stalled => "the loop did not tick in time",
             Self::OutsideWorkspace => "the device left its workspace",
             Self::Oscillation => "held forces created energy: the contact oscillates",
+            Self::TooManyRecoveries => {
+                "the loop lost its force and recovered too often: it stood still, or lacked good samples"
+            }
             Self::DeviceRefused => "the device did not take a force",
             Self::DeviceLost => "the device is gone",
         })

@@ -7,6 +7,7 @@ mod faults;
 mod letting_go;
 mod local_world;
 mod motors_off;
+mod recoveries;
 mod safety;
 mod several;
 mod simulated;

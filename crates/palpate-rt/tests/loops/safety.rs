@@ -210,6 +210,40 @@ fn a_wrench_that_changes_too_fast_goes_straight_to_the_new_one() {
     assert_eq!(before, wanted);
 }
 
+/// A loop that is late has had more time to change its force, and one that is early less.
+#[test]
+fn the_slew_limit_goes_by_the_time_that_has_passed() {
+    let limits = SafetyParams {
+        slew_limit: 1000.0,
+        torque_slew_limit: 10.0,
+        soft_start: 0.0,
+        ..SafetyParams::default()
+    };
+    let mut safety = Safety::new(limits, 0.001).unwrap();
+    let wanted = Wrench {
+        force: [9.0, 0.0, 0.0],
+        torque: [0.0, 0.0, 0.09],
+    };
+    let mut force = 0.0;
+    for elapsed in [0.001, 0.0005, 0.003, 0.0001] {
+        let rendered = Rendered {
+            elapsed: Some(elapsed),
+            ..with(wanted)
+        };
+        let now = safety.judge(&rendered).wrench;
+        force += 1000.0 * elapsed;
+        assert!((now.force[0] - force).abs() < 1e-12, "{elapsed}: {now:?}");
+        assert!((now.torque[2] - 0.01 * force).abs() < 1e-12, "{now:?}");
+    }
+    // After an outage nobody knows how long there was no force: it begins as after a period.
+    safety.trip_on(Trip::StaleSample);
+    let back = safety.judge(&Rendered {
+        elapsed: Some(0.1),
+        ..with(wanted)
+    });
+    assert!((back.wrench.force[0] - 1.0).abs() < 1e-12, "{back:?}");
+}
+
 #[test]
 fn a_torque_that_is_no_number_is_none() {
     let mut safety = safety();

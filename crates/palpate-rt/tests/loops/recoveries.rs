@@ -1,0 +1,149 @@
+//! A loop that loses its force again and again: when the motors stay off, and when not.
+
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use palpate_device::Wrench;
+use palpate_device::clock::SteppedClock;
+use palpate_device::{DeviceErrorKind, Step};
+use palpate_rt::safety::{Rendered, Safety, SafetyParams, Trip};
+use palpate_rt::{Listener, Note, Told, tap};
+
+use crate::{Scripted, at, scripted};
+
+/// A loop at 1 kHz that presses a wall with 1 N, on a device that goes on with `script` afterwards.
+fn pressing(script: &[Step]) -> (Scripted, SteppedClock, Listener) {
+    let mut steps = vec![at(-1.0), at(0.0), at(1.0), at(1.0)];
+    steps.extend_from_slice(script);
+    steps.push(at(1.0));
+    let (control, clock) = scripted(steps, SafetyParams::default());
+    let (tap, listener) = tap(10_000);
+    let mut control = control.tapped(tap);
+    for _ in 0..4 {
+        control.tick();
+    }
+    (control, clock, listener)
+}
+
+fn tripped(listener: &mut Listener) -> Vec<Trip> {
+    let notes = listener.by_ref().filter_map(|told| match told {
+        Told::Note(noted) => Some(noted.note),
+        Told::Tick(..) => None,
+    });
+    let trips = notes.filter_map(|note| match note {
+        Note::Tripped(trip) => Some(trip),
+        _ => None,
+    });
+    trips.collect()
+}
+
+/// Stands still for `stall` ms in each `each` ms, 40 times or until the motors stay off; how often it recovered by then.
+fn frozen(control: &mut Scripted, clock: &SteppedClock, stall: u64, each: u64) -> usize {
+    for recovered in 0..40 {
+        clock.advance(Duration::from_millis(stall));
+        for _ in 0..each - stall {
+            control.tick();
+        }
+        if control.trip() == Some(Trip::TooManyRecoveries) {
+            return recovered;
+        }
+        assert_eq!(control.trip(), None);
+    }
+    40
+}
+
+#[test]
+fn a_loop_that_is_frozen_again_and_again_leaves_its_motors_off_for_good() {
+    let (mut control, clock, mut listener) = pressing(&[]);
+    assert_eq!(frozen(&mut control, &clock, 25, 85), 7);
+    for _ in 0..5000 {
+        assert_eq!(control.tick().contact.force_on_device, 0.0);
+    }
+    assert_eq!(control.device().forces().last(), Some(&[0.0; 3]));
+    assert!(control.statistics().off_at_end >= Duration::from_secs(5));
+    let trips = tripped(&mut listener);
+    let (last, before) = trips.split_last().unwrap();
+    assert_eq!(*last, Trip::TooManyRecoveries);
+    assert_eq!(before, [Trip::Stalled; 8]);
+    assert!(!last.is_passing());
+    // Somebody who rearms gets another eight.
+    control.rearm().store(true, Ordering::Release);
+    let back = (0..300).map(|_| control.tick()).last().unwrap();
+    assert!((back.contact.force_on_device + 1.0).abs() < 1e-9);
+    assert_eq!(frozen(&mut control, &clock, 25, 85), 7);
+}
+
+/// However often: a machine that is busy with other programs makes such stalls.
+#[test]
+fn brief_stalls_never_count() {
+    for stall in [6, 10, 19] {
+        let (mut control, clock, mut listener) = pressing(&[]);
+        assert_eq!(frozen(&mut control, &clock, stall, stall + 5), 40);
+        assert_eq!(tripped(&mut listener), [Trip::Stalled; 40], "{stall} ms");
+    }
+    let (mut control, clock, _listener) = pressing(&[]);
+    assert_eq!(frozen(&mut control, &clock, 21, 26), 7);
+}
+
+#[test]
+fn stalls_that_come_seldom_do_not_add_up() {
+    // Of eight recoveries the first and the last are seven times as far apart, 2 s or more.
+    let (mut control, clock, _listener) = pressing(&[]);
+    assert_eq!(frozen(&mut control, &clock, 25, 287), 40);
+    let (mut control, clock, _listener) = pressing(&[]);
+    assert_eq!(frozen(&mut control, &clock, 25, 285), 7);
+}
+
+/// Samples that are missing, no numbers or too fast count as a loop that stands still does, if they are as many.
+#[test]
+fn outages_of_the_device_count_by_how_long_they_are() {
+    let missing = Step::Fails(DeviceErrorKind::NothingNew);
+    let nan = Step::At([f64::NAN, 0.0, 0.0]);
+    for (fault, count, expected) in [
+        (missing, 18, None),
+        (missing, 25, Some(Trip::TooManyRecoveries)),
+        (nan, 18, None),
+        (nan, 25, Some(Trip::TooManyRecoveries)),
+    ] {
+        let mut script = Vec::new();
+        for _ in 0..20 {
+            script.extend(vec![fault; count]);
+            script.extend([at(1.0); 30]);
+        }
+        let (mut control, _, _listener) = pressing(&script);
+        for _ in 0..script.len() {
+            control.tick();
+        }
+        assert_eq!(control.trip(), expected, "{fault:?}, {count}");
+    }
+}
+
+/// A force that comes in within a second is never all there where it is lost each second.
+#[test]
+fn with_a_longer_soft_start_recoveries_count_for_longer() {
+    let trips = |soft_start: f64| {
+        let limits = SafetyParams {
+            soft_start,
+            ..SafetyParams::default()
+        };
+        let mut safety = Safety::new(limits, 0.001).unwrap();
+        (0..20).any(|_| {
+            let sample = |elapsed, stalled| Rendered {
+                elapsed: Some(elapsed),
+                position: [0.0; 3],
+                coordinate: 0.0,
+                wrench: Wrench::of_force([1.0, 0.0, 0.0]),
+                created_energy: 0.0,
+                refused: false,
+                stalled,
+            };
+            safety.judge(&sample(0.1, true));
+            for _ in 0..1000 {
+                safety.judge(&sample(0.001, false));
+            }
+            safety.trip() == Some(Trip::TooManyRecoveries)
+        })
+    };
+    assert!(!trips(0.2));
+    assert!(trips(1.0));
+}
