@@ -51,7 +51,8 @@ Exit codes:
   4  done, but the recording that was read or made is not whole; the output or
      standard error says what is missing
   5  the loop ran, but at its end or for most of its time safety had the motors off
-     or the renderer refused the samples: there was no force
+     or the renderer refused the samples, or a pipe refused every line: there was
+     no force
   6  nothing can be said of a device; the message says why
   130  stopped by ctrl-C or another signal before its end; what is done is kept")]
 pub struct Arguments {
@@ -163,7 +164,7 @@ recovery finds contact, the force comes in over 0.2 s. Both are as in `run`; --f
 With --time, the measured period is used; without, each line comes one --period after the last. A \
 first line that is the header `position_m` or `t_s,position_m` gets no answer, and decides in place of \
 --time. A line that is not a sample is answered by 0 and a message on standard error, and the pipe \
-lives on. So is a line whose time does not come after that of the line before; the clock goes on from \
+lives on; where every line was one of these it ends with exit code 5. So is a line whose time does not come after that of the line before; the clock goes on from \
 there. Numbers of another count than was asked for, and a motion that no hand makes, end the pipe with \
 exit code 3: a decimal comma or another unit must not move a motor.
 

@@ -23,14 +23,16 @@ mod worlds;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches};
 
 use command_line::{Arguments, Command};
 
 /// Does what the arguments of this process ask for, and says how it ended: the exit code.
 #[must_use]
 pub fn run() -> ExitCode {
-    let outcome = match Arguments::parse().command {
+    let given = Arguments::from_arg_matches(&command_line().get_matches());
+    let given = given.unwrap_or_else(|error| error.format(&mut command_line()).exit());
+    let outcome = match given.command {
         Command::Render(arguments) => commands::render::run(&arguments),
         Command::Simulate(arguments) => commands::simulate::run(&arguments),
         Command::Compare(arguments) => commands::compare::run(&arguments),
@@ -58,11 +60,74 @@ pub fn run() -> ExitCode {
         Command::Figure(arguments) => commands::figure::run(&arguments),
         Command::Demo(arguments) => commands::demo::run(&arguments),
         Command::Completions(arguments) => {
-            commands::completions::run(&arguments, &mut Arguments::command())
+            commands::completions::run(&arguments, &mut command_line())
         }
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
+    }
+}
+
+/// What may be asked for. An option that takes a number takes one below 0, too: whoever checks it says what is allowed.
+fn command_line() -> clap::Command {
+    taking_numbers_below_zero(Arguments::command())
+}
+
+fn taking_numbers_below_zero(command: clap::Command) -> clap::Command {
+    let command = command.mut_args(|argument| {
+        if argument.get_action().takes_values() && !argument.is_positional() {
+            argument.allow_negative_numbers(true)
+        } else {
+            argument
+        }
+    });
+    command.mut_subcommands(taking_numbers_below_zero)
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::error::ErrorKind;
+
+    use super::*;
+
+    /// What each option of `command`, which is asked for by these words, says of -1.
+    fn said_of_minus_one(command: &clap::Command, words: &[String], take: &mut dyn FnMut(String)) {
+        let takes =
+            |option: &&clap::Arg| option.get_action().takes_values() && !option.is_positional();
+        for option in command.get_arguments().filter(takes) {
+            let Some(long) = option.get_long() else {
+                continue;
+            };
+            let asked = words.iter().cloned();
+            let asked = asked.chain([format!("--{long}"), "-1".to_owned()]);
+            let Err(error) = command_line().try_get_matches_from(asked) else {
+                continue;
+            };
+            assert_ne!(
+                error.kind(),
+                ErrorKind::UnknownArgument,
+                "{words:?}: {error}"
+            );
+            if error.kind() == ErrorKind::ValueValidation {
+                take(error.to_string());
+            }
+        }
+        for sub in command.get_subcommands() {
+            let mut words = words.to_vec();
+            words.push(sub.get_name().to_owned());
+            said_of_minus_one(sub, &words, take);
+        }
+    }
+
+    #[test]
+    fn an_option_that_refuses_a_number_below_zero_names_what_is_allowed() {
+        let mut refused = 0;
+        said_of_minus_one(&command_line(), &["palpate".to_owned()], &mut |said| {
+            refused += 1;
+            // What a parser of unsigned numbers says.
+            assert!(!said.contains("invalid digit"), "{said}");
+        });
+        assert!(refused > 20, "{refused}");
     }
 }

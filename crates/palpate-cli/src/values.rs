@@ -100,6 +100,12 @@ pub fn number(text: &str) -> Result<f64, String> {
         .map_err(|_| "a number is needed, such as 0.01 or 1e-2".into())
 }
 
+/// A whole number from 0 on.
+pub fn whole<N: std::str::FromStr>(text: &str) -> Result<N, String> {
+    text.parse()
+        .map_err(|_| "a whole number from 0 on is needed".into())
+}
+
 /// A limit above 0; infinite where there is to be none.
 pub fn limit(text: &str) -> Result<f64, String> {
     number(text).and_then(|limit| {

@@ -54,6 +54,11 @@ fn compare() {
 }
 
 #[test]
+fn demo() {
+    assert_fits(&Folder::new().succeed("demo"), &["Where to go next"]);
+}
+
+#[test]
 fn simulate() {
     let folder = Folder::new();
     // A table whose last column has no room beside the others, and devices that leave their box.

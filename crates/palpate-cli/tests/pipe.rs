@@ -217,6 +217,17 @@ fn a_line_that_is_no_sample_gets_no_force_and_the_pipe_lives_on() {
     }
 }
 
+/// Whoever looks at nothing but the exit code has to know that there never was a force.
+#[test]
+fn a_pipe_that_refused_every_line_does_not_end_well() {
+    for (input, code) in [("x\nnan\n", 5), ("x\n0.001\n", 0), ("", 0)] {
+        let answer = Folder::new().palpate_reading(input, WALL);
+        assert_eq!(answer.code, code, "{input:?}: {answer:?}");
+        let said = answer.stderr.contains("every line was refused");
+        assert_eq!(said, code == 5, "{answer:?}");
+    }
+}
+
 #[test]
 fn a_dead_sensor_does_not_flood_standard_error() {
     let input = "nan\n".repeat(3000) + "0\n";

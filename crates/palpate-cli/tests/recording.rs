@@ -5,6 +5,7 @@ mod recordings;
 
 use common::{Folder, number, of_method, parse};
 use palpate_record::recording::{LoopCount, Receipt, RecordingWriter};
+use palpate_rt::{Note, Noted};
 use palpate_scene::method::MethodName;
 use recordings::{append, loop_of, record, row, write};
 
@@ -54,6 +55,41 @@ fn info_says_what_is_in_a_recording() {
         .filter(|tick| tick.output.penetration > 0.0)
         .count();
     assert_eq!(report["flags"]["contact"], touching);
+}
+
+/// A loop of late ticks misses several deadlines at once, and what held forces have created passes again.
+#[test]
+fn info_counts_missed_deadlines_and_says_the_most_energy_that_was_created() {
+    let folder = Folder::new();
+    let (text, run) = loop_of("experiment1", MethodName::Hfcr);
+    let receipt = Receipt::new("0.1.0").with("scene", &text);
+    let mut writer = RecordingWriter::create(&folder.path("late.mcap"), &receipt).unwrap();
+    for (at, created_energy) in [0.0, 0.001, 0.0042, 0.002].into_iter().enumerate() {
+        let mut late = row(&run, at);
+        late.tick.created_energy = created_energy;
+        append(&mut writer, &late);
+    }
+    for missed in [3, 1, 20] {
+        let noted = Noted {
+            sequence: 3,
+            time: run.ticks[3].time,
+            device: None,
+            note: Note::MissedDeadlines(missed),
+        };
+        writer.event(&noted.event()).unwrap();
+    }
+    writer.finish().unwrap();
+    let report = folder.json("info late.mcap");
+    assert_eq!(report["events"]["missed-deadline"], 3);
+    assert_eq!(report["missed_deadlines"], 24);
+    assert_eq!(report["most_created_energy_j"], 0.0042);
+    let text = folder.succeed("info late.mcap");
+    for words in [
+        "\n  missed deadlines: 24\n",
+        "\n  held forces created: at most 4.20 mJ\n",
+    ] {
+        assert!(text.contains(words), "no {words:?} in:\n{text}");
+    }
 }
 
 #[test]

@@ -413,6 +413,27 @@ fn a_run_whose_motors_were_off_says_so_and_has_an_exit_code() {
     );
 }
 
+/// Stopped for some 30 ms, gone on for some 60 ms, and so on: each time its force would be on its way back.
+#[test]
+fn a_loop_that_is_frozen_again_and_again_ends_with_its_motors_off() {
+    let folder = folder_with_scenes();
+    let arguments = "run wall.toml --period 0.001 --duration 6 --json --priority 0";
+    let mut command = program(&folder, arguments);
+    let mut run = Running::start(command.stdout(Stdio::piped()).stderr(Stdio::piped()));
+    while run.try_wait().unwrap().is_none() {
+        run.signal("STOP");
+        sleep(Duration::from_millis(30));
+        run.signal("CONT");
+        sleep(Duration::from_millis(60));
+    }
+    let output = run.output();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(5), "{said}");
+    assert!(in_a_line(&said).contains("recovered too often"), "{said}");
+    let report = parse(&String::from_utf8(output.stdout).unwrap());
+    assert_eq!(report["trip"], "too-many-recoveries", "{report}");
+}
+
 /// As on a disk that is full: the loop is not ended by it, and nobody plays on for nothing.
 #[test]
 fn a_recording_that_cannot_grow_is_told_at_once_and_the_loop_goes_on() {

@@ -42,6 +42,8 @@ pub trait Answering: Send + 'static {
     /// # Errors
     /// It cannot be written.
     fn end(&mut self) -> io::Result<()>;
+    /// Whether lines were answered, and each of them was refused: no force was ever answered.
+    fn has_refused_all(&self) -> bool;
     /// What was done, and the messages, which are not to be used any more.
     fn finish(&mut self) -> (Self::Summary, Option<Messages>);
 }
@@ -55,6 +57,8 @@ pub struct Served<Summary> {
     pub messages: Option<Messages>,
     /// How it ended.
     pub ended: Ended,
+    /// Whether lines were answered, and each of them was refused.
+    pub has_refused_all: bool,
 }
 
 /// A stream could not be served, or not ended as it should.
@@ -84,11 +88,13 @@ pub fn answer_all<S: Answering, I: BufRead>(
 ) -> Result<Served<S::Summary>, ServeError> {
     let stream = Arc::new(Mutex::new(stream));
     let ended = serve_until(&stream, input, stop)?;
+    let has_refused_all = locked(&stream).has_refused_all();
     let (summary, messages) = locked(&stream).finish();
     Ok(Served {
         summary,
         messages,
         ended,
+        has_refused_all,
     })
 }
 

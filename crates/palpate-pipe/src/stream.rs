@@ -234,6 +234,10 @@ impl Answering for Stream {
         self.memory.is_ended
     }
 
+    fn has_refused_all(&self) -> bool {
+        self.summary.samples > 0 && self.summary.refused == self.summary.samples
+    }
+
     fn write_header(&mut self) -> io::Result<()> {
         if !self.is_header_asked {
             return Ok(());

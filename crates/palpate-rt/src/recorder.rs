@@ -53,6 +53,8 @@ pub struct Account {
     pub peak_force: f64,
     /// Deepest penetration `[m]`.
     pub deepest: f64,
+    /// The most energy that held forces had created up to any tick, while the motors were on `[J]`; at least 0.
+    pub most_created: f64,
     /// The last tick, with its first contact.
     pub last: Option<Row>,
 }
@@ -80,6 +82,7 @@ impl Account {
     /// Takes down a tick and its contacts.
     pub fn tick(&mut self, tick: &Tick, contacts: &[ContactTick]) {
         self.ticks += 1;
+        self.most_created = self.most_created.max(tick.created_energy);
         for contact in contacts {
             self.peak_force = self.peak_force.max(contact.force_on_device.abs());
             self.deepest = self.deepest.max(contact.penetration);

@@ -58,6 +58,8 @@ pub struct RunReport {
     deepest_penetration_m: f64,
     /// Of the forces that the motors held; what passed while they were off is work from outside.
     leak_held_j: f64,
+    /// The most that they had created up to any tick: what passes again is less at the end.
+    most_created_energy_j: f64,
     port_work_j: f64,
     outside_work_j: f64,
     events: Vec<EventReport>,
@@ -255,6 +257,7 @@ impl RunReport {
             peak_force_n: account.peak_force,
             deepest_penetration_m: account.deepest,
             leak_held_j: last.held_leak,
+            most_created_energy_j: account.most_created,
             port_work_j: last.port_work,
             outside_work_j: last.outside_work,
             events: account.events.iter().map(event).collect(),
@@ -350,7 +353,7 @@ impl RunReport {
         writeln!(f, "\n{}", self.timing)?;
         writeln!(
             f,
-            "force on the device up to {} N, penetration up to {} mm; held forces created {} mJ{}",
+            "force on the device up to {} N, penetration up to {} mm; held forces created {} mJ{}, at most {} mJ",
             digits(self.peak_force_n),
             digits(1e3 * self.deepest_penetration_m),
             digits(1e3 * self.leak_held_j),
@@ -358,7 +361,8 @@ impl RunReport {
                 " while the motors were on"
             } else {
                 ""
-            }
+            },
+            digits(1e3 * self.most_created_energy_j)
         )?;
         if self.supervisor_cuts > 0 {
             let times = counted(self.supervisor_cuts, "time");

@@ -6,7 +6,7 @@ use palpate_scene::GuardMode;
 
 use super::actuation::ActuationFlags;
 use super::setting_flags::{SettingFlags, method_help};
-use crate::values::{AnyMethods, any_methods, guard, limit, number, side};
+use crate::values::{AnyMethods, any_methods, guard, limit, number, side, whole};
 
 /// What is not perfect about the loop of a scene.
 #[derive(Args, Debug, Default)]
@@ -24,7 +24,7 @@ pub struct TimingFlags {
     #[arg(long, value_name = "PROBABILITY", value_parser = number, allow_hyphen_values = true)]
     pub drop: Option<f64>,
     /// Seed of the random numbers of --jitter and --drop [default: 0, or the scene's]
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", value_parser = whole::<u64>)]
     pub seed: Option<u64>,
 }
 

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::values::{
     AnyMethods, Methods, Numbers, PlantSet, any_methods, force_place, length_unit, methods, number,
-    numbers, plant_set, quantity,
+    numbers, plant_set, quantity, whole,
 };
 
 /// Arguments of `render`.
@@ -85,7 +85,7 @@ pub struct SweepArguments {
     #[arg(long, value_name = "NUMBERS", value_parser = numbers, allow_hyphen_values = true)]
     pub values: Numbers,
     /// Collisions of the ideal over which the methods run [default: the scene's window]
-    #[arg(long, value_name = "COUNT")]
+    #[arg(long, value_name = "COUNT", value_parser = whole::<usize>)]
     pub collisions: Option<usize>,
     /// Look at 21 start heights, too: FRE in the median and at the worst, how many are almost stable, and
     /// how many leave the box
@@ -201,7 +201,7 @@ pub struct SuiteArguments {
           value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub plants: u32,
     /// Seed of the random numbers
-    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    #[arg(long, value_name = "SEED", default_value_t = 1, value_parser = whole::<u64>)]
     pub seed: u64,
     /// What is compared.
     #[command(flatten)]

@@ -315,6 +315,10 @@ impl Answering for WorldStream {
         self.memory.is_ended
     }
 
+    fn has_refused_all(&self) -> bool {
+        self.summary.samples > 0 && self.summary.refused == self.summary.samples
+    }
+
     fn end(&mut self) -> io::Result<()> {
         if std::mem::replace(&mut self.memory.is_ended, true) || self.summary.samples == 0 {
             return Ok(());

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use palpate_record::recording::{DeviceTick, Entry, Flags, LoopTime, Recording, RecordingError};
+use palpate_record::recording::{
+    DeviceTick, Entry, Event, Flags, LoopTime, Recording, RecordingError,
+};
 use serde::Serialize;
 
 use super::{DEVICES, motors_off, shortcomings};
@@ -64,6 +66,10 @@ pub struct RecordingReport {
     pub duration_s: Option<f64>,
     /// Ticks per second of the loop, those that were lost among them.
     pub rate_hz: Option<f64>,
+    /// Deadlines that the loop missed and skipped, as far as the events that are there say.
+    pub missed_deadlines: u64,
+    /// The most energy that held forces had created up to any tick, while the motors were on `[J]`.
+    pub most_created_energy_j: Option<f64>,
     /// How late the latest sample was `[s]`.
     pub largest_lateness_s: Option<f64>,
     /// Longest time between two samples `[s]`.
@@ -150,16 +156,21 @@ impl RecordingReport {
         let mut events = BTreeMap::new();
         let mut devices = DeviceFlags::default();
         let [mut lateness, mut period, mut tick_duration, mut round_trip] = [None; 4];
+        let (mut missed_deadlines, mut created) = (0, None);
         let entries = recording.entries()?;
         for entry in entries {
             match entry? {
-                Entry::Event(event) => *events.entry(event.kind).or_insert(0) += 1,
+                Entry::Event(event) => {
+                    missed_deadlines += missed(&event);
+                    *events.entry(event.kind).or_insert(0) += 1;
+                }
                 Entry::Tick(tick, _, _, of_tick) => {
                     devices.add(&of_tick);
                     raise(&mut lateness, tick.lateness);
                     raise(&mut period, tick.period);
                     raise(&mut tick_duration, tick.tick_duration);
                     raise(&mut round_trip, tick.device_round_trip);
+                    raise(&mut created, tick.created_energy);
                     let set = Flags::NAMED
                         .iter()
                         .filter(|(flag, _)| tick.flags.has(*flag));
@@ -212,6 +223,8 @@ impl RecordingReport {
                 .zip(duration)
                 .map(|(steps, duration)| steps / duration)
                 .filter(|rate| rate.is_finite()),
+            missed_deadlines,
+            most_created_energy_j: created,
             largest_lateness_s: lateness,
             longest_period_s: period,
             longest_tick_s: tick_duration,
@@ -225,6 +238,13 @@ impl RecordingReport {
                 .collect(),
         })
     }
+}
+
+/// How many deadlines an event says that the loop has missed: the number at the end of its text.
+fn missed(event: &Event) -> u64 {
+    let words = event.text.rsplit(' ').next();
+    let number = words.filter(|_| event.kind == Flags::MISSED_DEADLINE.names());
+    number.and_then(|number| number.parse().ok()).unwrap_or(0)
 }
 
 /// What the receipt says that the renderer was told, a number for each key.
@@ -312,6 +332,11 @@ impl fmt::Display for RecordingReport {
             if let Some(seconds) = seconds {
                 writeln!(f, "  {name}: {} ms", digits(1e3 * seconds))?;
             }
+        }
+        writeln!(f, "  missed deadlines: {}", self.missed_deadlines)?;
+        if let Some(created) = self.most_created_energy_j {
+            let created = digits(1e3 * created);
+            writeln!(f, "  held forces created: at most {created} mJ")?;
         }
         for (name, count) in &self.flags {
             writeln!(f, "  {name}: {count}")?;

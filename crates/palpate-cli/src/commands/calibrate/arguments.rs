@@ -10,7 +10,7 @@ use crate::arguments::{Overwriting, PlotFlags};
 use crate::commands::run::RealtimeArguments;
 use crate::devices::{DeviceArguments, DeviceName};
 use crate::failure::Failure;
-use crate::values::{duration, number};
+use crate::values::{duration, number, whole};
 
 /// Time to bring a 2DIY from its start pose to where it is calibrated `[s]`.
 const USUAL_WAIT: f64 = 3.0;
@@ -74,7 +74,7 @@ pub struct ExcitationFlags {
     #[arg(long, value_name = "m", value_parser = number, default_value = "0.001")]
     pub tremor: f64,
     /// Seed of the random force steps
-    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 1, value_parser = whole::<u64>)]
     pub seed: u64,
 }
 

@@ -123,10 +123,11 @@ fn story(folder: &Path, scene: &Report, hand: &Report) -> String {
     let _ = write!(
         text,
         "\
-A haptic device samples its position and holds a force between samples. A stiff or light object
-rendered that way creates energy from nothing: the leak below. HFCR, the paper's method, step by
-step, creates forty times less. Coupled rendering, the default here, comes to the hold floor: the
-least error that any held force can have.
+A haptic device samples its position and holds a force between samples. A stiff
+or light object rendered that way creates energy from nothing: the leak below.
+HFCR, the paper's method, step by step, creates forty times less. Coupled
+rendering, the default here, comes to the hold floor: the least error that any
+held force can have.
 
 1. The paper's Fig. 2, in closed loop with a light device
 
@@ -136,12 +137,16 @@ least error that any held force can have.
 2. The same force laws on the motion of a hand, which no force moves
 
 {hand}
-Where to go next (until palpate is installed: cargo run --release -- in its place)
+Where to go next
+(until palpate is installed: cargo run --release -- in its place)
 
-  palpate render {folder}/hand.csv --stiffness 200 --mass 0.5 --period 0.01 --force -4.905 \\
-    --out run.csv --plot run.svg                   your own recording instead of hand.csv
-  palpate simulate experiments/experiment2.toml --method all     a scene; copy it, change it
-  palpate pipe --help                              any program as the device, live
+Your own recording instead of hand.csv:
+  palpate render {folder}/hand.csv --stiffness 200 --mass 0.5 \\
+    --period 0.01 --force -4.905 --out run.csv --plot run.svg
+A scene; copy it, change it:
+  palpate simulate experiments/experiment2.toml --method all
+Any program as the device, live:
+  palpate pipe --help
 
 The next demo replaces the files above, but none that was changed since.
 "

@@ -37,7 +37,13 @@ pub fn answer<S: Answering>(
             messages.finish(served.summary);
         }
     }
-    outcome(served.ended)
+    outcome(served.ended)?;
+    if served.has_refused_all {
+        return Err(Failure::MotorsOff(
+            "every line was refused: there was no force".into(),
+        ));
+    }
+    Ok(())
 }
 
 impl From<ServeError> for Failure {

@@ -6,7 +6,7 @@ use clap::{Args, ValueHint};
 
 use crate::arguments::{Flags, Given};
 use crate::devices::DeviceArguments;
-use crate::values::{number, range};
+use crate::values::{number, range, whole};
 
 /// Arguments of `run`.
 #[derive(Args, Debug)]
@@ -74,7 +74,7 @@ pub struct RealtimeArguments {
           value_parser = clap::value_parser!(u8).range(0..=98))]
     pub priority: u8,
     /// Processor to run on
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", value_parser = whole::<usize>)]
     pub processor: Option<usize>,
     /// Stay awake for the last stretch before each deadline [s]
     #[arg(long, value_name = "s", default_value = "0", value_parser = number)]
