@@ -13,7 +13,7 @@ use palpate_record::recording::{
 };
 
 use crate::note::Ending;
-use crate::tap::{Counted, Listener, Tap, Told, tap};
+use crate::tap::{Counted, Listener, Tap, Told, tap, tap_if_there_is_memory};
 
 /// Everything up to this long ago survives whatever ends the program.
 const FLUSH_EVERY: Duration = Duration::from_millis(250);
@@ -123,17 +123,25 @@ impl Recorder {
         Self::begin_with_room(path, receipt, Self::ROOM)
     }
 
-    /// As [`begin`](Self::begin), where so many ticks of one contact may wait for the disk.
+    /// As [`begin`](Self::begin), where so many ticks of one contact may wait for the disk: each takes about 1 KiB.
     ///
     /// # Errors
-    /// A file is there already, or cannot be written; the system gives no thread.
+    /// The system has no memory for so many, whose kind is [`io::ErrorKind::OutOfMemory`], or gives no thread; a file is there
+    /// already, or cannot be written. No file is left then.
     pub fn begin_with_room(
         path: &Path,
         receipt: &Receipt,
         room: usize,
     ) -> Result<(Tap, Self), WriteError> {
+        let failed = |source| WriteError::new(path, source);
+        let ends = tap_if_there_is_memory(room).map_err(failed)?;
         let writer = RecordingWriter::create(path, receipt)?;
-        Self::on_thread(Some(writer), room).map_err(|source| WriteError::new(path, source))
+        let part = writer.part().to_owned();
+        Self::on_thread(Some(writer), ends).map_err(|source| {
+            // Nothing was recorded in it.
+            let _ = std::fs::remove_file(part);
+            failed(source)
+        })
     }
 
     /// Listens only.
@@ -141,7 +149,7 @@ impl Recorder {
     /// # Errors
     /// The system gives no thread.
     pub fn without_file() -> io::Result<(Tap, Self)> {
-        Self::on_thread(None, Self::ROOM)
+        Self::on_thread(None, tap(Self::ROOM))
     }
 
     /// Whether it writes no more: its tap was closed, or the system refused to write, and
@@ -157,8 +165,10 @@ impl Recorder {
         self.failure.get().map(String::as_str)
     }
 
-    fn on_thread(writer: Option<RecordingWriter>, room: usize) -> io::Result<(Tap, Self)> {
-        let (tap, mut listener) = tap(room);
+    fn on_thread(
+        writer: Option<RecordingWriter>,
+        (tap, mut listener): (Tap, Listener),
+    ) -> io::Result<(Tap, Self)> {
         let failure = Arc::new(OnceLock::new());
         let told = Arc::clone(&failure);
         let thread = Builder::new()

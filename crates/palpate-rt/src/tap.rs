@@ -1,5 +1,6 @@
 //! From the loop's thread to whoever writes down what it does, without ever waiting.
 
+use std::io;
 use std::iter;
 use std::sync::Arc;
 use std::time::Duration;
@@ -106,6 +107,30 @@ pub fn tap(capacity: usize) -> (Tap, Listener) {
         names,
     };
     (tap, listener)
+}
+
+/// A tap as [`tap`] makes it, where the system may not have memory for so much.
+///
+/// # Errors
+/// It has not: [`io::ErrorKind::OutOfMemory`].
+pub(crate) fn tap_if_there_is_memory(capacity: usize) -> io::Result<(Tap, Listener)> {
+    let items = capacity.saturating_mul(2);
+    // A ring takes its memory without asking, and a program without memory ends.
+    let mut memory = Vec::<Passed>::new();
+    let is_there = memory.try_reserve_exact(items).is_ok();
+    // A compiler may leave out memory that nobody looks at.
+    std::hint::black_box(memory.as_mut_ptr());
+    drop(memory);
+    if !is_there {
+        let bytes = items.saturating_mul(size_of::<Passed>());
+        return Err(io::Error::new(
+            io::ErrorKind::OutOfMemory,
+            format!(
+                "room for {capacity} ticks takes {bytes} bytes, and the system has no memory for that"
+            ),
+        ));
+    }
+    Ok(tap(capacity))
 }
 
 impl Tap {

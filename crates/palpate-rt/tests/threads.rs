@@ -270,6 +270,23 @@ fn what_a_loop_does_is_recorded_tick_by_tick() {
     assert_eq!(ticks, made);
 }
 
+/// No machine has memory for so many ticks that wait.
+#[test]
+fn without_memory_no_recording_is_begun() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    for room in [1 << 50, usize::MAX] {
+        let error = Recorder::begin_with_room(&path, &Receipt::new("test"), room).unwrap_err();
+        assert_eq!(error.source.kind(), std::io::ErrorKind::OutOfMemory);
+        let words = error.to_string();
+        assert!(
+            words.contains(&format!("room for {room} ticks takes ")),
+            "{words}"
+        );
+    }
+    assert_eq!(folder.path().read_dir().unwrap().count(), 0);
+}
+
 /// The disk does not keep up, and the ring is full when the loop ends: the last ticks and the event of
 /// the end are lost, and the file says how many. What is there has all its contacts.
 #[test]

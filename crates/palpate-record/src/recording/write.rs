@@ -46,7 +46,7 @@ impl RecordingWriter {
     /// earlier recording of that name left when it was cut off.
     ///
     /// # Errors
-    /// There is a file of that name, finished or not; a text of the receipt has a name that the
+    /// `path` names no file; there is a file of that name, finished or not; a text of the receipt has a name that the
     /// format needs; what the system says. The error names the path.
     pub fn create(path: &Path, receipt: &Receipt) -> Result<Self, WriteError> {
         let part = part_of(path);
@@ -222,6 +222,10 @@ fn refuse_what_is_there(path: &Path) -> io::Result<()> {
     let names_a_directory = path.to_string_lossy().ends_with(std::path::is_separator);
     if names_a_directory || path.is_dir() {
         return Err(io::ErrorKind::IsADirectory.into());
+    }
+    if path.file_name().is_none() {
+        let words = "the path names no file";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, words));
     }
     match path.symlink_metadata() {
         Err(_) => Ok(()),

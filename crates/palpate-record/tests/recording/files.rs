@@ -55,6 +55,8 @@ fn what_can_be_no_recording_is_named_for_what_it_is() {
         (inside.clone(), "it is a directory"),
         (format!("{inside}/"), "it is a directory"),
         (format!("{inside}/new/"), "it is a directory"),
+        (String::new(), "the path names no file"),
+        (format!("{inside}/new/.."), "the path names no file"),
     ] {
         let error = RecordingWriter::create(path.as_ref(), &receipt()).err();
         assert_eq!(
