@@ -44,7 +44,14 @@
 #define PALPATE_NO_DEVICE UINT32_MAX
 
 /*
- What a call answers. `palpate_last_error` says the rest in words.
+ What a call answers. `palpate_last_error` says the rest in words, palpate_status_name has the names of these.
+
+ A status says where the error is, whatever was called: NULL, STRUCT_SIZE and MEMORY at a pointer and what it points to,
+ PARAMETER at a number, SETTING at a text, COUNT at a place or a number of things, SCENE at what a scene has, CHANGE at what
+ runs already, RECORDING at a file of ticks. Of several errors it is that of the first one.
+
+ A call that is refused changes nothing. There are three exceptions: a call that makes something puts NULL in place of it,
+ palpate_recorder_close frees the recorder whatever it answers, and after INTERNAL everything that was used can only be freed.
  */
 enum palpate_status
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -56,7 +63,7 @@ enum palpate_status
    */
   PALPATE_STATUS_OK = 0,
   /*
-   A pointer is NULL.
+   A pointer is NULL that may not be.
    */
   PALPATE_STATUS_NULL = 1,
   /*
@@ -64,19 +71,21 @@ enum palpate_status
    */
   PALPATE_STATUS_STRUCT_SIZE = 2,
   /*
-   A parameter is outside its range.
+   A number of the call, or of a struct or an array of it, is outside its range: one that stands for a choice or a switch, too,
+   and a reserved one that is not 0.
    */
   PALPATE_STATUS_PARAMETER = 3,
   /*
-   A method or a setting has another name or another value than there are.
+   A text is not UTF-8, or none of the methods, settings and words that there are; a setting is given twice, or is missing.
    */
   PALPATE_STATUS_SETTING = 4,
   /*
-   What runs cannot change to that: another period, another side of the device, other devices, a body that cannot be so.
+   What runs cannot change to that: another period, another side of the device, other devices, a fixed body that is to move.
    */
   PALPATE_STATUS_CHANGE = 5,
   /*
-   The memory that was given is too small or not aligned.
+   The memory that was given is too small or not aligned, an array cannot have so many elements, or the system has no memory
+   for what was asked.
    */
   PALPATE_STATUS_MEMORY = 6,
   /*
@@ -84,15 +93,15 @@ enum palpate_status
    */
   PALPATE_STATUS_INTERNAL = 7,
   /*
-   A scene cannot be read, is none of a world, or cannot be rendered.
+   A scene cannot be read, is none of a world, or cannot be rendered; it has no such name, or has that name already.
    */
   PALPATE_STATUS_SCENE = 8,
   /*
-   A place or a number of devices or bodies is another one than there are.
+   A place, or a number of devices or bodies, is another one than there are.
    */
   PALPATE_STATUS_COUNT = 9,
   /*
-   A recording cannot be begun or written, or is of something else.
+   A recording cannot be begun or written, or a tick is of something else than what is recorded.
    */
   PALPATE_STATUS_RECORDING = 10,
 };
@@ -187,8 +196,9 @@ enum palpate_fault
    */
   PALPATE_FAULT_OTHER = 99,
   /*
-   The contact, the world or the sample is NULL, a struct_size is too small, or a number of poses or wrenches is
-   not that of the devices: palpate_last_error.
+   There was no tick, since an argument is wrong: the contact, the world, the sample or an array is NULL, a struct_size is
+   too small, a number of poses or wrenches is not that of the devices, has_elapsed is neither 0 nor 1, or a reserved number is
+   not 0: palpate_last_error.
    */
   PALPATE_FAULT_ARGUMENT = 100,
   /*
@@ -377,6 +387,10 @@ enum palpate_about_setting
    What is taken where it is not given.
    */
   PALPATE_ABOUT_SETTING_DEFAULT = 3,
+  /*
+   The words that it takes, with commas between them; "" of one that takes numbers only.
+   */
+  PALPATE_ABOUT_SETTING_WORDS = 4,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -1319,7 +1333,8 @@ typedef struct palpate_recorder_params {
    */
   const char *scene;
   /*
-   Ticks of one contact that may wait for the disk, 1 to 2^24; each takes about 1 KiB. 0: 65536.
+   Ticks of one contact that may wait for the disk, 1 to 2^24; each takes about 1 KiB, all at once: PALPATE_STATUS_MEMORY where
+   the system has not so much. 0: 65536.
    */
   size_t room;
 } palpate_recorder_params;
@@ -1867,7 +1882,8 @@ palpate_status palpate_contact_place(void *memory,
 
  It cannot fail: the force is a finite number for any input, and 0 where a sample is refused or an
  argument is wrong. It does not allocate, lock, wait, or loop without bound. `output` may be NULL; where
- it is given, its `fault` says why a sample was refused.
+ it is given, its `fault` says why a sample was refused. Where an argument is wrong, PALPATE_FAULT_ARGUMENT, there was no tick:
+ the contact stays as it was.
 
  # Safety
  Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
@@ -1878,7 +1894,7 @@ double palpate_contact_step(struct palpate_contact *contact,
 
 /*
  Says which force on the device was really sent for the last tick [N], where it is another one than
- the tick has given: something between has limited it.
+ the tick has given: something between has limited it. What is not finite is refused.
 
  # Safety
  `contact` is NULL or a contact.
@@ -1887,7 +1903,7 @@ palpate_status palpate_contact_report_sent(struct palpate_contact *contact, doub
 
 /*
  Says which force on the device has really acted since the last sample, in the mean [N], where
- somebody has measured it.
+ somebody has measured it. What is not finite is refused.
 
  # Safety
  `contact` is NULL or a contact.
@@ -2079,7 +2095,8 @@ void palpate_local_world_free(struct palpate_local_world *world);
  newest model that the host has published. The orientation is not looked at, and the torque is 0.
 
  It cannot fail: the wrench has finite numbers for any input, and is all 0 where a sample is refused or an argument is wrong;
- what it gives says why. It does not allocate, lock, wait, or loop without bound. `output` may be NULL.
+ what it gives says why. It does not allocate, lock, wait, or loop without bound. `output` may be NULL. Where an argument is
+ wrong, PALPATE_FAULT_ARGUMENT, there was no tick.
 
  # Safety
  Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
@@ -2091,7 +2108,7 @@ palpate_fault palpate_local_world_step(struct palpate_local_world *world,
 
 /*
  Says what was really sent to the device for the last tick, where it is another force than the tick has given: something
- between has limited it.
+ between has limited it. What is not finite is refused.
 
  # Safety
  Each pointer is NULL or to what its type says.
@@ -2181,9 +2198,20 @@ size_t palpate_method_text(size_t method, uint32_t what, char *memory, size_t si
 size_t palpate_setting_text(size_t method, size_t setting, uint32_t what, char *memory, size_t size);
 
 /*
+ The name of a palpate_status, such as "struct-size"; "unknown" of any other number. Nobody has to free it.
+ */
+const char *palpate_status_name(uint32_t status);
+
+/*
+ The name of a palpate_fault, such as "gap-too-long", as the files of the program have it; "unknown" of any other number.
+ Nobody has to free it.
+ */
+const char *palpate_fault_name(uint32_t fault);
+
+/*
  Begins the recording of a contact in a new file at `path`, to be ended by palpate_recorder_close, and puts it into
- `*recorder`; NULL on an error. A file that is there is not replaced. `params` may be NULL: every default. Not in the
- library for firmware.
+ `*recorder`; NULL on an error, and no file is left then. A file that is there is not replaced. `params` may be NULL: every
+ default. Not in the library for firmware.
 
  # Safety
  Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
@@ -2249,7 +2277,8 @@ palpate_status palpate_recorder_params_init(struct palpate_recorder_params *para
 
 /*
  Records a tick of the contact that the recorder was made of, after its palpate_contact_step: the sample that went in,
- the output that came out, and the force on the device that was really sent [N].
+ the output that came out, and the force on the device that was really sent [N]; NaN where nobody knows. A tick of another
+ contact is refused.
 
  It does not allocate, lock or wait, so the thread of the loop can call it: a tick that finds no room is lost and counted.
  Call it once for each tick, refused ones too.
@@ -2265,8 +2294,8 @@ palpate_status palpate_recorder_contact_tick(struct palpate_recorder *recorder,
 
 /*
  Records a tick of the world that the recorder was made of, after its palpate_world_step: the sample that went in, the
- output that came out, and what was really sent to the device that is recorded. The rest is as for
- palpate_recorder_contact_tick.
+ output that came out, and what was really sent to the device that is recorded. A tick of another world is refused, and of
+ one that was changed since. The rest is as for palpate_recorder_contact_tick.
 
  # Safety
  Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
@@ -2306,7 +2335,8 @@ void palpate_scene_free(struct palpate_scene *scene);
 
 /*
  Adds a device and the shape of its tool: a sphere, several spheres, a box or a capsule. Its place in the scene, which
- samples and wrenches go by, is that of the call. A name may not be "", "*" or "world", nor that of another device or body.
+ samples and wrenches go by, is that of the call. A name may not be "", "*" or "world", nor that of another device or body, and
+ has no comma, quotation mark or control character.
 
  # Safety
  Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
@@ -2599,6 +2629,17 @@ palpate_status palpate_world_device_state(const struct palpate_world *world,
                                           struct palpate_device_state *state);
 
 /*
+ Number of methods for worlds.
+ */
+size_t palpate_world_method_count(void);
+
+/*
+ Name of method number `method` for worlds, counted from 0, which `method` of palpate_world_params takes; NULL where there is
+ none. Nobody has to free it.
+ */
+const char *palpate_world_method_name(size_t method);
+
+/*
  Fills parameters of a world with the defaults. `struct_size` is sizeof(palpate_world_params).
 
  # Safety
@@ -2682,7 +2723,8 @@ palpate_status palpate_world_ledger_of(const struct palpate_world *world,
  which there are `wrench_count`, one for each device.
 
  It cannot fail: the wrenches are finite numbers for any input, and all 0 where a sample is refused or an argument is
- wrong; what it gives says why. It does not allocate, lock, wait, or loop without bound. `output` may be NULL.
+ wrong; what it gives says why. It does not allocate, lock, wait, or loop without bound. `output` may be NULL. Where an
+ argument is wrong, PALPATE_FAULT_ARGUMENT, there was no tick: the world stays as it was.
 
  # Safety
  Each pointer is NULL or to what its type says, `wrenches` to `wrench_count` of them; structs have the sizes that they
@@ -2696,7 +2738,7 @@ palpate_fault palpate_world_step(struct palpate_world *world,
 
 /*
  Says what was really sent to a device for the last tick, where it is another wrench than the tick has given: something
- between has limited it.
+ between has limited it. What is not finite is refused.
 
  # Safety
  Each pointer is NULL or to what its type says.

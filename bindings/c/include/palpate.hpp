@@ -113,6 +113,21 @@ inline std::vector<std::string> method_names() {
   return names;
 }
 
+/* The names of all methods for worlds. */
+inline std::vector<std::string> world_method_names() {
+  std::vector<std::string> names;
+  for (std::size_t method = 0; method < palpate_world_method_count(); method++) {
+    names.emplace_back(palpate_world_method_name(method));
+  }
+  return names;
+}
+
+/* The name of a status, such as "struct-size". */
+inline const char *name(palpate_status status) noexcept { return palpate_status_name(status); }
+
+/* The name of a fault, such as "gap-too-long". */
+inline const char *name(palpate_fault fault) noexcept { return palpate_fault_name(fault); }
+
 namespace detail {
 
 /* The structs and functions of palpate.h for ticks in double or in float. */
@@ -204,11 +219,11 @@ class BasicContact {
   /* One tick, with all that goes in and, where `output` is not null, all that comes out. */
   Number step(const Sample &sample, Output *output) noexcept { return Ticks::step(contact_, &sample, output); }
 
-  /* The force on the device that was really sent for the last tick [N]. */
-  void report_sent(Number force_on_device) noexcept { Ticks::report_sent(contact_, force_on_device); }
+  /* The force on the device that was really sent for the last tick [N]. What is not finite is refused. */
+  palpate_status report_sent(Number force_on_device) noexcept { return Ticks::report_sent(contact_, force_on_device); }
 
   /* The force on the device that has really acted since the last sample, in the mean [N]. */
-  void report_held(Number force_on_device) noexcept { Ticks::report_held(contact_, force_on_device); }
+  palpate_status report_held(Number force_on_device) noexcept { return Ticks::report_held(contact_, force_on_device); }
 
   /* Renders something else from the next tick on, without a step in the force. Throws Error. */
   void change(const palpate_contact_params &params, const palpate_loop_params &loop) {
@@ -430,9 +445,9 @@ class World {
     return palpate_world_step(world_, &sample, wrenches.data(), wrenches.size(), output);
   }
 
-  /* What was really sent to a device for the last tick. */
-  void report_sent(std::size_t device, const palpate_wrench &sent) noexcept {
-    palpate_world_report_sent(world_, device, &sent);
+  /* What was really sent to a device for the last tick. What is not finite is refused. */
+  palpate_status report_sent(std::size_t device, const palpate_wrench &sent) noexcept {
+    return palpate_world_report_sent(world_, device, &sent);
   }
 
   std::size_t device_count() const noexcept { return palpate_world_device_count(world_); }

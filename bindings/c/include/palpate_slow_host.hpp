@@ -79,8 +79,8 @@ class LocalWorld {
     return palpate_local_world_step(world_, &sample, &wrench, output);
   }
 
-  /* What was really sent to the device for the last tick. */
-  void report_sent(const palpate_wrench &sent) noexcept { palpate_local_world_report_sent(world_, &sent); }
+  /* What was really sent to the device for the last tick. What is not finite is refused. */
+  palpate_status report_sent(const palpate_wrench &sent) noexcept { return palpate_local_world_report_sent(world_, &sent); }
 
   /* The handle, for functions of palpate.h. */
   palpate_local_world *handle() noexcept { return world_; }

@@ -7,6 +7,7 @@ use palpate_core::{
     Basis, Contact, Mass, MethodName, ObjectState, Rendering, Scalar, Side as CoreSide,
 };
 
+use crate::choice;
 use crate::edge::status;
 use crate::loop_params::LoopParams;
 use crate::methods;
@@ -111,24 +112,18 @@ impl ContactParams {
         };
         // SAFETY: as the caller says.
         let settings = unsafe { methods::settings(method, self.settings, self.setting_count) }?;
-        let choice = |name, given, allowed| Refusal::Choice {
-            name,
-            given,
-            allowed,
-        };
         let side = match self.side {
             0 => CoreSide::Positive,
             1 => CoreSide::Negative,
             given => {
-                let allowed = "PALPATE_SIDE_POSITIVE or PALPATE_SIDE_NEGATIVE";
-                return Err(choice("side", given, allowed));
+                return Err(Refusal::Choice {
+                    name: "side",
+                    given,
+                    allowed: "PALPATE_SIDE_POSITIVE or PALPATE_SIDE_NEGATIVE",
+                });
             }
         };
-        let unilateral = match self.unilateral {
-            0 => false,
-            1 => true,
-            given => return Err(choice("unilateral", given, "0 or 1")),
-        };
+        let unilateral = choice::switch("unilateral", self.unilateral)?;
         let virtual_force = S::from_f64(self.virtual_force);
         if !virtual_force.is_finite() {
             return Err(methods::not_finite_virtual_force(self.virtual_force));

@@ -8,14 +8,18 @@
 mod abi;
 #[cfg(feature = "worlds")]
 mod array;
+mod choice;
 mod contact;
 mod contact_params;
 mod edge;
+#[cfg(feature = "worlds")]
+mod identity;
 mod last_error;
 #[cfg(feature = "worlds")]
 mod local;
 mod loop_params;
 mod methods;
+mod names;
 mod number;
 mod output;
 #[cfg(feature = "worlds")]
@@ -36,6 +40,7 @@ pub use last_error::palpate_last_error;
 pub use local::*;
 pub use loop_params::*;
 pub use methods::*;
+pub use names::*;
 pub use output::*;
 #[cfg(feature = "worlds")]
 pub use recorder::*;

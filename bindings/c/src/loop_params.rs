@@ -4,6 +4,7 @@ use palpate_core::{
     Actuation, Allowed, Guard, GuardParams, LoopParams as Core, Parameter, ParameterError, Scalar,
 };
 
+use crate::choice;
 use crate::edge::status;
 use crate::sized::{self, SizedStruct};
 use crate::status::{Refusal, Status};
@@ -137,6 +138,7 @@ impl LoopParams {
                 });
             }
         };
+        choice::unused(self.reserved)?;
         let refused = |parameter, value, words| {
             Refusal::Parameter(ParameterError {
                 parameter,

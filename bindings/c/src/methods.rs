@@ -35,6 +35,8 @@ pub enum SettingText {
     Help = 2,
     /// What is taken where it is not given.
     Default = 3,
+    /// The words that it takes, with commas between them; "" of one that takes numbers only.
+    Words = 4,
 }
 
 /// Number of methods.
@@ -89,14 +91,41 @@ pub unsafe extern "C" fn palpate_setting_text(
     let method = MethodName::ALL.get(method);
     let setting = method.and_then(|method| method.info().settings.get(setting));
     let text = setting.and_then(|setting| match what {
-        0 => Some(setting.key.as_str()),
-        1 => Some(setting.unit().map_or("", Unit::symbol)),
-        2 => Some(setting.help),
-        3 => Some(setting.default),
+        0 => Some(Text::Whole(setting.key.as_str())),
+        1 => Some(Text::Whole(setting.unit().map_or("", Unit::symbol))),
+        2 => Some(Text::Whole(setting.help)),
+        3 => Some(Text::Whole(setting.default)),
+        4 => Some(Text::Words(words_of(setting))),
         _ => None,
     });
+    let text = text.unwrap_or(Text::Whole(""));
     // SAFETY: as the caller says.
-    caught(|| unsafe { text::put_at(text.unwrap_or_default(), memory, size) }).unwrap_or(0)
+    caught(|| unsafe { text::put_at(text, memory, size) }).unwrap_or(0)
+}
+
+/// The words that a setting takes.
+fn words_of(setting: &Core) -> &'static [&'static str] {
+    match setting.values {
+        SettingValues::Number { .. } => &[],
+        SettingValues::NumberOrAuto { .. } => &["auto"],
+        SettingValues::Words { words, .. } => words,
+        SettingValues::Switch => &["true", "false"],
+    }
+}
+
+/// A text, or several with commas between them.
+enum Text {
+    Whole(&'static str),
+    Words(&'static [&'static str]),
+}
+
+impl Display for Text {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Whole(text) => f.write_str(text),
+            Self::Words(words) => write_joined(f, words.iter().copied()),
+        }
+    }
 }
 
 /// The settings at `given`, `count` of them.
@@ -122,6 +151,9 @@ pub(crate) unsafe fn settings<'a>(
             let method = method.name();
             return Err(Refusal::UnknownSetting { method, key });
         };
+        if settings.get(setting.key).is_some() {
+            return Err(Refusal::SettingTwice(setting.key.as_str()));
+        }
         let value = if word.is_null() {
             of_number(setting, number)?
         } else {
@@ -142,9 +174,8 @@ fn of_number<'a>(setting: &'static Core, number: f64) -> Result<ParameterValue<f
             allowed: Allowed::Range(range),
         })),
         None => Err(Refusal::SettingValue {
-            key: setting.key.as_str(),
-            given: "a number",
-            allowed: "a word",
+            setting,
+            given: None,
         }),
     }
 }
@@ -156,14 +187,8 @@ fn of_word<'a>(setting: &'static Core, word: &'a str) -> Result<ParameterValue<f
         _ => setting.word(word),
     };
     value.ok_or(Refusal::SettingValue {
-        key: setting.key.as_str(),
-        given: word,
-        allowed: match setting.values {
-            SettingValues::Number { .. } => "a number",
-            SettingValues::NumberOrAuto { .. } => "a number or \"auto\"",
-            SettingValues::Words { .. } => "one of its words; its help has them",
-            SettingValues::Switch => "\"true\" or \"false\"",
-        },
+        setting,
+        given: Some(word),
     })
 }
 

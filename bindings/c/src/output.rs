@@ -46,8 +46,9 @@ pub enum Fault {
     OrientationNotUnit = 7,
     /// Of a newer core.
     Other = 99,
-    /// The contact, the world or the sample is NULL, a struct_size is too small, or a number of poses or wrenches is
-    /// not that of the devices: palpate_last_error.
+    /// There was no tick, since an argument is wrong: the contact, the world, the sample or an array is NULL, a struct_size is
+    /// too small, a number of poses or wrenches is not that of the devices, has_elapsed is neither 0 nor 1, or a reserved number is
+    /// not 0: palpate_last_error.
     Argument = 100,
     /// A defect in the library, which has been caught. Report it, please.
     Internal = 101,

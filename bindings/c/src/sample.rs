@@ -2,8 +2,10 @@
 
 use palpate_core::Sample as Core;
 
+use crate::choice;
 use crate::number::Number;
-use crate::sized::SizedStruct;
+use crate::sized::{self, SizedStruct};
+use crate::status::Refusal;
 
 /// One sample of the device. palpate_sample_at() fills it, palpate_sample_f32_at() one in float.
 #[repr(C)]
@@ -26,6 +28,21 @@ pub struct Sample<S> {
 // SAFETY: `repr(C)`, a `usize` first, numbers only.
 unsafe impl<S: Number> SizedStruct for Sample<S> {
     const NAME: &'static str = S::SAMPLE;
+}
+
+impl<S: Number> Sample<S> {
+    /// The sample at `given`. What is wrong with its numbers says the tick.
+    ///
+    /// # Safety
+    /// `given` is NULL or to a sample of the size that it begins with.
+    #[inline]
+    pub(crate) unsafe fn at<'a>(given: *const Self) -> Result<Self, Refusal<'a>> {
+        // SAFETY: as the caller says.
+        let sample = unsafe { sized::read(given) }?;
+        choice::switch("has_elapsed", sample.has_elapsed)?;
+        choice::unused(sample.reserved)?;
+        Ok(sample)
+    }
 }
 
 impl<S: Number> From<Sample<S>> for Core<S> {

@@ -49,6 +49,60 @@ unsafe fn is_newer<T: SizedStruct>(given: *const T, size: usize) -> bool {
         && (known..size).all(|at| unsafe { given.cast::<u8>().add(at).read() } == 0)
 }
 
+/// Room for a struct of C's, which has been looked at: what is written into it finds its place.
+pub struct Room<T> {
+    out: *mut T,
+    /// Its size, which stays the caller's.
+    size: usize,
+}
+
+impl<T: SizedStruct> Room<T> {
+    /// The room at `out`.
+    ///
+    /// # Safety
+    /// `out` is NULL or points to as many bytes as the `usize` there says, which stay until they are written.
+    #[inline]
+    pub unsafe fn at<'a>(out: *mut T) -> Result<Self, Refusal<'a>> {
+        if out.is_null() {
+            return Err(Refusal::Null(T::NAME));
+        }
+        // SAFETY: not NULL, and a `usize` is there by the caller's word.
+        let size = unsafe { out.cast::<usize>().read_unaligned() };
+        let known = size_of::<T>();
+        if size < known {
+            return Err(Refusal::StructSize {
+                name: T::NAME,
+                given: size,
+                known,
+            });
+        }
+        Ok(Self { out, size })
+    }
+
+    /// The same, where NULL asks for nothing.
+    ///
+    /// # Safety
+    /// As for [`at`](Self::at).
+    #[inline]
+    pub unsafe fn if_asked<'a>(out: *mut T) -> Result<Option<Self>, Refusal<'a>> {
+        if out.is_null() {
+            return Ok(None);
+        }
+        // SAFETY: as the caller says.
+        unsafe { Self::at(out) }.map(Some)
+    }
+
+    /// Writes `value` but for its first `usize`.
+    #[inline]
+    pub fn write(self, value: T) {
+        // SAFETY: as many bytes as a `T` has are there by the word of who has made the room.
+        unsafe {
+            self.out.write_unaligned(value);
+            self.out.cast::<usize>().write_unaligned(self.size);
+        }
+    }
+}
+
 /// Writes what `value` gives in place of the struct at `out`, as much of it as there is room for; the first
 /// `usize` stays the caller's.
 ///
@@ -59,24 +113,8 @@ pub unsafe fn write<'a, T: SizedStruct>(
     out: *mut T,
     value: impl FnOnce() -> T,
 ) -> Result<(), Refusal<'a>> {
-    if out.is_null() {
-        return Err(Refusal::Null(T::NAME));
-    }
-    // SAFETY: not NULL, and a `usize` is there by the caller's word.
-    let given = unsafe { out.cast::<usize>().read_unaligned() };
-    let known = size_of::<T>();
-    if given < known {
-        return Err(Refusal::StructSize {
-            name: T::NAME,
-            given,
-            known,
-        });
-    }
-    // SAFETY: at least `known` bytes are there by the caller's word.
-    unsafe {
-        out.write_unaligned(value());
-        out.cast::<usize>().write_unaligned(given);
-    }
+    // SAFETY: as the caller says.
+    unsafe { Room::at(out) }?.write(value());
     Ok(())
 }
 

@@ -2,33 +2,42 @@
 
 use core::fmt;
 
-use palpate_core::{ChangeError, ParameterError, SettingsError};
+use palpate_core::{ChangeError, ParameterError, Setting, SettingValues, SettingsError};
 
-/// What a call answers. `palpate_last_error` says the rest in words.
+/// What a call answers. `palpate_last_error` says the rest in words, palpate_status_name has the names of these.
+///
+/// A status says where the error is, whatever was called: NULL, STRUCT_SIZE and MEMORY at a pointer and what it points to,
+/// PARAMETER at a number, SETTING at a text, COUNT at a place or a number of things, SCENE at what a scene has, CHANGE at what
+/// runs already, RECORDING at a file of ticks. Of several errors it is that of the first one.
+///
+/// A call that is refused changes nothing. There are three exceptions: a call that makes something puts NULL in place of it,
+/// palpate_recorder_close frees the recorder whatever it answers, and after INTERNAL everything that was used can only be freed.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// Done.
     Ok = 0,
-    /// A pointer is NULL.
+    /// A pointer is NULL that may not be.
     Null = 1,
     /// A struct_size is too small, or larger than the library knows and the rest is not 0.
     StructSize = 2,
-    /// A parameter is outside its range.
+    /// A number of the call, or of a struct or an array of it, is outside its range: one that stands for a choice or a switch, too,
+    /// and a reserved one that is not 0.
     Parameter = 3,
-    /// A method or a setting has another name or another value than there are.
+    /// A text is not UTF-8, or none of the methods, settings and words that there are; a setting is given twice, or is missing.
     Setting = 4,
-    /// What runs cannot change to that: another period, another side of the device, other devices, a body that cannot be so.
+    /// What runs cannot change to that: another period, another side of the device, other devices, a fixed body that is to move.
     Change = 5,
-    /// The memory that was given is too small or not aligned.
+    /// The memory that was given is too small or not aligned, an array cannot have so many elements, or the system has no memory
+    /// for what was asked.
     Memory = 6,
     /// A defect in the library, which has been caught. Report it, please.
     Internal = 7,
-    /// A scene cannot be read, is none of a world, or cannot be rendered.
+    /// A scene cannot be read, is none of a world, or cannot be rendered; it has no such name, or has that name already.
     Scene = 8,
-    /// A place or a number of devices or bodies is another one than there are.
+    /// A place, or a number of devices or bodies, is another one than there are.
     Count = 9,
-    /// A recording cannot be begun or written, or is of something else.
+    /// A recording cannot be begun or written, or a tick is of something else than what is recorded.
     Recording = 10,
 }
 
@@ -51,17 +60,25 @@ pub enum Refusal<'a> {
         method: &'static str,
         key: &'a str,
     },
+    /// A setting with a word that it does not take; no word: a number where it takes words.
     SettingValue {
-        key: &'static str,
-        given: &'a str,
-        allowed: &'static str,
+        setting: &'static Setting,
+        given: Option<&'a str>,
     },
+    /// The key of a setting that is there already.
+    SettingTwice(&'static str),
     /// A text that is not UTF-8.
     NotText(&'static str),
     /// A number that stands for a choice.
     Choice {
         name: &'static str,
         given: u32,
+        allowed: &'static str,
+    },
+    /// A number that is outside its range.
+    Number {
+        name: &'static str,
+        given: f64,
         allowed: &'static str,
     },
     TooSmall {
@@ -77,26 +94,30 @@ pub enum Refusal<'a> {
     /// What a world that runs cannot change to, in words.
     #[cfg(feature = "worlds")]
     WorldChange(std::string::String),
-    /// What is wrong with a local model, in words.
+    /// What is wrong with the numbers of a call, in words.
     #[cfg(feature = "worlds")]
-    LocalModel(std::string::String),
+    Numbers(std::string::String),
+    /// A method that renders no worlds, or not this one, in words.
+    #[cfg(feature = "worlds")]
+    WorldMethod(std::string::String),
+    /// What the system has no memory for, in words.
+    #[cfg(feature = "worlds")]
+    NoMemory(std::string::String),
     /// What is wrong with a recording, in words.
     #[cfg(feature = "worlds")]
     Recording(std::string::String),
-    /// A number that says how a world is rendered.
-    #[cfg(feature = "worlds")]
-    WorldNumber {
-        name: &'static str,
-        given: f64,
-        allowed: &'static str,
-    },
-    /// Another number of things than there are devices.
+    /// Another number of things than there are.
     #[cfg(feature = "worlds")]
     Count {
         name: &'static str,
         given: usize,
         needed: usize,
+        /// What has the others, and what they are.
+        of: (&'static str, &'static str),
     },
+    /// A world of so many devices where one is needed.
+    #[cfg(feature = "worlds")]
+    NotOneDevice(usize),
     /// An array that cannot be one of so many elements.
     #[cfg(feature = "worlds")]
     Array {
@@ -117,14 +138,16 @@ impl Refusal<'_> {
         match self {
             Self::Null(_) => Status::Null,
             Self::StructSize { .. } => Status::StructSize,
-            Self::Parameter(_) | Self::Choice { .. } | Self::Change(ChangeError::Parameter(_)) => {
-                Status::Parameter
-            }
+            Self::Parameter(_)
+            | Self::Choice { .. }
+            | Self::Number { .. }
+            | Self::Change(ChangeError::Parameter(_)) => Status::Parameter,
             Self::Change(_) => Status::Change,
             Self::Settings(_)
             | Self::UnknownMethod(_)
             | Self::UnknownSetting { .. }
             | Self::SettingValue { .. }
+            | Self::SettingTwice(_)
             | Self::NotText(_) => Status::Setting,
             Self::TooSmall { .. } | Self::NotAligned { .. } => Status::Memory,
             #[cfg(feature = "worlds")]
@@ -134,11 +157,13 @@ impl Refusal<'_> {
             #[cfg(feature = "worlds")]
             Self::Recording(_) => Status::Recording,
             #[cfg(feature = "worlds")]
-            Self::WorldNumber { .. } | Self::LocalModel(_) => Status::Parameter,
+            Self::Numbers(_) => Status::Parameter,
             #[cfg(feature = "worlds")]
-            Self::Array { .. } => Status::Memory,
+            Self::WorldMethod(_) => Status::Setting,
             #[cfg(feature = "worlds")]
-            Self::Count { .. } | Self::Index { .. } => Status::Count,
+            Self::Array { .. } | Self::NoMemory(_) => Status::Memory,
+            #[cfg(feature = "worlds")]
+            Self::Count { .. } | Self::Index { .. } | Self::NotOneDevice(_) => Status::Count,
         }
     }
 }
@@ -175,17 +200,23 @@ impl fmt::Display for Refusal<'_> {
                 write!(f, "{method} has no setting \"{key}\"; it has ")?;
                 crate::methods::write_keys(f, method)
             }
-            Self::SettingValue {
-                key,
-                given,
-                allowed,
-            } => write!(
-                f,
-                "{key} is \"{}\", but must be {allowed}",
-                given.escape_debug()
-            ),
+            Self::SettingValue { setting, given } => {
+                let key = setting.key.as_str();
+                match given {
+                    Some(word) => write!(f, "{key} is \"{}\"", word.escape_debug())?,
+                    None => write!(f, "{key} is a number")?,
+                }
+                f.write_str(", but must be ")?;
+                write_allowed(f, setting.values)
+            }
+            Self::SettingTwice(key) => write!(f, "{key} is given twice"),
             Self::NotText(name) => write!(f, "{name} is not UTF-8"),
             Self::Choice {
+                name,
+                given,
+                allowed,
+            } => write!(f, "{name} is {given}, but must be {allowed}"),
+            Self::Number {
                 name,
                 given,
                 allowed,
@@ -199,20 +230,22 @@ impl fmt::Display for Refusal<'_> {
             #[cfg(feature = "worlds")]
             Self::Scene(words)
             | Self::WorldChange(words)
-            | Self::LocalModel(words)
+            | Self::Numbers(words)
+            | Self::WorldMethod(words)
+            | Self::NoMemory(words)
             | Self::Recording(words) => f.write_str(words),
-            #[cfg(feature = "worlds")]
-            Self::WorldNumber {
-                name,
-                given,
-                allowed,
-            } => write!(f, "{name} is {given}, but must be {allowed}"),
             #[cfg(feature = "worlds")]
             Self::Count {
                 name,
                 given,
                 needed,
-            } => write!(f, "{name} is {given}, but the world has {needed} devices"),
+                of: (owner, things),
+            } => write!(f, "{name} is {given}, but {owner} has {needed} {things}"),
+            #[cfg(feature = "worlds")]
+            Self::NotOneDevice(count) => write!(
+                f,
+                "the world has {count} devices, but a recording has one: palpate_recorder_of_device records each in a file of its own"
+            ),
             #[cfg(feature = "worlds")]
             Self::Array { name, count } => write!(f, "{name} is no array of {count} elements"),
             #[cfg(feature = "worlds")]
@@ -220,6 +253,26 @@ impl fmt::Display for Refusal<'_> {
                 write!(f, "{name} is {given}, but must be less than {count}")
             }
         }
+    }
+}
+
+/// What a setting may be, with all its words.
+fn write_allowed(f: &mut fmt::Formatter<'_>, values: SettingValues) -> fmt::Result {
+    match values {
+        SettingValues::Number { .. } => f.write_str("a number"),
+        SettingValues::NumberOrAuto { .. } => f.write_str("a number or \"auto\""),
+        SettingValues::Words { words, .. } => {
+            for (index, word) in words.iter().enumerate() {
+                let between = match index {
+                    0 => "",
+                    last if last + 1 == words.len() => " or ",
+                    _ => ", ",
+                };
+                write!(f, "{between}\"{word}\"")?;
+            }
+            Ok(())
+        }
+        SettingValues::Switch => f.write_str("\"true\" or \"false\""),
     }
 }
 

@@ -81,7 +81,8 @@ pub unsafe extern "C" fn palpate_contact_place(
 ///
 /// It cannot fail: the force is a finite number for any input, and 0 where a sample is refused or an
 /// argument is wrong. It does not allocate, lock, wait, or loop without bound. `output` may be NULL; where
-/// it is given, its `fault` says why a sample was refused.
+/// it is given, its `fault` says why a sample was refused. Where an argument is wrong, PALPATE_FAULT_ARGUMENT, there was no tick:
+/// the contact stays as it was.
 ///
 /// # Safety
 /// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
@@ -96,7 +97,7 @@ pub unsafe extern "C" fn palpate_contact_step(
 }
 
 /// Says which force on the device was really sent for the last tick [N], where it is another one than
-/// the tick has given: something between has limited it.
+/// the tick has given: something between has limited it. What is not finite is refused.
 ///
 /// # Safety
 /// `contact` is NULL or a contact.
@@ -110,7 +111,7 @@ pub unsafe extern "C" fn palpate_contact_report_sent(
 }
 
 /// Says which force on the device has really acted since the last sample, in the mean [N], where
-/// somebody has measured it.
+/// somebody has measured it. What is not finite is refused.
 ///
 /// # Safety
 /// `contact` is NULL or a contact.

@@ -13,12 +13,14 @@ use palpate_core::{ObjectState, Running, Sample as CoreSample};
 
 use crate::contact_params::{ContactParams, rendering};
 use crate::edge::{caught, status};
+#[cfg(feature = "worlds")]
+use crate::identity::Identity;
 use crate::last_error;
 use crate::loop_params::LoopParams;
 use crate::number::Number;
 use crate::output::{Fault, Ledger, Output};
 use crate::sample::Sample;
-use crate::sized;
+use crate::sized::{self, Room};
 use crate::status::{Refusal, Status};
 use crate::text;
 
@@ -26,9 +28,23 @@ use crate::text;
 /// time may use it.
 pub struct Contact<S> {
     pub(crate) running: Running<S>,
+    /// For recorders.
+    #[cfg(feature = "worlds")]
+    pub(crate) identity: Identity,
     /// Whether it is on the heap of this library.
     #[cfg_attr(not(feature = "std"), allow(dead_code))]
     on_heap: bool,
+}
+
+impl<S> Contact<S> {
+    fn new(running: Running<S>, on_heap: bool) -> Self {
+        Self {
+            running,
+            #[cfg(feature = "worlds")]
+            identity: Identity::next(),
+            on_heap,
+        }
+    }
 }
 
 /// The contact at `contact`.
@@ -58,10 +74,7 @@ unsafe fn new<S: Number>(
         // SAFETY: as the caller says.
         let rendering = unsafe { rendering(params, loop_params) }?;
         let running = Running::new(rendering)?;
-        *out = Box::into_raw(Box::new(Contact {
-            running,
-            on_heap: true,
-        }));
+        *out = Box::into_raw(Box::new(Contact::new(running, true)));
         Ok(())
     })
 }
@@ -91,24 +104,23 @@ unsafe fn step<S: Number>(
     output: *mut Output<S>,
 ) -> S {
     caught(|| {
+        // All of it before the tick: one that is refused has not been.
         // SAFETY: as the caller says.
-        let sampled =
-            unsafe { at(contact).and_then(|contact| Ok((contact, sized::read(sample)?))) };
-        let answer = match sampled {
-            Ok((contact, sample)) => contact.running.step(CoreSample::from(sample)),
+        let given = unsafe {
+            at(contact)
+                .and_then(|contact| Ok((contact, Sample::at(sample)?, Room::if_asked(output)?)))
+        };
+        let (contact, sample, room) = match given {
+            Ok(given) => given,
             // SAFETY: as the caller says.
             Err(refusal) => return unsafe { refuse(&refusal, output) },
         };
-        if output.is_null() {
-            return answer.force_on_device;
+        let answer = contact.running.step(CoreSample::from(sample));
+        let force_on_device = answer.force_on_device;
+        if let Some(room) = room {
+            room.write(Output::from(answer));
         }
-        // SAFETY: as the caller says.
-        match unsafe { sized::write(output, || Output::from(answer)) } {
-            Ok(()) => answer.force_on_device,
-            // A caller who has not said what it has room for gets no force.
-            // SAFETY: NULL is allowed.
-            Err(refusal) => unsafe { refuse(&refusal, ptr::null_mut()) },
-        }
+        force_on_device
     })
     .unwrap_or_else(|| {
         // SAFETY: as the caller says.
@@ -129,6 +141,18 @@ unsafe fn refuse<S: Number>(refusal: &Refusal<'_>, output: *mut Output<S>) -> S 
     S::ZERO
 }
 
+/// A force that is reported, if it is a number.
+fn reported<S: Number>(force_on_device: S) -> Result<S, Refusal<'static>> {
+    if force_on_device.is_finite() {
+        return Ok(force_on_device);
+    }
+    Err(Refusal::Number {
+        name: "force_on_device",
+        given: force_on_device.to_f64(),
+        allowed: "finite [N]",
+    })
+}
+
 /// `palpate_contact_report_sent`.
 ///
 /// # Safety
@@ -137,9 +161,8 @@ unsafe fn refuse<S: Number>(refusal: &Refusal<'_>, output: *mut Output<S>) -> S 
 unsafe fn report_sent<S: Number>(contact: *mut Contact<S>, force_on_device: S) -> Status {
     status(|| {
         // SAFETY: as the caller says.
-        unsafe { at(contact) }?
-            .running
-            .report_sent(-force_on_device);
+        let contact = unsafe { at(contact) }?;
+        contact.running.report_sent(-reported(force_on_device)?);
         Ok(())
     })
 }
@@ -152,9 +175,8 @@ unsafe fn report_sent<S: Number>(contact: *mut Contact<S>, force_on_device: S) -
 unsafe fn report_held<S: Number>(contact: *mut Contact<S>, force_on_device: S) -> Status {
     status(|| {
         // SAFETY: as the caller says.
-        unsafe { at(contact) }?
-            .running
-            .report_held(-force_on_device);
+        let contact = unsafe { at(contact) }?;
+        contact.running.report_held(-reported(force_on_device)?);
         Ok(())
     })
 }
@@ -262,10 +284,7 @@ unsafe fn place<S: Number>(
         let running = Running::new(rendering)?;
         // SAFETY: not NULL, aligned, and as many bytes as needed can be written.
         unsafe {
-            memory.write(Contact {
-                running,
-                on_heap: false,
-            });
+            memory.write(Contact::new(running, false));
         }
         *out = memory;
         Ok(())

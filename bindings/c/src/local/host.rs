@@ -1,14 +1,12 @@
 //! The host's end of a local model.
 
-use std::format;
-
 use palpate_world::engine::BodyNow;
 
 use super::{BodyProgress, HostBody, HostContact, Progress};
 use crate::array::{array, array_mut};
 use crate::edge::status;
 use crate::scene::in_words;
-use crate::sized;
+use crate::sized::Room;
 use crate::status::{Refusal, Status};
 
 /// A slow host, such as a physics engine of 60 Hz: the host's end of a local model. One thread at a time may use it.
@@ -33,10 +31,12 @@ impl SlowHost {
         if given == self.bodies {
             return Ok(());
         }
-        let needed = self.bodies;
-        Err(Refusal::LocalModel(format!(
-            "body_count is {given}, but the local model has {needed} bodies"
-        )))
+        Err(Refusal::Count {
+            name: "body_count",
+            given,
+            needed: self.bodies,
+            of: ("the local model", "bodies"),
+        })
     }
 }
 
@@ -70,9 +70,10 @@ pub unsafe extern "C" fn palpate_slow_host_progress(
         host.counted(body_count)?;
         // SAFETY: as the caller says.
         let bodies = unsafe { array_mut(bodies, body_count, "bodies") }?;
-        let now = host.end.progress();
         // SAFETY: as the caller says.
-        unsafe { sized::write(progress, || Progress::from(now)) }?;
+        let room = unsafe { Room::at(progress) }?;
+        let now = host.end.progress();
+        room.write(Progress::from(now));
         let given = now.impulses.iter().zip(&now.copies);
         for (body, (given, copy)) in bodies.iter_mut().zip(given) {
             *body = BodyProgress {
@@ -113,6 +114,6 @@ pub unsafe extern "C" fn palpate_slow_host_publish(
         let contacts: Vec<_> = contacts.iter().map(HostContact::local).collect();
         host.end
             .publish(tick, &bodies, &contacts)
-            .map_err(|faults| Refusal::LocalModel(in_words(&faults)))
+            .map_err(|faults| Refusal::Numbers(in_words(&faults)))
     })
 }

@@ -49,7 +49,7 @@ pub unsafe extern "C" fn palpate_local_world_new(
         // SAFETY: as the caller says.
         let params = unsafe { sized::read(params) }?;
         let (of_host, of_loop) = bounded_local_world(params.renderer()?, params.limits()?)
-            .map_err(|error| Refusal::LocalModel(error.to_string()))?;
+            .map_err(|error| Refusal::Numbers(error.to_string()))?;
         *world = Box::into_raw(Box::new(LocalWorld(of_loop)));
         *host = Box::into_raw(Box::new(SlowHost::new(of_host, params.bodies)));
         Ok(())
@@ -72,7 +72,8 @@ pub unsafe extern "C" fn palpate_local_world_free(world: *mut LocalWorld) {
 /// newest model that the host has published. The orientation is not looked at, and the torque is 0.
 ///
 /// It cannot fail: the wrench has finite numbers for any input, and is all 0 where a sample is refused or an argument is wrong;
-/// what it gives says why. It does not allocate, lock, wait, or loop without bound. `output` may be NULL.
+/// what it gives says why. It does not allocate, lock, wait, or loop without bound. `output` may be NULL. Where an argument is
+/// wrong, PALPATE_FAULT_ARGUMENT, there was no tick.
 ///
 /// # Safety
 /// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
@@ -85,19 +86,16 @@ pub unsafe extern "C" fn palpate_local_world_step(
 ) -> Fault {
     // SAFETY: as the caller says.
     unsafe {
-        answer(wrench, 1, output, |out| {
+        answer("wrench", wrench, 1, output, |out| {
             let world = world.as_mut().ok_or(Refusal::Null("world"))?;
-            let out = out.first_mut().ok_or(Refusal::Null("wrench"))?;
-            let sample = sized::read(sample)?;
-            if sample.pose_count != 1 {
-                return Err(Refusal::Count {
-                    name: "pose_count",
-                    given: sample.pose_count,
-                    needed: 1,
-                });
-            }
-            let pose: Pose = *sample.poses.as_ref().ok_or(Refusal::Null("poses"))?;
-            let positions = [pose.position];
+            let (sample, poses) = WorldSample::at(sample, 1)?;
+            let [out] = out else {
+                return Err(Refusal::Null("wrench"));
+            };
+            let [Pose { position, .. }] = poses else {
+                return Err(Refusal::Null("poses"));
+            };
+            let positions = [*position];
             let held = world.0.step(&Sample {
                 elapsed: (sample.has_elapsed != 0).then_some(sample.elapsed),
                 ..Sample::at(&positions)
@@ -114,7 +112,7 @@ pub unsafe extern "C" fn palpate_local_world_step(
 }
 
 /// Says what was really sent to the device for the last tick, where it is another force than the tick has given: something
-/// between has limited it.
+/// between has limited it. What is not finite is refused.
 ///
 /// # Safety
 /// Each pointer is NULL or to what its type says.
@@ -127,7 +125,9 @@ pub unsafe extern "C" fn palpate_local_world_report_sent(
         // SAFETY: as the caller says.
         let world = unsafe { world.as_mut() }.ok_or(Refusal::Null("world"))?;
         // SAFETY: as the caller says.
-        let Wrench { force, torque } = *unsafe { sent.as_ref() }.ok_or(Refusal::Null("sent"))?;
+        let sent = unsafe { sent.as_ref() }.ok_or(Refusal::Null("sent"))?;
+        sent.reported()?;
+        let Wrench { force, torque } = *sent;
         world.0.report_sent(0, Held { force, torque });
         Ok(())
     })

@@ -99,7 +99,7 @@ impl LocalParams {
             if given > 0.0 {
                 Ok(())
             } else {
-                Err(Refusal::WorldNumber {
+                Err(Refusal::Number {
                     name,
                     given,
                     allowed,
@@ -117,7 +117,7 @@ impl LocalParams {
             )?;
         }
         if self.device_mass == [f64::INFINITY; 3] {
-            return Err(Refusal::LocalModel(
+            return Err(Refusal::Numbers(
                 "device_mass is INFINITY along each axis, but the device must have one".into(),
             ));
         }
@@ -146,7 +146,7 @@ impl LocalParams {
         };
         let coupled = CoupledParams::new(vec![self.device_mass]).with_encoder_quantum(self.quantum);
         LocalRenderer::new(&[tool], room, in_loop, coupled)
-            .map_err(|faults| Refusal::LocalModel(in_words(&faults)))
+            .map_err(|faults| Refusal::Numbers(in_words(&faults)))
     }
 
     /// What may reach the device.

@@ -8,8 +8,9 @@ pub use ticks::*;
 
 use core::ffi::c_char;
 use core::ptr;
+use std::io::ErrorKind;
 use std::path::Path;
-use std::string::{String, ToString};
+use std::string::ToString;
 use std::time::Duration;
 
 use palpate_record::recording::{LoopTime, Receipt};
@@ -17,6 +18,7 @@ use palpate_rt::{Ending, Recorder as Thread, Tap, WorldFrame, WorldRows};
 
 use crate::contact::Contact;
 use crate::edge::status;
+use crate::identity::Identity;
 use crate::sized;
 use crate::status::{Refusal, Status};
 use crate::text;
@@ -35,8 +37,9 @@ pub struct Recorder {
 
 /// What is recorded.
 enum Of {
-    Contact,
+    Contact(Identity),
     World {
+        world: Identity,
         rows: WorldRows,
         /// How often the world had been changed.
         changes: u64,
@@ -46,8 +49,8 @@ enum Of {
 }
 
 /// Begins the recording of a contact in a new file at `path`, to be ended by palpate_recorder_close, and puts it into
-/// `*recorder`; NULL on an error. A file that is there is not replaced. `params` may be NULL: every default. Not in the
-/// library for firmware.
+/// `*recorder`; NULL on an error, and no file is left then. A file that is there is not replaced. `params` may be NULL: every
+/// default. Not in the library for firmware.
 ///
 /// # Safety
 /// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
@@ -67,7 +70,10 @@ pub unsafe extern "C" fn palpate_recorder_of_contact(
                 "period_s = {}\n# {rendering}\n",
                 rendering.loop_params.period
             );
-            Ok((receipt.with("contact", &lines), Of::Contact))
+            Ok((
+                receipt.with("contact", &lines),
+                Of::Contact(contact.identity),
+            ))
         })
     }
 }
@@ -90,11 +96,7 @@ pub unsafe extern "C" fn palpate_recorder_of_world(
         begin(path, params, recorder, |receipt| {
             let world = world.as_ref().ok_or(Refusal::Null("world"))?;
             if world.devices.len() != 1 {
-                return Err(Refusal::Recording(format!(
-                    "the world has {} devices, but a recording has one: palpate_recorder_of_device records each in a file \
-                     of its own",
-                    world.devices.len()
-                )));
+                return Err(Refusal::NotOneDevice(world.devices.len()));
             }
             Ok(of_device(receipt, world, 0))
         })
@@ -151,6 +153,7 @@ fn of_device(receipt: Receipt, world: &World, device: usize) -> (Receipt, Of) {
         .with("method", &format!("name = \"{}\"\n", world.method))
         .with("frame", &WorldFrame::the_same().to_string());
     let of = Of::World {
+        world: world.identity,
         rows: world.rows.clone(),
         changes: world.changes,
         device,
@@ -181,7 +184,10 @@ unsafe fn begin<'a>(
         };
         let (receipt, of) = of(receipt)?;
         let (tap, thread) = Thread::begin_with_room(Path::new(path), &receipt, asked.room)
-            .map_err(|error| Refusal::Recording(error.to_string()))?;
+            .map_err(|error| match error.source.kind() {
+                ErrorKind::OutOfMemory => Refusal::NoMemory(error.to_string()),
+                _ => Refusal::Recording(error.to_string()),
+            })?;
         *out = Box::into_raw(Box::new(Recorder {
             tap,
             thread,
@@ -264,12 +270,9 @@ impl Recorder {
     }
 }
 
-/// The name of what a recorder was made of is another one.
+/// A tick of something else than what the recorder was made of.
 fn other(made_of: &str, given: &str) -> Refusal<'static> {
-    Refusal::Recording(
-        String::from("the recorder was made of a ")
-            + made_of
-            + ", and this is a tick of a "
-            + given,
-    )
+    Refusal::Recording(format!(
+        "the recorder was made of {made_of}, and this is a tick of {given}"
+    ))
 }

@@ -22,7 +22,8 @@ pub struct RecorderParams {
     pub device: *const c_char,
     /// Text of a scene file of what is rendered, in UTF-8, which `palpate replay` of a contact needs; NULL: none.
     pub scene: *const c_char,
-    /// Ticks of one contact that may wait for the disk, 1 to 2^24; each takes about 1 KiB. 0: 65536.
+    /// Ticks of one contact that may wait for the disk, 1 to 2^24; each takes about 1 KiB, all at once: PALPATE_STATUS_MEMORY where
+    /// the system has not so much. 0: 65536.
     pub room: usize,
 }
 
@@ -101,7 +102,7 @@ impl Asked {
             unsafe { text::read(text, name) }.map(|text| Some(String::from(text)))
         };
         if params.room > MOST_ROOM {
-            return Err(Refusal::Recording(format!(
+            return Err(Refusal::Numbers(format!(
                 "room is {} ticks, but must be at most {MOST_ROOM}",
                 params.room
             )));

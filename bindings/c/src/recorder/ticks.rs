@@ -14,7 +14,8 @@ use crate::status::{Refusal, Status};
 use crate::world::{World, WorldOutput, WorldSample, Wrench};
 
 /// Records a tick of the contact that the recorder was made of, after its palpate_contact_step: the sample that went in,
-/// the output that came out, and the force on the device that was really sent [N].
+/// the output that came out, and the force on the device that was really sent [N]; NaN where nobody knows. A tick of another
+/// contact is refused.
 ///
 /// It does not allocate, lock or wait, so the thread of the loop can call it: a tick that finds no room is lost and counted.
 /// Call it once for each tick, refused ones too.
@@ -34,13 +35,15 @@ pub unsafe extern "C" fn palpate_recorder_contact_tick(
         let recorder = unsafe { recorder.as_mut() }.ok_or(Refusal::Null("recorder"))?;
         // SAFETY: NULL, or a contact that nobody changes meanwhile.
         let contact = unsafe { contact.as_ref() }.ok_or(Refusal::Null("contact"))?;
+        match recorder.of {
+            Of::Contact(made_of) if made_of == contact.identity => {}
+            Of::Contact(_) => return Err(other("a contact", "another one")),
+            Of::World { .. } => return Err(other("a world", "a contact")),
+        }
         // SAFETY: as the caller says.
-        let sample = unsafe { sized::read(sample) }?;
+        let sample = unsafe { Sample::at(sample) }?;
         // SAFETY: as the caller says.
         let output = unsafe { sized::read(output.cast::<Answer>()) }?;
-        let Of::Contact = recorder.of else {
-            return Err(other("world", "contact"));
-        };
         let elapsed = if sample.has_elapsed != 0 {
             sample.elapsed
         } else {
@@ -76,8 +79,8 @@ pub unsafe extern "C" fn palpate_recorder_contact_tick(
 }
 
 /// Records a tick of the world that the recorder was made of, after its palpate_world_step: the sample that went in, the
-/// output that came out, and what was really sent to the device that is recorded. The rest is as for
-/// palpate_recorder_contact_tick.
+/// output that came out, and what was really sent to the device that is recorded. A tick of another world is refused, and of
+/// one that was changed since. The rest is as for palpate_recorder_contact_tick.
 ///
 /// # Safety
 /// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
@@ -94,43 +97,38 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
         let recorder = unsafe { recorder.as_mut() }.ok_or(Refusal::Null("recorder"))?;
         // SAFETY: NULL, or a world that nobody changes meanwhile.
         let world = unsafe { world.as_ref() }.ok_or(Refusal::Null("world"))?;
-        // SAFETY: as the caller says.
-        let sample = unsafe { sized::read(sample) }?;
-        // SAFETY: as the caller says.
-        let output = unsafe { sized::read(output.cast::<WorldAnswer>()) }?;
-        // SAFETY: as the caller says.
-        let sent = unsafe { sent.as_ref() }.ok_or(Refusal::Null("sent"))?;
         let Of::World {
-            device, changes, ..
+            world: made_of,
+            device,
+            changes,
+            ..
         } = recorder.of
         else {
-            return Err(other("contact", "world"));
+            return Err(other("a contact", "a world"));
         };
+        if made_of != world.identity {
+            return Err(other("a world", "another one"));
+        }
         if changes != world.changes {
             return Err(Refusal::Recording(
                 "the world was changed since the recorder was made, and has other bodies: close it, and make another one"
                     .into(),
             ));
         }
-        let Some(of_device) = world.devices.get(device) else {
+        let devices = world.devices.len();
+        // SAFETY: as the caller says.
+        let (sample, poses) = unsafe { WorldSample::at(sample, devices) }?;
+        // SAFETY: as the caller says.
+        let output = unsafe { sized::read(output.cast::<WorldAnswer>()) }?;
+        // SAFETY: as the caller says.
+        let sent = unsafe { sent.as_ref() }.ok_or(Refusal::Null("sent"))?;
+        let (Some(of_device), Some(pose)) = (world.devices.get(device), poses.get(device)) else {
             return Err(Refusal::Index {
                 name: "the device of the recorder",
                 given: device,
-                count: world.devices.len(),
+                count: devices,
             });
         };
-        if sample.pose_count != world.devices.len() {
-            return Err(Refusal::Count {
-                name: "pose_count",
-                given: sample.pose_count,
-                needed: world.devices.len(),
-            });
-        }
-        if sample.poses.is_null() {
-            return Err(Refusal::Null("poses"));
-        }
-        // SAFETY: not NULL, and there are as many as devices, by the caller's word.
-        let pose = unsafe { sample.poses.add(device).read() };
         let elapsed = if sample.has_elapsed != 0 {
             sample.elapsed
         } else {

@@ -2,16 +2,18 @@
 
 use core::ffi::c_char;
 use std::borrow::ToOwned;
+use std::format;
 
 use palpate_world::{Party, Place, Tool};
 
-use super::{BodyParams, DeviceParams, Scene, Shape, at, named};
+use super::{BodyParams, DeviceParams, Scene, Shape, at, named, wrong};
 use crate::edge::status;
 use crate::sized;
 use crate::status::Status;
 
 /// Adds a device and the shape of its tool: a sphere, several spheres, a box or a capsule. Its place in the scene, which
-/// samples and wrenches go by, is that of the call. A name may not be "", "*" or "world", nor that of another device or body.
+/// samples and wrenches go by, is that of the call. A name may not be "", "*" or "world", nor that of another device or body, and
+/// has no comma, quotation mark or control character.
 ///
 /// # Safety
 /// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
@@ -27,6 +29,12 @@ pub unsafe extern "C" fn palpate_scene_add_device(
         let (scene, name) = unsafe { (at(scene)?, named(name, "name")?) };
         // SAFETY: as the caller says.
         let (params, shape) = unsafe { (sized::read(params)?, Shape::at(shape)?) };
+        // As in a file.
+        if name.contains(|letter: char| letter.is_control() || "\",".contains(letter)) {
+            return Err(wrong(format!(
+                "name is {name:?}, but must have no comma, quotation mark or control character: it begins names of columns"
+            )));
+        }
         scene.free_name(name)?;
         let device = params.device()?;
         let mut tool = Tool::new(name, shape);

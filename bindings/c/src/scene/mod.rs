@@ -140,15 +140,31 @@ pub unsafe extern "C" fn palpate_scene_open(path: *const c_char, scene: *mut *mu
     // SAFETY: as the caller says.
     unsafe {
         make(scene, || {
-            let path = text::read(path, "path")?;
-            let text =
-                fs::read_to_string(path).map_err(|error| wrong(format!("{path}: {error}")))?;
+            let (path, text) = text_of_file(path)?;
             let file = WorldFile::parse(path, &text).map_err(|errors| wrong(errors.to_string()))?;
             Ok(Scene {
                 scene: file.scene,
                 source: Some(text),
             })
         })
+    }
+}
+
+/// The path of a scene file, and its text.
+///
+/// # Safety
+/// `path` is NULL, or a 0 ends what it points to, which nobody changes during `'a`.
+pub(crate) unsafe fn text_of_file<'a>(
+    path: *const c_char,
+) -> Result<(&'a str, String), Refusal<'a>> {
+    // SAFETY: as the caller says.
+    let path = unsafe { text::read(path, "path") }?;
+    if path.is_empty() {
+        return Err(wrong("path is \"\", but must name a file"));
+    }
+    match fs::read_to_string(path) {
+        Ok(text) => Ok((path, text)),
+        Err(error) => Err(wrong(format!("{path}: {error}"))),
     }
 }
 
@@ -214,14 +230,17 @@ impl Scene {
         })
     }
 
-    /// The faults of the world that `is` one's, after a change; devices may still be missing.
+    /// The faults of the world that `is` one's, after a change; devices may still be missing. They are those of names, or else
+    /// of the numbers that a call has given.
     fn check(&self, is: impl Fn(&WorldError) -> bool) -> Result<(), Refusal<'static>> {
         let faults = self.scene.world.check().err().unwrap_or_default();
         let own: Vec<_> = faults.into_iter().filter(is).collect();
         if own.is_empty() {
             Ok(())
-        } else {
+        } else if own.iter().any(|fault| fault.field == "between") {
             Err(wrong(in_words(&own)))
+        } else {
+            Err(Refusal::Numbers(in_words(&own)))
         }
     }
 }

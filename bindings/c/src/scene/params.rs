@@ -3,6 +3,7 @@
 use palpate_scene::world::{DeviceTurning, TurningHand, WorldDevice, WorldHand};
 use palpate_world::NOT_TURNED;
 
+use crate::choice;
 use crate::edge::status;
 use crate::sized::{self, SizedStruct};
 use crate::status::{Refusal, Status};
@@ -68,7 +69,7 @@ pub(crate) fn check(numbers: &[(&'static str, f64, bool)]) -> Result<(), Refusal
             } else {
                 "finite and not below 0"
             };
-            return Err(Refusal::WorldNumber {
+            return Err(Refusal::Number {
                 name,
                 given,
                 allowed,
@@ -159,10 +160,11 @@ impl DeviceParams {
             ])?;
         }
         let none = [0.0; 3];
+        choice::unused(self.reserved)?;
         if self.turns > BY_HAND {
-            return Err(Refusal::WorldNumber {
+            return Err(Refusal::Choice {
                 name: "turns",
-                given: f64::from(self.turns),
+                given: self.turns,
                 allowed: "0, 1 or 2",
             });
         }

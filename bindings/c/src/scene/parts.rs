@@ -4,6 +4,7 @@ use palpate_world::{Body, Contact, ContactLaw, Free, Joint, JointKind, JointLaw,
 use std::borrow::ToOwned;
 
 use super::params::check;
+use crate::choice;
 use crate::edge::status;
 use crate::sized::{self, SizedStruct};
 use crate::status::{Refusal, Status};
@@ -263,6 +264,7 @@ impl JointParams {
                 });
             }
         };
+        let has_limits = choice::switch("has_limits", self.has_limits)?;
         let length = self.axis.iter().map(|x| x * x).sum::<f64>().sqrt();
         let is_direction = length > 0.0 && length.is_finite();
         Ok(Joint {
@@ -282,7 +284,7 @@ impl JointParams {
                 spring: self.spring,
                 rest: self.rest,
                 along_damping: self.along_damping,
-                limits: (self.has_limits != 0).then_some(self.limits),
+                limits: has_limits.then_some(self.limits),
             },
         })
     }

@@ -1,12 +1,13 @@
 //! The shapes of tools and bodies.
 
+use std::fmt::Display;
 use std::string::ToString;
 use std::sync::Arc;
 
 use palpate_world::{Hull, Mesh, Shape as World, SphereAt};
 
-use super::wrong;
 use crate::array::array;
+use crate::choice;
 use crate::edge::status;
 use crate::sized::{self, SizedStruct};
 use crate::status::{Refusal, Status};
@@ -95,19 +96,9 @@ impl Shape {
     /// `shape` is NULL or to a shape of the size that it begins with, and its arrays have as many elements as it says.
     pub(super) unsafe fn at(shape: *const Self) -> Result<World, Refusal<'static>> {
         // SAFETY: as the caller says.
-        let read = unsafe { Self::read(shape) };
-        read.map_err(|refusal| match refusal {
-            // No more than one of the scene's other faults.
-            Refusal::Array { .. } => wrong(refusal.to_string()),
-            other => other,
-        })
-    }
-
-    /// # Safety
-    /// As for [`at`](Self::at).
-    unsafe fn read(shape: *const Self) -> Result<World, Refusal<'static>> {
-        // SAFETY: as the caller says.
         let shape = unsafe { sized::read(shape) }?;
+        choice::unused(shape.reserved)?;
+        let numbers = |error: &dyn Display| Refusal::Numbers(error.to_string());
         let Self {
             radius,
             half_length,
@@ -149,10 +140,10 @@ impl Shape {
             // SAFETY: as the caller says.
             let faces =
                 unsafe { array(shape.faces.cast::<[u32; 3]>(), shape.face_count, "faces") }?;
-            let mesh = Mesh::new(points()?, faces).map_err(|error| wrong(error.to_string()))?;
+            let mesh = Mesh::new(points()?, faces).map_err(|error| numbers(&error))?;
             World::Mesh(Arc::new(mesh))
         } else if is(ShapeKind::Hull) {
-            let hull = Hull::around(points()?).map_err(|error| wrong(error.to_string()))?;
+            let hull = Hull::around(points()?).map_err(|error| numbers(&error))?;
             World::Hull(Arc::new(hull))
         } else if is(ShapeKind::Spheres) {
             let spheres = points()?.iter();

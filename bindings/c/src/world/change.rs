@@ -89,10 +89,15 @@ pub unsafe extern "C" fn palpate_world_place(
             velocity: state.velocity,
             angular_velocity: state.angular_velocity,
         };
-        world
-            .bounded
-            .place(body, &to)
-            .map_err(|fault| Refusal::WorldChange(fault.to_string()))
+        world.bounded.place(body, &to).map_err(|fault| {
+            let mut velocities = to.velocity.iter().chain(&to.angular_velocity);
+            // Of numbers that can be, only a fixed body refuses a velocity.
+            if fault.field == "velocity" && velocities.all(|number| number.is_finite()) {
+                Refusal::WorldChange(fault.to_string())
+            } else {
+                Refusal::Numbers(fault.to_string())
+            }
+        })
     })
 }
 

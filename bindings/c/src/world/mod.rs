@@ -2,6 +2,7 @@
 
 mod change;
 mod contacts;
+mod methods;
 mod output;
 mod params;
 mod sample;
@@ -10,6 +11,7 @@ mod step;
 
 pub use change::*;
 pub use contacts::*;
+pub use methods::*;
 pub use output::*;
 pub use params::*;
 pub use sample::*;
@@ -19,13 +21,13 @@ pub use step::*;
 use core::ffi::c_char;
 use core::ptr;
 use std::ffi::CString;
-use std::fs;
 
 use palpate_rt::{BoundedWorld, WorldRows};
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_world::{NOT_TURNED, Quaternion, Vector, WorldError};
 
 use crate::edge::status;
+use crate::identity::Identity;
 use crate::scene::{self, Scene};
 use crate::status::{Refusal, Status};
 use crate::text;
@@ -35,7 +37,8 @@ pub struct World {
     pub(crate) bounded: BoundedWorld,
     pub(crate) devices: Vec<Device>,
     pub(crate) bodies: Vec<CString>,
-    /// For recordings: the text of the scene, if one says the world, the method,
+    /// For recordings: which world it is, the text of the scene, if one says the world, the method,
+    pub(crate) identity: Identity,
     pub(crate) source: Option<String>,
     pub(crate) method: String,
     /// how often it was changed,
@@ -71,9 +74,7 @@ pub unsafe extern "C" fn palpate_world_open(
     // SAFETY: as the caller says.
     unsafe {
         make(params, world, || {
-            let path = text::read(path, "path")?;
-            let text = fs::read_to_string(path)
-                .map_err(|error| Refusal::Scene(format!("{path}: {error}")))?;
+            let (path, text) = scene::text_of_file(path)?;
             Ok((path.to_owned(), text))
         })
     }
@@ -163,13 +164,22 @@ impl World {
         let mut scene = scene.clone();
         let limits = asked.limits(&mut scene.render);
         let method = asked.method.as_ref().unwrap_or(&scene.render.method);
-        let renderer = scene
-            .renderer(method)
-            .map_err(|faults| Refusal::Scene(in_words(&faults)))?;
+        let renderer = scene.renderer(method).map_err(|faults| {
+            let is_all = |place| faults.iter().all(|fault| fault.place == place);
+            let words = in_words(&faults);
+            if asked.method.is_some() && is_all(palpate_world::Place::Method) {
+                Refusal::WorldMethod(words)
+            } else if asked.has_limits() && is_all(palpate_world::Place::Loop) {
+                Refusal::Numbers(words)
+            } else {
+                Refusal::Scene(words)
+            }
+        })?;
         let bounded = BoundedWorld::new(renderer, limits)
-            .map_err(|error| Refusal::Scene(error.to_string()))?;
+            .map_err(|error| Refusal::Numbers(error.to_string()))?;
         let tools = &scene.world.tools;
         Ok(Self {
+            identity: Identity::next(),
             source,
             method: method.to_owned(),
             changes: 0,

@@ -114,13 +114,18 @@ impl Asked {
             ),
         ];
         match checks.into_iter().find(|(_, _, is_right, _)| !is_right) {
-            Some((name, given, _, allowed)) => Err(Refusal::WorldNumber {
+            Some((name, given, _, allowed)) => Err(Refusal::Number {
                 name,
                 given,
                 allowed,
             }),
             None => Ok(asked),
         }
+    }
+
+    /// Whether it has a limit of its own.
+    pub fn has_limits(&self) -> bool {
+        self.force_limit != 0.0 || self.torque_limit != 0.0
     }
 
     /// The limits of each device, which are put into `render` too: what the renderer limits by itself needs no sending

@@ -1,6 +1,9 @@
 //! What goes into a tick of a world.
 
-use crate::sized::SizedStruct;
+use crate::array::array;
+use crate::choice;
+use crate::sized::{self, SizedStruct};
+use crate::status::Refusal;
 
 /// Where a device is. It stands in arrays, so it has no struct_size and stays as it is.
 #[repr(C)]
@@ -45,4 +48,49 @@ pub struct WorldSample {
 // SAFETY: `repr(C)`, a `usize` first, numbers and raw pointers only.
 unsafe impl SizedStruct for WorldSample {
     const NAME: &'static str = "palpate_world_sample";
+}
+
+impl WorldSample {
+    /// The sample at `given`, and its poses: one for each of so many devices. What is wrong with their numbers says the tick.
+    ///
+    /// # Safety
+    /// `given` is NULL or to a sample of the size that it begins with, with as many poses as it says.
+    pub(crate) unsafe fn at<'a>(
+        given: *const Self,
+        devices: usize,
+    ) -> Result<(Self, &'a [Pose]), Refusal<'static>> {
+        // SAFETY: as the caller says.
+        let sample = unsafe { sized::read(given) }?;
+        choice::switch("has_elapsed", sample.has_elapsed)?;
+        choice::unused(sample.reserved)?;
+        if sample.pose_count != devices {
+            return Err(Refusal::Count {
+                name: "pose_count",
+                given: sample.pose_count,
+                needed: devices,
+                of: ("the world", "devices"),
+            });
+        }
+        // SAFETY: as the caller says.
+        let poses = unsafe { array(sample.poses, devices, "poses") }?;
+        Ok((sample, poses))
+    }
+}
+
+impl Wrench {
+    /// Refuses what is no number.
+    pub(crate) fn reported(&self) -> Result<(), Refusal<'static>> {
+        let of = |name, numbers: [f64; 3], allowed| {
+            let wrong = numbers.into_iter().find(|number| !number.is_finite());
+            wrong.map_or(Ok(()), |given| {
+                Err(Refusal::Number {
+                    name,
+                    given,
+                    allowed,
+                })
+            })
+        };
+        of("force", self.force, "finite [N]")?;
+        of("torque", self.torque, "finite [N m]")
+    }
 }

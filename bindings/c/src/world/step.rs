@@ -1,15 +1,14 @@
 //! A tick of a world.
 
-use core::slice;
-
 use palpate_device::Wrench as Held;
 use palpate_world::{NOT_TURNED, Sample};
 
-use super::{Pose, World, WorldOutput, WorldSample, Wrench};
+use super::{World, WorldOutput, WorldSample, Wrench};
+use crate::array::array_mut;
 use crate::edge::{caught, status};
 use crate::last_error;
 use crate::output::Fault;
-use crate::sized::{self, SizedStruct};
+use crate::sized::{Room, SizedStruct};
 use crate::status::{Refusal, Status};
 
 const NONE: Wrench = Wrench {
@@ -21,7 +20,8 @@ const NONE: Wrench = Wrench {
 /// which there are `wrench_count`, one for each device.
 ///
 /// It cannot fail: the wrenches are finite numbers for any input, and all 0 where a sample is refused or an argument is
-/// wrong; what it gives says why. It does not allocate, lock, wait, or loop without bound. `output` may be NULL.
+/// wrong; what it gives says why. It does not allocate, lock, wait, or loop without bound. `output` may be NULL. Where an
+/// argument is wrong, PALPATE_FAULT_ARGUMENT, there was no tick: the world stays as it was.
 ///
 /// # Safety
 /// Each pointer is NULL or to what its type says, `wrenches` to `wrench_count` of them; structs have the sizes that they
@@ -36,7 +36,7 @@ pub unsafe extern "C" fn palpate_world_step(
 ) -> Fault {
     // SAFETY: as the caller says.
     unsafe {
-        answer(wrenches, wrench_count, output, |out| {
+        answer("wrenches", wrenches, wrench_count, output, |out| {
             tick(world, sample, out)
         })
     }
@@ -56,19 +56,30 @@ pub(crate) trait TickOutput: SizedStruct {
 /// # Safety
 /// `wrenches` is NULL or to `wrench_count` of them, `output` NULL or to a struct of the size that it begins with.
 pub(crate) unsafe fn answer<O: TickOutput>(
+    name: &'static str,
     wrenches: *mut Wrench,
     wrench_count: usize,
     output: *mut O,
     tick: impl FnOnce(&mut [Wrench]) -> Result<O, Refusal<'static>>,
 ) -> Fault {
-    let out: &mut [Wrench] = if wrenches.is_null() {
-        &mut []
-    } else {
-        // SAFETY: as the caller says.
-        unsafe { slice::from_raw_parts_mut(wrenches, wrench_count) }
+    // All of it before the tick: one that is refused has not been.
+    // SAFETY: as the caller says.
+    let (out, room) = unsafe {
+        (
+            array_mut(wrenches, wrench_count, name),
+            Room::if_asked(output),
+        )
     };
+    let (out, mut refused) = match out {
+        Ok(out) => (out, None),
+        Err(refusal) => (&mut [][..], Some(refusal)),
+    };
+    let room = room.unwrap_or_else(|refusal| {
+        refused = Some(refusal);
+        None
+    });
     out.fill(NONE);
-    let said = caught(|| match tick(out) {
+    let said = caught(|| match refused.map_or_else(|| tick(out), Err) {
         Ok(said) => said,
         Err(refusal) => {
             last_error::set(&refusal);
@@ -80,16 +91,11 @@ pub(crate) unsafe fn answer<O: TickOutput>(
         // What was put there before a defect came up.
         out.fill(NONE);
     }
-    if !output.is_null() {
-        // SAFETY: as the caller says.
-        if let Err(refusal) = unsafe { sized::write(output, || said) } {
-            // A caller who has not said what it has room for gets no force.
-            last_error::set(&refusal);
-            out.fill(NONE);
-            return Fault::Argument;
-        }
+    let fault = said.fault();
+    if let Some(room) = room {
+        room.write(said);
     }
-    said.fault()
+    fault
 }
 
 /// The tick of arguments that may be wrong.
@@ -103,27 +109,17 @@ unsafe fn tick(
 ) -> Result<WorldOutput, Refusal<'static>> {
     // SAFETY: as the caller says.
     let world = unsafe { world.as_mut() }.ok_or(Refusal::Null("world"))?;
-    // SAFETY: as the caller says.
-    let sample = unsafe { sized::read(sample) }?;
     let devices = world.devices.len();
-    let counted = |name, given| {
-        if given == devices {
-            Ok(())
-        } else {
-            Err(Refusal::Count {
-                name,
-                given,
-                needed: devices,
-            })
-        }
-    };
-    counted("wrench_count", out.len())?;
-    counted("pose_count", sample.pose_count)?;
-    if sample.poses.is_null() {
-        return Err(Refusal::Null("poses"));
+    if out.len() != devices {
+        return Err(Refusal::Count {
+            name: "wrench_count",
+            given: out.len(),
+            needed: devices,
+            of: ("the world", "devices"),
+        });
     }
-    // SAFETY: as the caller says, and their number is that of the devices.
-    let poses: &[Pose] = unsafe { slice::from_raw_parts(sample.poses, devices) };
+    // SAFETY: as the caller says.
+    let (sample, poses) = unsafe { WorldSample::at(sample, devices) }?;
     let room = world.positions.iter_mut().zip(&mut world.orientations);
     for ((position, orientation), (pose, device)) in room.zip(poses.iter().zip(&world.devices)) {
         *position = pose.position;
@@ -148,7 +144,7 @@ unsafe fn tick(
 }
 
 /// Says what was really sent to a device for the last tick, where it is another wrench than the tick has given: something
-/// between has limited it.
+/// between has limited it. What is not finite is refused.
 ///
 /// # Safety
 /// Each pointer is NULL or to what its type says.
@@ -171,6 +167,7 @@ pub unsafe extern "C" fn palpate_world_report_sent(
                 count: devices,
             });
         }
+        sent.reported()?;
         let Wrench { force, torque } = *sent;
         world.bounded.report_sent(device, Held { force, torque });
         Ok(())

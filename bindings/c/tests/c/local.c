@@ -79,6 +79,7 @@ static void ticks(void) {
   palpate_pose pose = {{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}};
   palpate_world_sample sample = palpate_world_sample_at(&pose, 1);
   palpate_body_progress given[1];
+  uint64_t before;
   floor[0] = palpate_host_contact_at_gap(centre, 0.005, PALPATE_NO_BODY, 0.0, UP, 1000.0);
   floor[1] = palpate_host_contact_none();
   params.contacts = 2;
@@ -97,7 +98,7 @@ static void ticks(void) {
   EXPECT(progress.period == 0.001 && fabs(progress.position[2] - 0.004) < 0.001);
 
   /* What is published wrongly changes nothing, and says all that is wrong. */
-  REFUSED(palpate_slow_host_publish(host, 400, &body, 1, floor, 1), PALPATE_STATUS_PARAMETER,
+  REFUSED(palpate_slow_host_publish(host, 400, &body, 1, floor, 1), PALPATE_STATUS_COUNT,
           "body_count is 1, but the local model has 0 bodies");
   REFUSED(palpate_slow_host_publish(host, 400, NULL, 0, NULL, 1), PALPATE_STATUS_NULL, "contacts is NULL");
   floor[0].normal[2] = 0.5, floor[1] = floor[0], floor[1].normal[2] = 1.0, floor[1].on = 3;
@@ -106,7 +107,7 @@ static void ticks(void) {
   floor[0].normal[2] = 1.0, floor[0].stiffness = NAN;
   REFUSED(palpate_slow_host_publish(host, 400, NULL, 0, floor, 1), PALPATE_STATUS_PARAMETER, "contact 0");
   floor[0].stiffness = 1000.0, floor[1] = palpate_host_contact_none();
-  REFUSED(palpate_slow_host_progress(host, &progress, given, 1), PALPATE_STATUS_PARAMETER, "body_count is 1");
+  REFUSED(palpate_slow_host_progress(host, &progress, given, 1), PALPATE_STATUS_COUNT, "body_count is 1");
   REFUSED(palpate_slow_host_progress(host, NULL, NULL, 0), PALPATE_STATUS_NULL, "palpate_progress");
   EXPECT(palpate_slow_host_progress(NULL, &progress, NULL, 0) == PALPATE_STATUS_NULL);
   EXPECT(palpate_slow_host_publish(NULL, 0, NULL, 0, NULL, 0) == PALPATE_STATUS_NULL);
@@ -127,8 +128,17 @@ static void ticks(void) {
   EXPECT(palpate_local_world_step(world, &sample, &wrench, NULL) == PALPATE_FAULT_ARGUMENT);
   sample = palpate_world_sample_at(NULL, 1);
   EXPECT(palpate_local_world_step(world, &sample, &wrench, NULL) == PALPATE_FAULT_ARGUMENT);
+  /* A tick that could not say what it did has not been. */
+  EXPECT(palpate_slow_host_progress(host, &progress, NULL, 0) == PALPATE_STATUS_OK);
+  before = progress.tick;
   output.struct_size = 8;
   EXPECT(tick(world, 0.001, &wrench, &output) == PALPATE_FAULT_ARGUMENT && wrench.force[2] == 0.0);
+  EXPECT(palpate_slow_host_progress(host, &progress, NULL, 0) == PALPATE_STATUS_OK && progress.tick == before);
+  EXPECT(tick(world, 0.001, &wrench, NULL) == PALPATE_FAULT_NONE);
+  EXPECT(palpate_slow_host_progress(host, &progress, NULL, 0) == PALPATE_STATUS_OK && progress.tick == before + 1);
+  wrench.force[1] = NAN;
+  REFUSED(palpate_local_world_report_sent(world, &wrench), PALPATE_STATUS_PARAMETER, "force is NaN, but must be finite [N]");
+  wrench.force[1] = 0.0;
   EXPECT(palpate_local_world_report_sent(world, NULL) == PALPATE_STATUS_NULL);
   EXPECT(palpate_local_world_report_sent(NULL, &wrench) == PALPATE_STATUS_NULL);
   EXPECT(palpate_local_world_report_sent(world, &wrench) == PALPATE_STATUS_OK);

@@ -35,6 +35,7 @@ static void parameters(void) {
   palpate_loop_params loop = loop_params();
   palpate_contact_params params = basic_params();
   palpate_setting setting = {"damping_n_s_per_m", -1.0, NULL};
+  const palpate_setting twice[] = {{"damping_n_s_per_m", 0.5, NULL}, {"damping_n_s_per_m", 0.5, NULL}};
 
   params.stiffness = -400.0;
   REFUSED(palpate_contact_new(&params, &loop, &contact), PALPATE_STATUS_PARAMETER,
@@ -79,14 +80,26 @@ static void parameters(void) {
   REFUSED(palpate_contact_new(&params, &loop, &contact), PALPATE_STATUS_SETTING,
           "virtual-damper has no setting \"damping\"; it has damping_n_s_per_m, prediction, "
           "damper_object, longest_window_s");
-  setting.key = "prediction";
+  setting.key = "damper_object";
   setting.word = "by guess";
   REFUSED(palpate_contact_new(&params, &loop, &contact), PALPATE_STATUS_SETTING,
-          "prediction is \"by guess\", but must be one of its words; its help has them");
+          "damper_object is \"by guess\", but must be \"spring-and-damper\", \"spring\" or \"held-force\"");
+  setting.word = NULL;
+  REFUSED(palpate_contact_new(&params, &loop, &contact), PALPATE_STATUS_SETTING,
+          "damper_object is a number, but must be \"spring-and-damper\", \"spring\" or \"held-force\"");
   setting.key = NULL;
   REFUSED(palpate_contact_new(&params, &loop, &contact), PALPATE_STATUS_NULL, "key of a setting is NULL");
   params.settings = NULL;
   REFUSED(palpate_contact_new(&params, &loop, &contact), PALPATE_STATUS_NULL, "settings is NULL");
+  params.settings = twice;
+  params.setting_count = 2;
+  REFUSED(palpate_contact_new(&params, &loop, &contact), PALPATE_STATUS_SETTING, "damping_n_s_per_m is given twice");
+  params = basic_params();
+  params.unilateral = 2;
+  REFUSED(palpate_contact_new(&params, &loop, &contact), PALPATE_STATUS_PARAMETER, "unilateral is 2, but must be 0 or 1");
+  params = basic_params();
+  loop.reserved = 1;
+  REFUSED(palpate_contact_new(&params, &loop, &contact), PALPATE_STATUS_PARAMETER, "reserved is 1, but must be 0");
 }
 
 static void structs(void) {
@@ -166,6 +179,57 @@ static void ticks(void) {
   palpate_contact_free(contact);
 }
 
+/* What is refused leaves a contact as if nobody had called. */
+static void refused_ticks(void) {
+  palpate_contact *contact, *left_alone;
+  palpate_loop_params loop = loop_params();
+  palpate_contact_params params = basic_params();
+  palpate_output output = palpate_output_empty(), small = output;
+  palpate_ledger ledger = palpate_ledger_empty(), expected = ledger;
+
+  small.struct_size = sizeof small - 1;
+  EXPECT(palpate_contact_new(&params, &loop, &contact) == PALPATE_STATUS_OK);
+  EXPECT(palpate_contact_new(&params, &loop, &left_alone) == PALPATE_STATUS_OK);
+  for (int tick = 0; tick < 5; tick++) {
+    palpate_sample sample = palpate_sample_at(1e-4 * tick), wrong = sample;
+    double force = palpate_contact_step(left_alone, &sample, NULL);
+    EXPECT(palpate_contact_step(contact, &sample, &small) == 0.0);
+    EXPECT(strstr(palpate_last_error(), "struct_size of palpate_output is ") != NULL);
+    wrong.reserved = 7;
+    EXPECT(palpate_contact_step(contact, &wrong, &output) == 0.0 && output.fault == PALPATE_FAULT_ARGUMENT);
+    EXPECT(strcmp(palpate_last_error(), "reserved is 7, but must be 0") == 0);
+    wrong = sample;
+    wrong.has_elapsed = 2;
+    EXPECT(palpate_contact_step(contact, &wrong, &output) == 0.0 && output.fault == PALPATE_FAULT_ARGUMENT);
+    EXPECT(strcmp(palpate_last_error(), "has_elapsed is 2, but must be 0 or 1") == 0);
+    EXPECT(palpate_contact_step(contact, &sample, &output) == force);
+    REFUSED(palpate_contact_report_sent(contact, NAN), PALPATE_STATUS_PARAMETER,
+            "force_on_device is NaN, but must be finite [N]");
+    REFUSED(palpate_contact_report_held(contact, -INFINITY), PALPATE_STATUS_PARAMETER,
+            "force_on_device is -inf, but must be finite [N]");
+    EXPECT(palpate_contact_ledger(contact, &ledger) == PALPATE_STATUS_OK);
+    EXPECT(palpate_contact_ledger(left_alone, &expected) == PALPATE_STATUS_OK);
+    EXPECT(memcmp(&ledger, &expected, sizeof ledger) == 0);
+  }
+  EXPECT(ledger.port_work != 0.0);
+  palpate_contact_free(contact);
+  palpate_contact_free(left_alone);
+}
+
+static void names(void) {
+  char words[100];
+  EXPECT(strcmp(palpate_status_name(PALPATE_STATUS_OK), "ok") == 0);
+  EXPECT(strcmp(palpate_status_name(PALPATE_STATUS_STRUCT_SIZE), "struct-size") == 0);
+  EXPECT(strcmp(palpate_status_name(99), "unknown") == 0);
+  EXPECT(strcmp(palpate_fault_name(PALPATE_FAULT_GAP_TOO_LONG), "gap-too-long") == 0);
+  EXPECT(strcmp(palpate_fault_name(PALPATE_FAULT_ARGUMENT), "argument") == 0);
+  EXPECT(strcmp(palpate_fault_name(50), "unknown") == 0);
+  /* The setting damper_object of the method virtual-damper has words, its first one a number. */
+  palpate_setting_text(2, 2, PALPATE_ABOUT_SETTING_WORDS, words, sizeof words);
+  EXPECT(strcmp(words, "spring-and-damper, spring, held-force") == 0);
+  EXPECT(palpate_setting_text(2, 0, PALPATE_ABOUT_SETTING_WORDS, words, sizeof words) == 0 && strcmp(words, "") == 0);
+}
+
 static void memory(void) {
   palpate_contact *contact;
   palpate_loop_params loop = loop_params();
@@ -194,6 +258,8 @@ int main(void) {
   parameters();
   structs();
   ticks();
+  refused_ticks();
+  names();
   memory();
   return failures != 0;
 }

@@ -59,8 +59,9 @@ static void making(palpate_contact *contact) {
   REFUSED(palpate_recorder_of_contact(contact, in_folder("x.mcap"), &params, &recorder), PALPATE_STATUS_SETTING,
           "device is not UTF-8");
   params = palpate_recorder_params_default();
+  REFUSED(palpate_recorder_of_contact(contact, "", NULL, &recorder), PALPATE_STATUS_RECORDING, "the path names no file");
   params.room = (size_t)1 << 40;
-  REFUSED(palpate_recorder_of_contact(contact, in_folder("x.mcap"), &params, &recorder), PALPATE_STATUS_RECORDING,
+  REFUSED(palpate_recorder_of_contact(contact, in_folder("x.mcap"), &params, &recorder), PALPATE_STATUS_PARAMETER,
           "room is 1099511627776 ticks, but must be at most 16777216");
   params.struct_size = 3;
   REFUSED(palpate_recorder_of_contact(contact, in_folder("x.mcap"), &params, &recorder), PALPATE_STATUS_STRUCT_SIZE,
@@ -84,6 +85,12 @@ static void ticks(palpate_contact *contact, palpate_world *world) {
   EXPECT(tick(recorder, contact, 0.001) == PALPATE_STATUS_OK);
   REFUSED(palpate_recorder_world_tick(recorder, world, &of_world, &answer, &wrench), PALPATE_STATUS_RECORDING,
           "the recorder was made of a contact, and this is a tick of a world");
+  {
+    palpate_contact *other = a_wall();
+    REFUSED(palpate_recorder_contact_tick(recorder, other, &sample, &output, 0.0), PALPATE_STATUS_RECORDING,
+            "the recorder was made of a contact, and this is a tick of another one");
+    palpate_contact_free(other);
+  }
   EXPECT(palpate_recorder_contact_tick(NULL, contact, &sample, &output, 0.0) == PALPATE_STATUS_NULL);
   EXPECT(palpate_recorder_contact_tick(recorder, NULL, &sample, &output, 0.0) == PALPATE_STATUS_NULL);
   EXPECT(palpate_recorder_contact_tick(recorder, contact, NULL, &output, 0.0) == PALPATE_STATUS_NULL);
@@ -134,12 +141,13 @@ static void overflow(palpate_contact *contact) {
 
 /* Two fingers that close on a cube, each in a recording of its own. */
 static void devices(const char *scene, palpate_world *of_one) {
-  palpate_world *world;
+  palpate_world *world, *again;
   palpate_recorder *left, *right, *none;
   palpate_recorded recorded = palpate_recorded_empty();
 
   EXPECT(palpate_world_open(scene, NULL, &world) == PALPATE_STATUS_OK);
-  REFUSED(palpate_recorder_of_world(world, in_folder("none.mcap"), NULL, &none), PALPATE_STATUS_RECORDING,
+  EXPECT(palpate_world_open(scene, NULL, &again) == PALPATE_STATUS_OK);
+  REFUSED(palpate_recorder_of_world(world, in_folder("none.mcap"), NULL, &none), PALPATE_STATUS_COUNT,
           "the world has 2 devices");
   REFUSED(palpate_recorder_of_device(world, 2, in_folder("none.mcap"), NULL, &none), PALPATE_STATUS_COUNT,
           "device is 2, but must be less than 2");
@@ -158,7 +166,10 @@ static void devices(const char *scene, palpate_world *of_one) {
     EXPECT(palpate_recorder_world_tick(right, world, &sample, &output, &wrenches[1]) == PALPATE_STATUS_OK);
     if (tick == 199) {
       EXPECT(wrenches[0].force[0] < -0.01 && wrenches[1].force[0] > 0.01);
-      EXPECT(palpate_recorder_world_tick(right, of_one, &sample, &output, &wrenches[1]) == PALPATE_STATUS_COUNT);
+      REFUSED(palpate_recorder_world_tick(right, of_one, &sample, &output, &wrenches[1]), PALPATE_STATUS_RECORDING,
+              "the recorder was made of a world, and this is a tick of another one");
+      REFUSED(palpate_recorder_world_tick(right, again, &sample, &output, &wrenches[1]), PALPATE_STATUS_RECORDING,
+              "a tick of another one");
       sample.pose_count = 1;
       EXPECT(palpate_recorder_world_tick(right, world, &sample, &output, &wrenches[1]) == PALPATE_STATUS_COUNT);
     }
@@ -168,6 +179,7 @@ static void devices(const char *scene, palpate_world *of_one) {
   EXPECT(palpate_recorder_close(right, &recorded) == PALPATE_STATUS_OK);
   EXPECT(recorded.ticks == 200 && recorded.lost == 0);
   palpate_world_free(world);
+  palpate_world_free(again);
 }
 
 int main(int argc, char **argv) {

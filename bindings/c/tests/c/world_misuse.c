@@ -32,16 +32,22 @@ static void making(void) {
 
   REFUSED(palpate_world_open("there/is/none.toml", NULL, &world), PALPATE_STATUS_SCENE, "there/is/none.toml: ");
   EXPECT(world == NULL);
+  REFUSED(palpate_world_open("", NULL, &world), PALPATE_STATUS_SCENE, "path is \"\", but must name a file");
   REFUSED(palpate_world_open(NULL, NULL, &world), PALPATE_STATUS_NULL, "path is NULL");
   EXPECT(palpate_world_open("x", NULL, NULL) == PALPATE_STATUS_NULL);
   REFUSED(palpate_world_new("format = 2\nloop = 3\n", "mine.toml", NULL, &world), PALPATE_STATUS_SCENE, "mine.toml:2");
   REFUSED(palpate_world_new("\xff", NULL, NULL, &world), PALPATE_STATUS_SETTING, "scene is not UTF-8");
   params.method = "couple";
-  REFUSED(palpate_world_new(SCENE, NULL, &params, &world), PALPATE_STATUS_SCENE, "did you mean coupled?");
+  REFUSED(palpate_world_new(SCENE, NULL, &params, &world), PALPATE_STATUS_SETTING,
+          "did you mean coupled? Known here: basic, virtual-damper, virtual-coupling, god-object, coupled");
+  EXPECT(palpate_world_method_count() == 5 && palpate_world_method_name(5) == NULL);
+  EXPECT(strcmp(palpate_world_method_name(0), "basic") == 0 && strcmp(palpate_world_method_name(4), "coupled") == 0);
   params = palpate_world_params_default();
   params.force_limit = NAN;
   REFUSED(palpate_world_new(SCENE, NULL, &params, &world), PALPATE_STATUS_PARAMETER,
           "force_limit is NaN, but must be above 0, INFINITY for no limit, or 0 for the scene's");
+  params.force_limit = 1e-300;
+  REFUSED(palpate_world_new(SCENE, NULL, &params, &world), PALPATE_STATUS_PARAMETER, "has to be at least 1e-20");
   params = palpate_world_params_default();
   params.soft_start = -1.0;
   REFUSED(palpate_world_new(SCENE, NULL, &params, &world), PALPATE_STATUS_PARAMETER, "soft_start is -1");
@@ -106,8 +112,47 @@ static void ticks(void) {
   palpate_world_free(world);
 }
 
+/* What is refused leaves a world as if nobody had called. */
+static void refused_ticks(void) {
+  palpate_world *world, *left_alone;
+  palpate_world_output output = palpate_world_output_empty(), small = output;
+  palpate_world_ledger ledger = palpate_world_ledger_empty(), expected = ledger;
+  palpate_wrench wrench, other, wrong = {{NAN, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+
+  small.struct_size = sizeof small - 1;
+  EXPECT(palpate_world_new(SCENE, NULL, NULL, &world) == PALPATE_STATUS_OK);
+  EXPECT(palpate_world_new(SCENE, NULL, NULL, &left_alone) == PALPATE_STATUS_OK);
+  for (int tick = 0; tick < 50; tick++) {
+    palpate_pose pose = {{0.0, 0.0, 0.01 - 2e-5 * tick}, {1.0, 0.0, 0.0, 0.0}};
+    palpate_world_sample sample = palpate_world_sample_at(&pose, 1), reserved = sample, flag = sample;
+    reserved.reserved = 7, flag.has_elapsed = 2;
+    EXPECT(palpate_world_step(left_alone, &sample, &other, 1, NULL) == PALPATE_FAULT_NONE);
+    wrench.force[2] = 1.0;
+    EXPECT(palpate_world_step(world, &sample, &wrench, 1, &small) == PALPATE_FAULT_ARGUMENT && wrench.force[2] == 0.0);
+    EXPECT(strstr(palpate_last_error(), "struct_size of palpate_world_output is ") != NULL);
+    EXPECT(palpate_world_step(world, &sample, NULL, 1, &output) == PALPATE_FAULT_ARGUMENT);
+    EXPECT(strcmp(palpate_last_error(), "wrenches is NULL") == 0 && output.fault == PALPATE_FAULT_ARGUMENT);
+    EXPECT(palpate_world_step(world, &sample, &wrench, SIZE_MAX, &output) == PALPATE_FAULT_ARGUMENT);
+    EXPECT(palpate_world_step(world, &reserved, &wrench, 1, &output) == PALPATE_FAULT_ARGUMENT);
+    EXPECT(strcmp(palpate_last_error(), "reserved is 7, but must be 0") == 0);
+    EXPECT(palpate_world_step(world, &flag, &wrench, 1, &output) == PALPATE_FAULT_ARGUMENT);
+    EXPECT(palpate_world_step(world, &sample, &wrench, 1, &output) == PALPATE_FAULT_NONE);
+    EXPECT(memcmp(&wrench, &other, sizeof wrench) == 0);
+    REFUSED(palpate_world_report_sent(world, 0, &wrong), PALPATE_STATUS_PARAMETER, "force is NaN, but must be finite [N]");
+    EXPECT(palpate_world_ledger_of(world, &ledger) == PALPATE_STATUS_OK);
+    EXPECT(palpate_world_ledger_of(left_alone, &expected) == PALPATE_STATUS_OK);
+    EXPECT(memcmp(&ledger, &expected, sizeof ledger) == 0);
+  }
+  EXPECT(wrench.force[2] > 0.0 && ledger.port_work != 0.0);
+  wrong.force[0] = 0.0, wrong.torque[1] = INFINITY;
+  REFUSED(palpate_world_report_sent(world, 0, &wrong), PALPATE_STATUS_PARAMETER, "torque is inf, but must be finite [N m]");
+  palpate_world_free(world);
+  palpate_world_free(left_alone);
+}
+
 int main(void) {
   making();
   ticks();
+  refused_ticks();
   return failures != 0;
 }

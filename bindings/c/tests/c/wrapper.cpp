@@ -103,7 +103,7 @@ static void built() {
   scene.set_body("block", lighter);
   scene.set_body("block", lighter, palpate::box(0.02, 0.02, 0.01));
   auto hinge = palpate_joint_params_default();
-  EXPECT(refused([&] { scene.add_joint("block", hinge); }) == PALPATE_STATUS_SCENE);
+  EXPECT(refused([&] { scene.add_joint("block", hinge); }) == PALPATE_STATUS_PARAMETER);
   hinge.stiffness = 1e4;
   hinge.span = 0.02;
   scene.add_joint("block", "table", hinge);
@@ -235,5 +235,10 @@ int main(int argc, char **argv) {
   EXPECT(moved.description() == "a wall of 1000 N/m, f_V 0 N, by basic");
   const auto names = palpate::method_names();
   EXPECT(names.front() == "basic" && names.back() == "coupled");
+  const auto of_worlds = palpate::world_method_names();
+  EXPECT(of_worlds.size() == 5 && of_worlds[3] == "god-object");
+  EXPECT(palpate::name(PALPATE_STATUS_SCENE) == std::string("scene"));
+  EXPECT(palpate::name(PALPATE_FAULT_OVERFLOW) == std::string("overflow"));
+  EXPECT(first.report_sent(NAN) == PALPATE_STATUS_PARAMETER && first.report_held(0.0) == PALPATE_STATUS_OK);
   return failures != 0;
 }
