@@ -134,11 +134,11 @@ damping_n_s_per_m = 2.0
 
 /// Each with the least E in percent of the old description, which tells a mass along z.
 const SCENES: [(&str, &str, f64); 5] = [
-    ("ball", BALL, 0.5),
-    ("groove", GROOVE, 0.5),
+    ("ball", BALL, 0.2),
+    ("groove", GROOVE, 0.2),
     ("capsule", CAPSULE, 0.2),
-    ("sliding", SLIDING, 0.02),
-    ("mesh", MESH, 0.3),
+    ("sliding", SLIDING, 0.1),
+    ("mesh", MESH, 0.2),
 ];
 
 /// The scene in a loop of this period `[s]`.
