@@ -8,7 +8,7 @@ use palpate_rt::BoundedWorld;
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_world::{
-    Effort, NOT_TURNED, Place, Quaternion, Sample, Vector, WorldError, WorldState,
+    Effort, NOT_TURNED, Place, Quaternion, Sample, Tool, Vector, WorldError, WorldState,
 };
 use pyo3::prelude::*;
 
@@ -76,15 +76,15 @@ impl PyWorld {
         self.bounded.state()
     }
 
-    /// A row for each wrench: its force alone where no device turns.
+    /// A row for each wrench: its force alone where no device gives a torque.
     fn held<'py>(
         &self,
         py: Python<'py>,
         wrenches: &[Wrench],
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let turns = self.width() > 3;
+        let gives_torque = self.gives_torque();
         let rows = wrenches.iter().map(|wrench| {
-            let torque = wrench.torque.into_iter().filter(|_| turns);
+            let torque = wrench.torque.into_iter().filter(|_| gives_torque);
             wrench.force.into_iter().chain(torque).collect()
         });
         let rows: Vec<Vec<f64>> = rows.collect();
@@ -161,7 +161,8 @@ impl PyWorld {
     }
 
     /// One tick: a row for each device in, what it is to give out, row by row. A row has three coordinates, and
-    /// three components of a force comes back; where a device turns, a row of a pose, and a wrench comes back.
+    /// three components of a force comes back; where a device turns, a row of a pose, and where one gives a torque, a
+    /// wrench comes back.
     #[pyo3(signature = (poses, elapsed=None))]
     fn tick<'py>(
         &mut self,
@@ -211,6 +212,11 @@ impl PyWorld {
     /// Says what was really sent to a device for the last sample `[N]`, `[N m]`.
     fn tell_sent(&mut self, tool: usize, force: Vector, torque: Vector) {
         self.bounded.report_sent(tool, Wrench { force, torque });
+    }
+
+    /// Whether a device gives a torque: rows of forces have 6 numbers then, else 3.
+    fn gives_torque(&self) -> bool {
+        self.scene().world.tools.iter().any(Tool::feels_torque)
     }
 
     /// How many numbers a row of a sample has: 3, or 7 where a device of six axes is among the devices.

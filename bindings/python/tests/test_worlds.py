@@ -104,6 +104,24 @@ def test_a_device_of_six_axes_answers_as_the_pipe_does(program: Any, root: Path,
     assert not_unit.tolist() == [0.0] * 6 and own.output.fault is not None
 
 
+def test_a_stylus_that_its_hand_turns_is_answered_with_a_force() -> None:
+    stylus = palpate.World("experiments/worlds/stylus.toml", soft_start=0.0)
+    most = 0.0
+    for tick in range(100):
+        half = -0.25 + 2e-3 * tick
+        force = stylus.step([0.0, 0.0, 0.055, math.cos(half), 0.0, math.sin(half), 0.0])
+        assert force.shape == (3,) and stylus.output is not None and stylus.output.fault is None
+        most = max(most, float(force[2]))
+    assert most > 1.0
+    turn = stylus.devices["tool"].turn
+    assert turn is not None and turn.torque.tolist() == [0.0] * 3 and turn.inertia is None
+    stylus.report_sent(np.zeros(3))
+    with pytest.raises(ValueError, match=r"must have \(3,\)"):
+        stylus.report_sent(np.zeros(6))
+    with pytest.raises(ValueError, match="gives_torque is of a device of six axes"):
+        ball(devices=[{"name": "tool", "gives_torque": False, "mass_kg": 0.2, "tool": {"sphere": {"radius_m": 0.01}}}])
+
+
 def test_rows_of_several_devices_are_poses_where_one_of_them_turns() -> None:
     tool = {"mass_kg": 0.2, "tool": {"sphere": {"radius_m": 0.01}}}
     devices = [{"name": "point", **tool}, {"name": "body", "inertia_kg_m2": [1e-4] * 3, "position_m": [0.1, 0, 0], **tool}]

@@ -135,7 +135,7 @@ class World(_palpate.World):
         """One tick: takes a sample of all devices, gives the forces to hold until the next.
 
         A device of six axes measures how it is turned and gives a torque: its sample is a pose, and its answer a
-        wrench.
+        wrench. One with `gives_torque = false` takes a pose, too, and its answer is a force.
 
         Args:
             position: Position of the device [m], three numbers; of a device of six axes a pose of seven: x, y, z [m], and
@@ -145,8 +145,8 @@ class World(_palpate.World):
             elapsed: Measured time since the last sample [s]; `None`: one period.
 
         Returns:
-            The force on the device [N], three numbers; of a pose a wrench of six: fx, fy, fz [N], and the torque about
-            the mass centre along the world's axes tx, ty, tz [N m]. Of several devices a row for each. It is what the
+            The force on the device [N], three numbers; of one that gives a torque a wrench of six: fx, fy, fz [N], and the
+            torque about the mass centre along the world's axes tx, ty, tz [N m]. Of several devices a row for each. It is what the
             device is to give to the hand. A sample that cannot be used gives 0, and `output.fault` says why.
 
         Raises:
@@ -174,8 +174,8 @@ class World(_palpate.World):
         """Says what was really sent for the last sample, where that is not what `step` answered.
 
         Args:
-            force: Force on the device [N], three numbers; of a device of six axes a wrench of six, the torque [N m] behind
-                the force.
+            force: Force on the device [N], three numbers; where a device gives a torque a wrench of six, the torque [N m]
+                behind the force.
             device: Name of the device; not needed where there is one.
 
         Raises:
@@ -186,7 +186,7 @@ class World(_palpate.World):
         if device not in self._devices:
             raise ValueError(f"device is {device!r}, but must be one of {', '.join(self._devices)}")
         given = known("force", numbers("force", force))
-        width = 3 if self.width() == 3 else 6
+        width = 6 if self.gives_torque() else 3
         if given.shape != (width,):
             raise ValueError(f"force has the shape {given.shape}, but must have ({width},)")
         torque = given[3:] if width == 6 else np.zeros(3)

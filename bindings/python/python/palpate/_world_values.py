@@ -29,8 +29,8 @@ class WorldOutput(NamedTuple):
 
     forces: NDArray[np.float64]
     """Force on each device [N], a row for each: what it is to give to the hand, and to hold until the next
-    sample. Where a device of six axes is among them, each row has the torque about the mass centre [N m] behind the
-    force, 0 for a device that does not turn."""
+    sample. Where a device that gives a torque is among them, each row has the torque about the mass centre [N m] behind
+    the force, 0 for a device that gives none."""
     limited: tuple[str, ...]
     """Limits that acted: `force`, `torque`, `offset` of an avatar, `guard`, `soft-start`."""
     effort: Effort
@@ -55,7 +55,7 @@ class BodyState(NamedTuple):
 
 
 class TurnState(NamedTuple):
-    """How the tool of a device of six axes is turned at the last sample."""
+    """How the tool of a device that measures six axes is turned at the last sample."""
 
     orientation: NDArray[np.float64]
     """Unit quaternion [w, x, y, z] that turns the tool's own axes into those of the world, by what the method knows."""
