@@ -85,7 +85,7 @@ impl World {
                 of.fault("gives_torque", message.into());
             }
             if let Some(off) = tool.own_axes.map(off_right_angles)
-                && !(off <= MOST_OFF_RIGHT_ANGLES)
+                && off > MOST_OFF_RIGHT_ANGLES
             {
                 of.fault(
                     "own_axes",
