@@ -105,7 +105,7 @@ def test_a_device_of_six_axes_answers_as_the_pipe_does(program: Any, root: Path,
 
 
 def test_a_stylus_that_its_hand_turns_is_answered_with_a_force() -> None:
-    stylus = palpate.World("experiments/worlds/stylus.toml", soft_start=0.0)
+    stylus = palpate.World(ROOT / "experiments/worlds/stylus.toml", soft_start=0.0)
     most = 0.0
     for tick in range(100):
         half = -0.25 + 2e-3 * tick
