@@ -139,8 +139,8 @@ impl SlowHost {
 
     /// The device as it begins.
     pub fn device(&self) -> WorldDevice {
-        own_axes: None,
         WorldDevice {
+            own_axes: None,
             mass: self.given.device_mass,
             position: self.given.position,
             velocity: [0.0; 3],
