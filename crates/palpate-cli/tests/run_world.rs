@@ -22,7 +22,7 @@ fn a_loop_whose_samples_are_refused_is_no_success() {
     let stiff: Vec<String> = text
         .lines()
         .map(|line| match line.starts_with("stiffness_n_per_m") {
-            true => "stiffness_n_per_m = 1e8".to_owned(),
+            true => "stiffness_n_per_m = 1e10".to_owned(),
             false => line.to_owned(),
         })
         .collect();

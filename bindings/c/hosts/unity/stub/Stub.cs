@@ -93,7 +93,7 @@ static class Program
             "virtual-damper", new Palpate.Setting("dampening", 0.5));
         Refused(contact, loop, "damping is -1 N s/m, but must be ",
             "virtual-damper", new Palpate.Setting("damping_n_s_per_m", -1.0));
-        Refused(contact, loop, "prediction is \"a guess\", but must be one of its words",
+        Refused(contact, loop, "prediction is \"a guess\", but must be \"last-step\", \"first-order-adaptive-window\", \"extrapolation\" or \"observer\"",
             "virtual-damper", damping, new Palpate.Setting("prediction", "a guess"));
         contact.Stiffness = -1.0;
         Refused(contact, loop, "stiffness is -1 N/m, but must be finite and greater than 0", "basic");
