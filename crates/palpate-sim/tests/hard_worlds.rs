@@ -202,7 +202,12 @@ fn a_perfect_sensor_is_about_as_good_as_one_of_a_micrometre_after_an_impact() {
             println!(
                 "{period} s, {mass} kg told {told}, {damping} N s/m: E {perfect:.2} %, with 1 um {real:.2} %"
             );
-            let most = if period == "0.001" { 0.5 } else { 25.0 };
+            // What docs/worlds.md says under "Limits": at 2 ms, told too large a mass, it may stay wrong.
+            let most = match (period, told > mass) {
+                ("0.001", _) => 0.5,
+                (_, false) => 3.0,
+                (_, true) => 80.0,
+            };
             assert!(perfect < 2.0 * real + most, "{perfect} {real}");
         }
     }

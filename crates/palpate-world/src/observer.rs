@@ -237,8 +237,6 @@ pub(crate) struct AxisObserver {
     pub motion: AxisMotion,
     covariance: Covariance,
     sensor_noise: SensorNoise<f64>,
-    /// The innovation of the last sample if that was a surprise, else 0 `[m]`.
-    surprise: f64,
 }
 
 /// What an observer starts from.
@@ -310,7 +308,6 @@ impl AxisObserver {
             },
             covariance: Covariance::from_diagonal(&Row::from(variances)),
             sensor_noise: SensorNoise::default(),
-            surprise: 0.0,
         }
     }
 
@@ -339,18 +336,11 @@ impl AxisObserver {
         };
         let mut at_start = self.covariance;
         let (mut cross, mut covariance, mut variance) = expects(&at_start);
-        let is_surprised = innovation * innovation > SURPRISE * variance;
-        if is_surprised {
-            // Nothing the filter reckons with.
-            let explained = innovation * innovation / EXPLAINED;
-            if self.surprise * innovation > 0.0 {
-                // Twice in a row and the same way, as no sample does that is wrong once: what it believes of hand and mass is wrong. It
-                // trusts all of it less. Kick after kick would leave it wrong for ever.
-                at_start *= explained / variance;
-                (_, _, variance) = expects(&at_start);
-            }
-            // Something kicked the device. Let the kick come first in the interval, which makes the velocity that of the last step.
-            at_start[(VELOCITY, VELOCITY)] += (explained - variance).max(0.0) / (h * h);
+        if innovation * innovation > SURPRISE * variance {
+            // Nothing the filter reckons with: something kicked the device. Let the kick come first in the interval, which makes the
+            // velocity that of the last step.
+            at_start[(VELOCITY, VELOCITY)] +=
+                (innovation * innovation / EXPLAINED - variance) / (h * h);
             (cross, covariance, variance) = expects(&at_start);
         }
         let seen: Row = covariance.column(0).into();
@@ -379,7 +369,6 @@ impl AxisObserver {
             },
             covariance,
             sensor_noise: self.sensor_noise,
-            surprise: if is_surprised { innovation } else { 0.0 },
         };
         if !adapted.is_sound() {
             *self = Self::new(from);
