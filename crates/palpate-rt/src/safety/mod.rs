@@ -17,6 +17,8 @@ pub use recoveries::RecoveryParams;
 pub use supervisor::{Heartbeat, Supervisor};
 pub use trip::Trip;
 
+use std::time::Duration;
+
 use oscillation::Oscillation;
 use palpate_device::{Vector, Wrench};
 use recoveries::Recoveries;
@@ -123,9 +125,11 @@ impl Safety {
     /// The first parameter outside its range, by name, with what is allowed.
     pub fn new(params: SafetyParams, period: f64) -> Result<Self, SafetyError> {
         params.check()?;
+        let of_loop = Duration::try_from_secs_f64(period).unwrap_or_default();
+        let stall_after = params.stall_after(of_loop).as_secs_f64();
         Ok(Self {
             oscillation: Oscillation::new(params.oscillation),
-            recoveries: Recoveries::new(params.recoveries, params.soft_start, period),
+            recoveries: Recoveries::new(params.recoveries, params.soft_start, period, stall_after),
             fresh: Some(params.soft_start),
             away: 0.0,
             withheld: false,

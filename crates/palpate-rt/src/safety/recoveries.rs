@@ -11,7 +11,8 @@ pub(super) const REMEMBERED: usize = 32;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecoveryParams {
     /// So many recoveries within the [`window`](Self::window) keep the motors off, 2 to 32; `None`: any number is let pass.
-    /// A recovery from an outage of less than 20 ms and two periods does not count.
+    /// A recovery from an outage of less than 20 ms and two periods, or shorter than what counts as a stall
+    /// ([`SafetyParams::stall_after`](crate::safety::SafetyParams::stall_after)), does not count.
     pub too_many: Option<u32>,
     /// Time over which recoveries are counted `[s]`. Where ten soft starts are longer, they count: a loop whose force never
     /// comes back all the way is found, however softly it comes.
@@ -48,12 +49,12 @@ pub(super) struct Recoveries {
 }
 
 impl Recoveries {
-    /// For a loop of `period` `[s]` whose force comes in within `soft_start` `[s]`.
-    pub fn new(params: RecoveryParams, soft_start: f64, period: f64) -> Self {
+    /// For a loop of `period` `[s]` whose force comes in within `soft_start` `[s]`, and that may stand still for `stall_after` `[s]`.
+    pub fn new(params: RecoveryParams, soft_start: f64, period: f64, stall_after: f64) -> Self {
         Self {
             too_many: params.too_many.and_then(|most| usize::try_from(most).ok()),
             window: params.window.max(SOFT_STARTS * soft_start),
-            least: BRIEF + 2.0 * period,
+            least: stall_after.max(BRIEF + 2.0 * period),
             now: 0.0,
             outage: 0.0,
             at: [f64::NEG_INFINITY; REMEMBERED],

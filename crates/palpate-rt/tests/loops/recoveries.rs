@@ -73,6 +73,23 @@ fn a_loop_that_is_frozen_again_and_again_leaves_its_motors_off_for_good() {
     assert_eq!(frozen(&mut control, &clock, 25, 85), 7);
 }
 
+/// Who lets a loop stand still for long, on a machine that is busy, has said so: the renderer refuses samples after such a gap, and the
+/// force comes back.
+#[test]
+fn outages_shorter_than_a_stall_that_is_allowed_never_count() {
+    let patient = SafetyParams {
+        stall_after_periods: 1000.0,
+        ..SafetyParams::default()
+    };
+    let steps = vec![at(-1.0), at(0.0), at(1.0), at(1.0)];
+    let (mut control, clock) = scripted(steps, patient);
+    for _ in 0..4 {
+        control.tick();
+    }
+    assert_eq!(frozen(&mut control, &clock, 25, 85), 40);
+    assert!(control.statistics().refused > 0);
+}
+
 /// However often: a machine that is busy with other programs makes such stalls.
 #[test]
 fn brief_stalls_never_count() {
