@@ -13,11 +13,9 @@ use crate::driven::Devices;
 use crate::lateness_watch::LatenessWatch;
 use crate::motors_off::MotorsOff;
 use crate::note::{Ending, Note};
-use crate::rendering::{
-    Answer, Fresh, OneContact, Parameters, RenderedWorld, Rendering, Renders, Turns,
-};
+use crate::rendering::{Answer, Fresh, OneContact, Parameters, RenderedWorld, Rendering, Renders};
 use crate::safety::{Heartbeat, Rendered, Safety, SafetyParams, Supervisor, Trip};
-use crate::setup::SetupError;
+use crate::setup::{SetupError, can_turn};
 use crate::statistics::LoopStatistics;
 use crate::stop::StopFlag;
 use crate::tap::{Tap, Teller};
@@ -117,24 +115,6 @@ impl<D: Device, C: Clock> ControlLoop<D, C, RenderedWorld> {
         can_turn(&world, devices.iter().map(|(device, _)| device))?;
         Self::rendering(devices, clock, world)
     }
-}
-
-/// Whether the devices turn that have to.
-pub(crate) fn can_turn<'a, D: Device + 'a>(
-    world: &RenderedWorld,
-    devices: impl IntoIterator<Item = &'a D>,
-) -> Result<(), SetupError> {
-    for (turns, device) in world.turns().iter().zip(devices) {
-        let can = device.capabilities();
-        match turns {
-            Turns::WithTorque if can.torque_axes != 3 => return Err(SetupError::SixAxes),
-            Turns::WithTorque | Turns::ByHand if !can.measures_orientation => {
-                return Err(SetupError::Orientation);
-            }
-            _ => {}
-        }
-    }
-    Ok(())
 }
 
 impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {

@@ -1,7 +1,9 @@
-//! Why a loop cannot be set up.
+//! Whether a loop can be set up, and why not.
 
 use palpate::ParameterError;
+use palpate_device::Device;
 
+use crate::rendering::{RenderedWorld, Turns};
 use crate::safety::SafetyError;
 
 /// Why a loop cannot be set up.
@@ -40,4 +42,22 @@ pub enum SetupError {
     /// A period that no clock can keep `[s]`.
     #[error("the period is {0} s; allowed: a nanosecond to 10 s")]
     Period(f64),
+}
+
+/// Whether the devices turn that have to.
+pub(crate) fn can_turn<'a, D: Device + 'a>(
+    world: &RenderedWorld,
+    devices: impl IntoIterator<Item = &'a D>,
+) -> Result<(), SetupError> {
+    for (turns, device) in world.turns().iter().zip(devices) {
+        let can = device.capabilities();
+        match turns {
+            Turns::WithTorque if can.torque_axes != 3 => return Err(SetupError::SixAxes),
+            Turns::WithTorque | Turns::ByHand if !can.measures_orientation => {
+                return Err(SetupError::Orientation);
+            }
+            _ => {}
+        }
+    }
+    Ok(())
 }

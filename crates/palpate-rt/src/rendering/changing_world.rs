@@ -7,10 +7,10 @@ use palpate_world::{Motion, Succession, World, WorldError};
 
 use super::renders::{Answer, Fresh, Renders};
 use super::world::RenderedWorld;
-use crate::control_loop::{ControlLoop, can_turn};
+use crate::control_loop::ControlLoop;
 use crate::fade::Fade;
 use crate::safety::SafetyParams;
-use crate::setup::SetupError;
+use crate::setup::{SetupError, can_turn};
 
 /// Worlds that may wait to be taken by the loop.
 const WAITING: usize = 8;
