@@ -1,6 +1,9 @@
 // Draws docs/gallery.md: a picture of each world that the page of `palpate live` can show.
 //
 //     npm run gallery --prefix conformance/browser
+//     npm run gallery --prefix conformance/browser -- stylus pinch
+//
+// With names, only those are drawn anew.
 //
 // Needs what the tests beside it need: the program, built for release, and Chromium.
 
@@ -18,12 +21,13 @@ const LATEST_S = 2;
 
 const field = (text, pattern) => pattern.exec(text)?.[1];
 
-/** Leads the tool from where it begins to where the hand of the scene would have it, as one would by hand, until it touches. */
-async function leadTo(open, rest) {
-  const start = await open.get(() => palpate.model.hello.world.tools[0].position_m);
+/** Leads each tool from where it begins to where the hand of the scene would have it, as one would by hand, until one touches. */
+async function leadTo(open, rests) {
+  const starts = await open.get(() => palpate.model.hello.world.tools.map((tool) => tool.position_m));
   for (let share = 0.05; share < 1.01; share += 0.05) {
-    const position_m = start.map((x, axis) => x + share * (rest[axis] - x));
-    const isThere = await open.get((to) => palpate.space.standsStill || !palpate.link.say({ type: "tool", position_m: to }), position_m);
+    const to = rests.map((rest, device) => rest.map((x, axis) => starts[device][axis] + share * (x - starts[device][axis])));
+    const say = (to) => to.every((position_m, device) => palpate.link.say({ type: "tool", device, position_m }));
+    const isThere = (await open.get(() => palpate.space.standsStill)) || !(await open.get(say, to));
     if (isThere) {
       return;
     }
@@ -33,7 +37,10 @@ async function leadTo(open, rest) {
 
 // Whatever goes wrong, no program goes on.
 process.on("exit", endAll);
-rmSync(PICTURES, { recursive: true, force: true });
+const named = process.argv.slice(2);
+if (named.length === 0) {
+  rmSync(PICTURES, { recursive: true, force: true });
+}
 mkdirSync(PICTURES, { recursive: true });
 const drawn = [];
 const left = [];
@@ -44,6 +51,10 @@ for (const file of readdirSync(WORLDS).filter((name) => name.endsWith(".toml")).
   const why = reason(name, text);
   if (why) {
     left.push({ name, title, why });
+    continue;
+  }
+  drawn.push({ name, title });
+  if (named.length > 0 && !named.includes(name)) {
     continue;
   }
   const live = await startLive(`${WORLDS}/${file}`, "--device", "pointer", "--method", "coupled", "--priority", "0");
@@ -62,15 +73,14 @@ for (const file of readdirSync(WORLDS).filter((name) => name.endsWith(".toml")).
   });
   await open.page.click("#restart");
   await open.until("it has begun anew", (before) => palpate.model.run !== before, run);
-  const rest = field(text, /^hand_rest_m = (\[.*\])$/m);
-  if (rest) {
-    await leadTo(open, JSON.parse(rest));
+  const rests = [...text.matchAll(/^hand_rest_m = (\[.*\])$/gm)].map(([, rest]) => JSON.parse(rest));
+  if (rests.length > 0) {
+    await leadTo(open, rests);
   }
   const isTime = (latest) => palpate.space.standsStill || palpate.model.newestS > latest;
   await open.until(`${name} touches`, isTime, LATEST_S);
   const canvas = await open.page.$("#space");
   await canvas.screenshot({ path: `${PICTURES}/${name}.webp`, type: "webp", quality: 70 });
-  drawn.push({ name, title });
   await open.leave();
   await live.end();
   console.log(name);
@@ -114,9 +124,6 @@ ${left.map(({ name, title, why }) => `| [${name}](../experiments/worlds/${name}.
 function reason(name, text) {
   if (name.endsWith("-rough")) {
     return `looks like ${name.replace("-rough", "")}`;
-  }
-  if ((text.match(/^\[\[device\]\]$/gm) ?? []).length > 1) {
-    return "several devices";
   }
   return null;
 }
