@@ -1,5 +1,5 @@
-//! Worlds that are hard to compute: light bodies at slow rates, strong dampers, impacts of perfect sensors, forces that begin at 0, and
-//! worlds that are turned as a whole.
+//! Worlds that are hard to compute: light bodies at slow rates, strong dampers, impacts of perfect sensors, forces that begin at 0,
+//! conical holes, and worlds that are turned as a whole.
 #![allow(missing_docs)]
 #![allow(clippy::print_stdout)] // what was measured
 
@@ -319,5 +319,60 @@ fn a_world_with_a_slider_that_is_turned_as_a_whole_moves_as_before() {
         }
         println!("{name}: {most:.1e} of {largest:.2} N apart");
         assert!(largest > 0.5 && most < 1e-6 * largest, "{name}: {most}");
+    }
+}
+
+/// A sphere of 3 mm is led into a conical hole of 12 faces, whose side leans by so many degrees from its axis.
+fn conical_hole(lean: f64, friction: f64) -> String {
+    let depth = 0.01;
+    let sides = depth * lean.to_radians().tan();
+    let start = 0.003 / lean.to_radians().sin() + 0.0008;
+    format!(
+        r#"
+format = 2
+[loop]
+period_s = 0.001
+[[device]]
+name = "tool"
+mass_kg = [0.1, 0.16, 0.25]
+position_m = [0.0007, 0.0003, {start}]
+hand_force_n = [0.1, 0.0, -1.0]
+hand_stiffness_n_per_m = 60.0
+hand_damping_n_s_per_m = 1.5
+quantum_m = 2e-6
+tool = {{ sphere = {{ radius_m = 0.003 }} }}
+[[body]]
+name = "part"
+fixed = true
+shape = {{ mesh = {{ revolved = {{ segments = 12, longest_m = 0.05, profile_m = [
+    [0.0, -0.02], [{outer}, -0.02], [{outer}, {depth}], [{sides}, {depth}], [0.0, 0.0]] }} }} }}
+[[contact]]
+between = ["tool", "part"]
+stiffness_n_per_m = 4000.0
+damping_n_s_per_m = 3.0
+friction = {friction}
+friction_stiffness_n_per_m = 2000.0
+[render]
+device_mass_kg = [0.15, 0.24, 0.375]
+[measure]
+duration_s = 0.3
+"#,
+        outer = sides + 0.005,
+    )
+}
+
+/// The faces of a conical hole push together, all around the sphere: told 1.5 times the masses, in a hand, 2 um.
+#[test]
+fn a_sphere_in_a_conical_hole_is_pushed_to_its_axis() {
+    for (lean, friction) in [(30.0, 0.0), (45.0, 0.0), (59.0, 0.0), (45.0, 0.3)] {
+        let source = conical_hole(lean, friction);
+        let run = coupled(&source);
+        println!(
+            "{lean} degrees, friction {friction}: E {:.2} %, floor {:.1}",
+            error(&run),
+            run.judgement.sum.unwrap().hold_floor
+        );
+        assert_eq!((run.refused, run.crowded), (0, 0));
+        assert!(error(&run) < 3.0);
     }
 }

@@ -1,30 +1,172 @@
 //! Several faces that push a sphere, as few contacts.
 //!
-//! Faces that meet at less than [`SHARP`] are one bent surface: a sphere in the bend is pushed along the shortest way
-//! out of all of them, as by a surface without facets. Faces that meet at more are two surfaces, and each pushes by
-//! itself, as two half-spaces do.
+//! Faces whose normals differ by less than [`SHARP`] from one to the next are one bent surface, also where it goes all around
+//! the sphere, as a conical hole does: the sphere is pushed along the shortest way out of all of them, as by a surface
+//! without facets. Where that way is longer than [`STEEP`] times the depth, or there is none, as in a tube that is too narrow,
+//! only those are one surface that differ by less than [`SHARP`] from the deepest. Surfaces push by themselves, each as a
+//! half-space does.
 
 use crate::rigid::Vector3;
 
 /// Cosine of the angle between two normals from which on their faces push apart from each other: 30 degrees.
-pub(super) const SHARP: f64 = 0.866_025_403_784_438_6;
-/// Most surfaces that are looked at for one sphere.
-pub(super) const MOST_PUSHES: usize = 16;
+const SHARP: f64 = 0.866_025_403_784_438_6;
+/// Longest way out of a bent surface over its largest depth: that of a cone whose side is 19.5 degrees from its axis.
+const STEEP: f64 = 3.0;
+/// Most faces that are looked at for one sphere: as many as a [`Chosen`] has bits.
+const MOST_PUSHES: usize = 64;
 
-/// A surface that a sphere overlaps, as a half-space.
+/// A face that a sphere overlaps, as a half-space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Push {
     /// Unit vector out of the solid.
     pub normal: Vector3,
     /// By how much the sphere overlaps it `[m]`.
     pub depth: f64,
+    /// Its triangle.
+    pub triangle: u32,
 }
 
-/// The shortest way out of all `pushes` `[m]`: the least d with n . d >= depth for every one. Of none, no way.
-pub(super) fn way_out(pushes: &[Push]) -> Vector3 {
-    let Some(deepest) = pushes.iter().max_by(|a, b| a.depth.total_cmp(&b.depth)) else {
-        return Vector3::zeros();
-    };
+/// Numbers of faces that push, as bits.
+type Chosen = u64;
+
+/// What pushes a sphere at a look.
+pub(super) struct Pushes {
+    all: [Push; MOST_PUSHES],
+    count: usize,
+    /// Those that do not push any more.
+    gone: Chosen,
+    /// How many there was no room for.
+    pub left_out: u32,
+}
+
+/// The numbers that are in it.
+fn numbers(chosen: Chosen) -> impl Iterator<Item = usize> {
+    let mut rest = chosen;
+    std::iter::from_fn(move || {
+        let number = (rest != 0).then(|| rest.trailing_zeros() as usize)?;
+        rest &= rest - 1;
+        Some(number)
+    })
+}
+
+impl Pushes {
+    pub fn none() -> Self {
+        let nothing = Push {
+            normal: Vector3::zeros(),
+            depth: 0.0,
+            triangle: 0,
+        };
+        Self {
+            all: [nothing; MOST_PUSHES],
+            count: 0,
+            gone: 0,
+            left_out: 0,
+        }
+    }
+
+    /// Takes one more; of too many, the deepest stay.
+    pub fn add(&mut self, push: Push) {
+        if let Some(free) = self.all.get_mut(self.count) {
+            *free = push;
+            self.count += 1;
+            return;
+        }
+        self.left_out += 1;
+        let least = self
+            .all
+            .iter_mut()
+            .min_by(|a, b| a.depth.total_cmp(&b.depth));
+        if let Some(least) = least
+            && least.depth < push.depth
+        {
+            *least = push;
+        }
+    }
+
+    /// Leaves out what the deepest surface hides: what is not of it and is not seen.
+    pub fn hide(&mut self, is_seen: impl Fn(&Push) -> bool) {
+        let all = self.left();
+        let Some(deepest) = self.deepest(all) else {
+            return;
+        };
+        let others = all & !self.joined(all, deepest);
+        for number in numbers(others) {
+            if !is_seen(&self.all[number]) {
+                self.gone |= 1 << number;
+            }
+        }
+    }
+
+    /// The surface that the deepest of what is left belongs to: its depth `[m]` and its normal. It pushes no more then.
+    pub fn take_surface(&mut self) -> Option<(f64, Vector3)> {
+        let all = self.left();
+        let deepest = self.deepest(all)?;
+        let joined = self.joined(all, deepest);
+        let first = self.all[deepest];
+        let near = first.depth * STEEP;
+        let whole = way_out(self.of(joined), &first).filter(|way| way.norm() <= near);
+        let (surface, way) = match whole {
+            Some(way) => (joined, way),
+            None => {
+                let beside = numbers(joined)
+                    .filter(|&other| self.all[other].normal.dot(&first.normal) > SHARP)
+                    .fold(1 << deepest, |beside, other| beside | 1 << other);
+                let way = way_out(self.of(beside), &first);
+                (beside, way.unwrap_or(first.normal * first.depth))
+            }
+        };
+        self.gone |= surface;
+        let depth = way.norm();
+        let is_one = surface == 1 << deepest;
+        let normal = if is_one || depth <= 0.0 {
+            first.normal
+        } else {
+            way / depth
+        };
+        Some((depth, normal))
+    }
+
+    fn left(&self) -> Chosen {
+        let all = if self.count < MOST_PUSHES {
+            (1 << self.count) - 1
+        } else {
+            Chosen::MAX
+        };
+        all & !self.gone
+    }
+
+    fn of(&self, chosen: Chosen) -> impl Iterator<Item = &Push> + Clone {
+        let all = &self.all;
+        (0..self.count)
+            .filter(move |number| chosen >> number & 1 == 1)
+            .map(|number| &all[number])
+    }
+
+    fn deepest(&self, among: Chosen) -> Option<usize> {
+        numbers(among).max_by(|&a, &b| self.all[a].depth.total_cmp(&self.all[b].depth))
+    }
+
+    /// Those that are one bent surface with one of them.
+    fn joined(&self, among: Chosen, one: usize) -> Chosen {
+        let mut surface: Chosen = 1 << one;
+        let mut border = surface;
+        while border != 0 {
+            let reached = border.trailing_zeros() as usize;
+            border &= border - 1;
+            for other in numbers(among & !surface) {
+                if self.all[other].normal.dot(&self.all[reached].normal) > SHARP {
+                    surface |= 1 << other;
+                    border |= 1 << other;
+                }
+            }
+        }
+        surface
+    }
+}
+
+/// The shortest way out of all `pushes` `[m]`, of which one is the deepest: the least d with n . d >= depth for every one. `None`
+/// if there is none.
+fn way_out<'a>(pushes: impl Iterator<Item = &'a Push> + Clone, deepest: &Push) -> Option<Vector3> {
     let slack = 1e-12 * deepest.depth.abs();
     let mut active = [*deepest; 4];
     let mut count = 1;
@@ -32,16 +174,14 @@ pub(super) fn way_out(pushes: &[Push]) -> Vector3 {
     // Each round makes the way longer, so none comes back; three surfaces hold a point.
     for _ in 0..MOST_PUSHES {
         let short = |push: &Push| push.depth - push.normal.dot(&way);
-        let Some(next) = pushes.iter().max_by(|a, b| short(a).total_cmp(&short(b))) else {
-            break;
-        };
+        let next = pushes
+            .clone()
+            .max_by(|a, b| short(a).total_cmp(&short(b)))?;
         if short(next) <= slack {
-            break;
+            return Some(way);
         }
         active[count] = *next;
-        let Some((subset, longer)) = least_among(&active[..=count], slack) else {
-            break;
-        };
+        let (subset, longer) = least_among(&active[..=count], slack)?;
         way = longer;
         let kept = active;
         count = 0;
@@ -52,7 +192,7 @@ pub(super) fn way_out(pushes: &[Push]) -> Vector3 {
             }
         }
     }
-    way
+    None
 }
 
 /// The shortest way out of up to 4 surfaces, and which of them it touches, as bits. The last one is among those.
@@ -122,19 +262,101 @@ mod tests {
         Push {
             normal: Vector3::new(x, y, z).normalize(),
             depth,
+            triangle: 0,
         }
+    }
+
+    /// The shortest way out of some, of which the first need not be the deepest.
+    fn shortest(pushes: &[Push]) -> Vector3 {
+        let deepest = pushes.iter().max_by(|a, b| a.depth.total_cmp(&b.depth));
+        way_out(pushes.iter(), deepest.unwrap()).unwrap()
     }
 
     #[test]
     fn one_plane_twice_is_one_plane() {
         let one = push(0.0, 0.6, 0.8, 2e-4);
-        let way = way_out(&[one, one, push(0.0, 0.6, 0.8, 1e-4)]);
+        let way = shortest(&[one, one, push(0.0, 0.6, 0.8, 1e-4)]);
         assert!((way - one.normal * 2e-4).norm() < 1e-18);
+    }
+
+    /// Faces all around an axis, by how far they lean from it [rad], and the way out of them.
+    fn ring(count: u32, lean: f64, way: &Vector3) -> Pushes {
+        let mut pushes = Pushes::none();
+        for number in 0..count {
+            let about = std::f64::consts::TAU * f64::from(number) / f64::from(count);
+            let normal = Vector3::new(
+                about.cos() * lean.cos(),
+                about.sin() * lean.cos(),
+                lean.sin(),
+            );
+            pushes.add(Push {
+                normal,
+                depth: normal.dot(way),
+                triangle: number,
+            });
+        }
+        pushes
+    }
+
+    #[test]
+    fn a_cone_is_one_surface_and_its_way_out_leads_to_its_tip() {
+        let way = Vector3::new(2e-5, -1e-5, 8e-4);
+        for (count, lean) in [(12, 0.5), (24, 0.9), (64, 1.2)] {
+            let mut pushes = ring(count, lean, &way);
+            let (depth, normal) = pushes.take_surface().unwrap();
+            assert!(
+                (normal * depth - way).norm() < 1e-12,
+                "{count} {normal} {depth}"
+            );
+            assert_eq!(pushes.take_surface(), None);
+        }
+    }
+
+    /// A cone whose tip is 3.4 times as far as its side, and a tube, push from several sides.
+    #[test]
+    fn what_is_too_narrow_is_several_surfaces() {
+        let mut steep = ring(24, 0.3, &Vector3::new(0.0, 0.0, 1e-3));
+        let (depth, _) = steep.take_surface().unwrap();
+        assert!(depth < 5e-4 && steep.take_surface().is_some(), "{depth}");
+        let mut tube = Pushes::none();
+        for side in [1.0, -1.0] {
+            tube.add(push(side, 0.0, 0.0, 1e-4));
+        }
+        for side in [1.0, -1.0] {
+            let (depth, normal) = tube.take_surface().unwrap();
+            assert_eq!(
+                (depth, normal.x),
+                (1e-4, -side),
+                "the later of equals comes first"
+            );
+        }
+    }
+
+    #[test]
+    fn of_too_many_the_deepest_stay_and_the_others_are_counted() {
+        let mut pushes = Pushes::none();
+        for number in 0..70 {
+            pushes.add(push(0.0, 0.0, 1.0, 1e-4 + 1e-6 * f64::from(number)));
+        }
+        assert_eq!(pushes.left_out, 6);
+        assert_eq!(pushes.take_surface().unwrap().0, 1e-4 + 69e-6);
+    }
+
+    /// What is one surface with the deepest is not hidden by it; what is not seen does not push.
+    #[test]
+    fn what_is_not_seen_does_not_push() {
+        let mut pushes = Pushes::none();
+        pushes.add(push(0.0, 0.0, 1.0, 2e-4));
+        pushes.add(push(0.3, 0.0, 1.0, 1e-4));
+        pushes.add(push(1.0, 0.0, 0.0, 1e-4));
+        pushes.hide(|_| false);
+        assert!(pushes.take_surface().is_some());
+        assert_eq!(pushes.take_surface(), None);
     }
 
     #[test]
     fn at_right_angles_every_plane_gives_its_depth() {
-        let way = way_out(&[
+        let way = shortest(&[
             push(1.0, 0.0, 0.0, 1e-4),
             push(0.0, 1.0, 0.0, 2e-4),
             push(0.0, 0.0, 1.0, 3e-4),
@@ -158,7 +380,7 @@ mod tests {
                     )
                 })
                 .collect();
-            let way = way_out(&pushes);
+            let way = shortest(&pushes);
             for push in &pushes {
                 assert!(push.normal.dot(&way) >= push.depth - 1e-15);
             }

@@ -9,7 +9,7 @@
 use std::sync::Arc;
 
 use super::build::Mesh;
-use super::cluster::{MOST_PUSHES, Push, SHARP, way_out};
+use super::cluster::{Push, Pushes};
 use super::gather::{About, Gathered, Near};
 use super::nearest::{nearest_of, side};
 use super::topology::NONE;
@@ -71,59 +71,6 @@ pub(crate) struct Surface {
     gathered: Gathered,
     memory: Memory,
     left_out: u32,
-}
-
-/// What pushes a sphere at a look.
-struct Pushes {
-    all: [Push; MOST_PUSHES],
-    count: usize,
-    left_out: u32,
-}
-
-impl Pushes {
-    fn none() -> Self {
-        let nothing = Push {
-            normal: Vector3::zeros(),
-            depth: 0.0,
-        };
-        Self {
-            all: [nothing; MOST_PUSHES],
-            count: 0,
-            left_out: 0,
-        }
-    }
-
-    /// Takes one more; of too many, the deepest stay.
-    fn add(&mut self, push: Push) {
-        if self.count < MOST_PUSHES {
-            self.all[self.count] = push;
-            self.count += 1;
-            return;
-        }
-        self.left_out += 1;
-        let least = self
-            .all
-            .iter_mut()
-            .min_by(|a, b| a.depth.total_cmp(&b.depth));
-        if let Some(least) = least
-            && least.depth < push.depth
-        {
-            *least = push;
-        }
-    }
-
-    fn take_deepest(&mut self) -> Option<Push> {
-        let numbers = 0..self.count;
-        let deepest = numbers.max_by(|&a, &b| self.all[a].depth.total_cmp(&self.all[b].depth))?;
-        Some(self.take(deepest))
-    }
-
-    fn take(&mut self, number: usize) -> Push {
-        let push = self.all[number];
-        self.count -= 1;
-        self.all[number] = self.all[self.count];
-        push
-    }
 }
 
 impl Surface {
@@ -294,15 +241,6 @@ impl Surface {
             left_out,
         } = self.gathered.about(mesh, centre, radius);
         let mut clearance = others - off;
-        // What is seen first hides what lies behind it.
-        let mut seen: [(Push, u32); MOST_PUSHES] = [(
-            Push {
-                normal: Vector3::zeros(),
-                depth: 0.0,
-            },
-            0,
-        ); MOST_PUSHES];
-        let mut count = 0;
         for found in &near[..pushing] {
             if found.distance - off > radius {
                 clearance = clearance.min(found.distance - off);
@@ -318,37 +256,14 @@ impl Surface {
             let Some(normal) = minimum(mesh, found.triangle, region, &out, distance) else {
                 continue;
             };
-            let push = Push {
+            pushes.add(Push {
                 normal,
                 depth: radius - distance,
-            };
-            if count < MOST_PUSHES {
-                seen[count] = (push, found.triangle);
-                count += 1;
-            } else {
-                pushes.left_out += 1;
-                let least = seen
-                    .iter_mut()
-                    .min_by(|(a, _), (b, _)| a.depth.total_cmp(&b.depth));
-                if let Some(least) = least
-                    && least.0.depth < push.depth
-                {
-                    *least = (push, found.triangle);
-                }
-            }
+                triangle: found.triangle,
+            });
         }
-        let seen = &seen[..count];
-        let first = seen
-            .iter()
-            .max_by(|(a, _), (b, _)| a.depth.total_cmp(&b.depth));
-        if let Some((first, _)) = first {
-            for (push, triangle) in seen {
-                let beside = push.normal.dot(&first.normal) > SHARP;
-                if beside || is_seen(mesh, near, centre, push, *triangle, radius) {
-                    pushes.add(*push);
-                }
-            }
-        }
+        // What is seen first hides what lies behind it.
+        pushes.hide(|push| is_seen(mesh, near, centre, push, radius));
         pushes.left_out = pushes.left_out.max(left_out);
         self.memory.clearance = clearance.min((reach - off).max(0.0));
     }
@@ -374,6 +289,7 @@ impl Surface {
                 self.mesh.topology.normals[triangle as usize]
             },
             depth: self.radius + distance,
+            triangle,
         });
     }
 
@@ -383,35 +299,14 @@ impl Surface {
         let mut now = [None; POINTS_PER_MESH];
         let mut waiting = [None; POINTS_PER_MESH];
         let mut count = 0;
-        while let Some(deepest) = pushes.take_deepest() {
-            let mut group = [deepest; MOST_PUSHES];
-            let mut size = 1;
-            let mut number = 0;
-            while number < pushes.count {
-                if pushes.all[number].normal.dot(&deepest.normal) > SHARP {
-                    group[size] = pushes.take(number);
-                    size += 1;
-                } else {
-                    number += 1;
-                }
-            }
+        while let Some((depth, normal)) = pushes.take_surface() {
             if count == POINTS_PER_MESH {
                 self.left_out += 1;
                 break;
             }
-            let way = if size == 1 {
-                deepest.normal * deepest.depth
-            } else {
-                way_out(&group[..size])
-            };
-            let depth = way.norm();
             waiting[count] = Some(Found {
                 distance: self.radius - depth,
-                normal: if size > 1 && depth > 0.0 {
-                    way / depth
-                } else {
-                    deepest.normal
-                },
+                normal,
             });
             count += 1;
         }
@@ -508,17 +403,10 @@ pub(super) fn minimum(
     }
 }
 
-/// Whether nothing lies between the centre and the place where `triangle` pushes.
-fn is_seen(
-    mesh: &Mesh,
-    near: &[Near],
-    centre: &Vector3,
-    push: &Push,
-    triangle: u32,
-    radius: f64,
-) -> bool {
+/// Whether nothing lies between the centre and the place where a triangle pushes.
+fn is_seen(mesh: &Mesh, near: &[Near], centre: &Vector3, push: &Push, radius: f64) -> bool {
     let place = centre - push.normal * (radius - push.depth);
-    let own = mesh.faces[triangle as usize];
+    let own = mesh.faces[push.triangle as usize];
     !near.iter().any(|other| {
         let corners = &mesh.faces[other.triangle as usize];
         if corners.iter().any(|corner| own.contains(corner)) {

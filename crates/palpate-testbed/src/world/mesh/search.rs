@@ -10,8 +10,10 @@ use crate::world::vector::Vec3;
 pub(in crate::world) const MOST_CONTACTS: usize = 4;
 /// Cosine of the angle between normals from which on their faces are surfaces of their own: 30°.
 const SHARP: f64 = 0.866_025_403_784_438_6;
-/// Parts of one bent surface that are looked at, the deepest.
-const MOST_TOGETHER: usize = 12;
+/// The longest way out of a bent surface over its largest depth.
+const STEEP: f64 = 3.0;
+/// A way ends on a part, or beyond it, if it falls short by no more than this share of the largest depth.
+const ENDS: f64 = 1e-10;
 /// What is beyond its end by less than this share is not.
 const SLACK: f64 = 1e-12;
 
@@ -34,7 +36,7 @@ pub(in crate::world) fn wanted(
     let found = match mesh.standing(now, radius, centre) {
         OnMesh::Inside => vec![OnMesh::Inside],
         behind @ OnMesh::Behind(_) => vec![behind],
-        _ => mesh.in_front(radius, centre),
+        _ => mesh.in_front(now, radius, centre),
     };
     // Each goes where the one was that is most like it.
     let normal = |at| match at {
@@ -216,26 +218,40 @@ impl TriangleMesh {
     }
 
     /// The contacts of a sphere whose centre is in front; if none touches, the nearest part.
-    fn in_front(&self, radius: f64, centre: Vec3) -> Vec<OnMesh> {
+    fn in_front(&self, now: &[OnMesh; MOST_CONTACTS], radius: f64, centre: Vec3) -> Vec<OnMesh> {
         let mut pushes = self.minima(radius, centre);
         pushes.sort_by(|a, b| b.depth.total_cmp(&a.depth));
-        let Some(&first) = pushes.first() else {
+        if pushes.is_empty() {
             let (part, distance) = self.nearest_of_all(centre);
             if distance < radius && self.is_on_border(part) {
                 return Vec::new(); // beside the border of an open mesh, below its surface
             }
             return vec![OnMesh::Before([Some(part), None, None])];
-        };
-        pushes.retain(|push| {
-            push.normal.dot(first.normal) > SHARP || self.sees(centre, radius, push)
-        });
+        }
+        let (surface, others) = parted(pushes);
+        let seen = others
+            .into_iter()
+            .filter(|push| self.sees(centre, radius, push));
+        let mut pushes: Vec<Push> = surface.into_iter().chain(seen).collect();
+        pushes.sort_by(|a, b| b.depth.total_cmp(&a.depth));
         let mut contacts = Vec::new();
         while let Some(&deepest) = pushes.first() {
-            let (beside, others): (Vec<Push>, Vec<Push>) = pushes
-                .iter()
+            let (surface, others) = parted(pushes);
+            let is_near = |(length, _): &(f64, Parts)| *length <= STEEP * deepest.depth;
+            if let Some((_, parts)) = holding(&surface, now).filter(is_near) {
+                contacts.push(OnMesh::Before(parts));
+                pushes = others;
+                continue;
+            }
+            // No way out, or too long a one: what is about the deepest.
+            let (beside, left): (Vec<Push>, Vec<Push>) = surface
+                .into_iter()
                 .partition(|push| push.normal.dot(deepest.normal) > SHARP);
-            pushes = others;
-            contacts.push(OnMesh::Before(holding(&beside)));
+            let parts =
+                holding(&beside, now).map_or([Some(deepest.part), None, None], |(_, parts)| parts);
+            contacts.push(OnMesh::Before(parts));
+            pushes = left.into_iter().chain(others).collect();
+            pushes.sort_by(|a, b| b.depth.total_cmp(&a.depth));
         }
         contacts
     }
@@ -337,48 +353,172 @@ struct Edge<'a> {
     faces: &'a [usize],
 }
 
-/// The parts, at most three, whose surfaces the shortest way out of all of them ends on.
-fn holding(pushes: &[Push]) -> [Option<Part>; 3] {
-    let pushes = &pushes[..pushes.len().min(MOST_TOGETHER)];
-    let mut best: Option<(f64, [Option<Part>; 3])> = None;
-    let count = pushes.len();
-    for subset in 1_u32..1 << count {
-        if subset.count_ones() > 3 {
-            continue;
-        }
-        let of: Vec<&Push> = (0..count)
-            .filter(|place| subset >> place & 1 == 1)
-            .map(|place| &pushes[place])
-            .collect();
-        let normals: Vec<Vec3> = of.iter().map(|push| push.normal).collect();
-        let depths: Vec<f64> = of.iter().map(|push| push.depth).collect();
-        let Some(shares) = shares(&normals, &depths) else {
-            continue;
-        };
-        if shares.iter().any(|share| *share < 0.0) {
-            continue;
-        }
-        let mut way = Vec3::ZERO;
-        for (normal, share) in normals.iter().zip(&shares) {
-            way += *normal * *share;
-        }
-        let is_out = pushes
-            .iter()
-            .all(|push| push.normal.dot(way) >= push.depth * (1.0 - SLACK));
-        let length = way.norm();
-        // Fewer parts where one more adds nothing: those come first where there are as many bits as needed.
-        if is_out && best.is_none_or(|(other, _)| length < other * (1.0 - SLACK)) {
-            let mut parts = [None; 3];
-            let mut sorted: Vec<Part> = of.iter().map(|push| push.part).collect();
-            sorted.sort();
-            for (place, part) in parts.iter_mut().zip(sorted) {
-                *place = Some(part);
+/// At most three parts that push together.
+type Parts = [Option<Part>; 3];
+
+/// Those that are one bent surface with the first, whose normals differ by less than 30° from one to the next, and the others; both in
+/// the order that they had.
+fn parted(pushes: Vec<Push>) -> (Vec<Push>, Vec<Push>) {
+    let mut is_joined = vec![false; pushes.len()];
+    let mut reached: Vec<usize> = Vec::new();
+    if let Some(first) = is_joined.first_mut() {
+        *first = true;
+        reached.push(0);
+    }
+    while let Some(from) = reached.pop() {
+        for to in 0..pushes.len() {
+            if !is_joined[to] && pushes[to].normal.dot(pushes[from].normal) > SHARP {
+                is_joined[to] = true;
+                reached.push(to);
             }
-            best = Some((length, parts));
         }
     }
-    best.map_or(
-        [pushes.first().map(|push| push.part), None, None],
-        |(_, parts)| parts,
-    )
+    let mut joined = is_joined.into_iter();
+    pushes
+        .into_iter()
+        .partition(|_| joined.next().unwrap_or(false))
+}
+
+/// Length of the shortest way out of all parts, the deepest of which comes first, and those, at most three, on whose surfaces it
+/// ends: the same as now, if they still give that way. `None` if there is no way.
+fn holding(pushes: &[Push], now: &[OnMesh; MOST_CONTACTS]) -> Option<(f64, Parts)> {
+    let slack = ENDS * pushes.first()?.depth;
+    let found = shortest(pushes, &[], slack)?;
+    // At the tip of a cone any three of its faces give it.
+    let same = now.iter().find_map(|at| {
+        let OnMesh::Before(parts) = at else {
+            return None;
+        };
+        let of: Option<Vec<Push>> = parts
+            .iter()
+            .flatten()
+            .map(|part| pushes.iter().find(|push| push.part == *part).copied())
+            .collect();
+        let way = on(&of?)?;
+        ((way - found.way).norm() <= slack).then_some(*parts)
+    });
+    let parts = same.unwrap_or_else(|| {
+        let mut sorted: Vec<Part> = found.of.iter().map(|push| push.part).collect();
+        sorted.sort();
+        let mut parts = [None; 3];
+        for (place, part) in parts.iter_mut().zip(sorted) {
+            *place = Some(part);
+        }
+        parts
+    });
+    Some((found.way.norm(), parts))
+}
+
+/// A way, and the parts on whose surfaces it ends.
+struct Way {
+    way: Vec3,
+    of: Vec<Push>,
+}
+
+impl Push {
+    /// Whether a way ends within this surface.
+    fn is_short(&self, way: Vec3, slack: f64) -> bool {
+        self.depth - self.normal.dot(way) > slack
+    }
+}
+
+/// The shortest way that ends on all of these surfaces. `None` if their normals are dependent.
+fn on(surfaces: &[Push]) -> Option<Vec3> {
+    let normals: Vec<Vec3> = surfaces.iter().map(|push| push.normal).collect();
+    let depths: Vec<f64> = surfaces.iter().map(|push| push.depth).collect();
+    let shares = shares(&normals, &depths)?;
+    let mut way = Vec3::ZERO;
+    for (normal, share) in normals.iter().zip(&shares) {
+        way += *normal * *share;
+    }
+    Some(way)
+}
+
+/// The shortest way that ends on the surfaces of `tight`, two at most, and out of all of `pushes`, one after the other: the first
+/// that such a way is short of, is one on which it has to end (Welzl 1991, for balls and ellipsoids).
+fn shortest(pushes: &[Push], tight: &[Push], slack: f64) -> Option<Way> {
+    let mut found = Way {
+        way: on(tight)?,
+        of: tight.to_vec(),
+    };
+    for (number, push) in pushes.iter().enumerate() {
+        if !push.is_short(found.way, slack) {
+            continue;
+        }
+        let of = [tight, &[*push]].concat();
+        found = if of.len() < 3 {
+            shortest(&pushes[..number], &of, slack)?
+        } else {
+            Way { way: on(&of)?, of }
+        };
+    }
+    // Along a line, one that came before may be in the way: then there is none.
+    let is_out = pushes.iter().all(|push| !push.is_short(found.way, slack));
+    is_out.then_some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ring(count: usize, from_axis: f64, depth: impl Fn(f64) -> f64) -> Vec<Push> {
+        let mut pushes: Vec<Push> = (0..count)
+            .map(|number| {
+                let about = std::f64::consts::TAU * number as f64 / count as f64;
+                let (sine, cosine) = about.sin_cos();
+                let (across, along) = (from_axis.cos(), from_axis.sin());
+                Push {
+                    part: Part::Face(number),
+                    depth: depth(about),
+                    normal: Vec3([cosine * across, sine * across, along]),
+                }
+            })
+            .collect();
+        pushes.sort_by(|a, b| b.depth.total_cmp(&a.depth));
+        pushes
+    }
+
+    /// In a cone, whose faces stand all around: the way out leads to its tip.
+    #[test]
+    fn a_cone_of_many_faces_is_one_surface() {
+        for from_axis in [0.4, 0.8, 1.3_f64] {
+            let tip = Vec3([1e-5, -2e-5, 1e-3]);
+            let pushes = ring(96, from_axis, |about| {
+                let (sine, cosine) = about.sin_cos();
+                let normal = Vec3([
+                    cosine * from_axis.cos(),
+                    sine * from_axis.cos(),
+                    from_axis.sin(),
+                ]);
+                normal.dot(tip)
+            });
+            let (surface, others) = parted(pushes.clone());
+            assert_eq!((surface.len(), others.len()), (96, 0));
+            let (length, parts) = holding(&pushes, &[OnMesh::Nothing; MOST_CONTACTS]).unwrap();
+            assert!((length - tip.norm()).abs() < 1e-9 * tip.norm(), "{length}");
+            // They stay those that hold while the sphere is pressed in a little deeper.
+            let deeper = ring(96, from_axis, |about| {
+                let (sine, cosine) = about.sin_cos();
+                let normal = Vec3([
+                    cosine * from_axis.cos(),
+                    sine * from_axis.cos(),
+                    from_axis.sin(),
+                ]);
+                normal.dot(tip * 1.01)
+            });
+            let now = [
+                OnMesh::Before(parts),
+                OnMesh::Nothing,
+                OnMesh::Nothing,
+                OnMesh::Nothing,
+            ];
+            assert_eq!(holding(&deeper, &now).unwrap().1, parts);
+        }
+    }
+
+    #[test]
+    fn there_is_no_way_out_of_a_tube() {
+        let pushes = ring(24, 0.0, |_| 1e-4);
+        assert_eq!(holding(&pushes, &[OnMesh::Nothing; MOST_CONTACTS]), None);
+    }
 }
