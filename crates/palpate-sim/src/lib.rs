@@ -5,7 +5,7 @@
 //! hand ([`hand_replay`]) by any method ([`palpate_scene::method`]), and hands the bench's judgement back
 //! with the run. [`VirtualDevice`] is a scene's device for a loop outside this crate, and [`device`] has it, and one
 //! in a pointer's hand, as devices of a loop that runs in time.
-//! [`sampled_loop`] has the steps of the loop one by one. Studies of many runs are in `palpate-study`.
+//! [`sampled_loop`] has the steps of the loop one by one, [`ticks`] its ticks. Studies of many runs are in `palpate-study`.
 
 pub mod closed_loop;
 mod delivery;
@@ -17,6 +17,7 @@ mod plant;
 pub mod replay;
 pub mod run;
 pub mod sampled_loop;
+pub mod ticks;
 mod virtual_device;
 pub mod world;
 

@@ -24,7 +24,6 @@ pub mod report;
 mod rows;
 mod stay;
 mod trial;
-mod way;
 
 pub use bounce::default_settings;
 pub use bounce::{Bounce, BounceDevice, BounceError, Forces, Plant};

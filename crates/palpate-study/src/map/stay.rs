@@ -5,11 +5,9 @@ use palpate_testbed::measure::Sampler;
 use palpate_testbed::sprung_mass::SprungMass;
 
 use super::bounce::{Bounce, BounceError};
-use super::way::Way;
 use palpate_scene::method::{MethodName, Settings};
 use palpate_scene::{Grip, Hand, Intention};
-use palpate_sim::closed_loop::LoopError;
-use palpate_sim::sampled_loop::{LoopDevice, SampledLoop, device_of};
+use palpate_sim::ticks::{TickedDevice, TicksParams, Way};
 
 /// Largest standard deviation of the force, over what presses it, of a contact that has come to rest.
 pub const RESTS_BELOW: f64 = 0.1;
@@ -129,7 +127,7 @@ impl Bounce {
                 device.viscous_friction + damping,
                 force,
             )?;
-            return self.swing_of(sprung, renderer, force, ticks);
+            return self.swing_of(sprung.into(), renderer, force, ticks);
         }
         self.swing_of(self.general(force, hand)?, renderer, force, ticks)
     }
@@ -139,7 +137,7 @@ impl Bounce {
         &self,
         force: f64,
         (mass, stiffness, damping): HandOnDevice,
-    ) -> Result<impl LoopDevice, BounceError> {
+    ) -> Result<TickedDevice, BounceError> {
         let mut scene = self.scene(0.0, 1);
         if let Some(device) = scene.device.point_mass_mut() {
             device.hand = Hand {
@@ -152,31 +150,32 @@ impl Bounce {
                 ..Hand::pushing(force)
             };
         }
-        Ok(device_of(&scene, 1.0)?)
+        Ok(TickedDevice::of(&scene)?)
     }
 
     /// The same, on a device in its hand.
-    fn swing_of<D: LoopDevice>(
+    fn swing_of(
         &self,
-        device: D,
+        device: TickedDevice,
         renderer: &AnyRenderer<f64>,
         force: f64,
         ticks: &mut u64,
     ) -> Result<f64, BounceError> {
         let quantum = self.device.encoder_quantum;
         let place = ObjectState::at_rest(-(1.0 + BEGINS_OFF) * force / self.stiffness);
-        let mut way = Way::of(self)?;
-        let mut in_progress = SampledLoop {
+        let params = TicksParams {
+            renderer,
+            object: place,
+            virtual_force: if self.is_wall() { 0.0 } else { -force },
             sampler: if quantum > 0.0 {
                 Sampler::quantum(quantum)?
             } else {
                 Sampler::Ideal
             },
-            virtual_force: if self.is_wall() { 0.0 } else { -force },
-            actuator: way.actuator(),
-            ..SampledLoop::new(renderer, place, device)
-                .map_err(|error| LoopError::Setup(error.into()))?
+            way: Way::new(self.delay, self.lag)?,
+            period: self.period,
         };
+        let mut in_progress = params.on(device)?;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -186,11 +185,10 @@ impl Bounce {
         let first = (1.0 - LOOKED_AT) * samples as f64;
         let mut swing = SwingMeter::new(force);
         for i in 0..samples {
-            let output = in_progress.sample(self.period, None).output;
-            let held = way.drive(&mut in_progress, output.force_on_object, self.period);
+            let tick = in_progress.tick();
             *ticks += 1;
-            swing.hold(held, i as f64 >= first);
-            if output.fault.is_some() {
+            swing.hold(tick.held, i as f64 >= first);
+            if tick.output.fault.is_some() {
                 swing.give_up();
             }
             if swing.has_diverged() {

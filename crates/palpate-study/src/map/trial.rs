@@ -12,10 +12,10 @@ use palpate_testbed::viscous_mass::ViscousMass;
 
 use super::bounce::{Bounce, BounceError};
 use super::growth::{BounceEnergy, GrowthMeter};
-use super::way::Way;
 use super::{ERROR_COLLISIONS, GROWTH_COLLISIONS, PHASE_RANGE, PHASES};
 use palpate_sim::run::MOST_PERIODS;
-use palpate_sim::sampled_loop::{LoopDevice, SampledLoop, device_of};
+use palpate_sim::sampled_loop::device_of;
+use palpate_sim::ticks::{TickedDevice, TicksParams, Way};
 
 /// What a bounce came to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -145,7 +145,7 @@ impl Course {
             object: ObjectState::at_rest(position),
             profile,
             last_cycle: first..=next.max(first),
-            way: Way::of(bounce)?,
+            way: Way::new(bounce.delay, bounce.lag)?,
             sampler: if device.encoder_quantum > 0.0 {
                 Sampler::quantum(device.encoder_quantum)?
             } else {
@@ -163,50 +163,51 @@ impl Course {
         let device = &bounce.device;
         if device.coulomb_friction > 0.0 {
             let scene = bounce.scene(0.0, 1);
-            self.run_on(device_of(&scene, 1.0)?, bounce, renderer)
+            self.run_on(TickedDevice::of(&scene)?, bounce, renderer)
         } else if device.viscous_friction > 0.0 {
             let viscous =
                 ViscousMass::new(device.mass, device.viscous_friction, bounce.user_force())?;
-            self.run_on(viscous, bounce, renderer)
+            self.run_on(viscous.into(), bounce, renderer)
         } else {
             let free = PointMass::new(device.mass, bounce.user_force())?;
-            self.run_on(free, bounce, renderer)
+            self.run_on(free.into(), bounce, renderer)
         }
     }
 
-    fn run_on<D: LoopDevice>(
+    fn run_on(
         &self,
-        device: D,
+        device: TickedDevice,
         bounce: &Bounce,
         renderer: &AnyRenderer<f64>,
     ) -> Result<Outcome, BounceError> {
-        let mut in_progress = SampledLoop {
-            sampler: self.sampler,
+        // The renderer counts on the period that it has been told, be it wrong.
+        let params = TicksParams {
+            renderer,
+            object: self.object,
             virtual_force: bounce.virtual_force(),
-            actuator: self.way.actuator(),
-            ..SampledLoop::new(renderer, self.object, device)
-                .map_err(|error| palpate_sim::closed_loop::LoopError::Setup(error.into()))?
+            sampler: self.sampler,
+            way: self.way.clone(),
+            period: bounce.period,
         };
-        let mut way = self.way.clone();
+        let mut in_progress = params.on(device)?;
         let mut error = FidelityMeter::new(&self.profile);
         let at_start = self.energy.of(-self.object.position, 0.0, 0.0);
         let mut growth = GrowthMeter::new(at_start);
         let mut ticks = 0;
         for i in 0..=(*self.last_cycle.end()).max(self.profile.intervals()) {
-            // The renderer counts on the period that it has been told, be it wrong.
-            let output = in_progress.sample(bounce.period, None).output;
+            let tick = in_progress.tick();
+            let output = tick.output;
             ticks += 1;
-            let device = &in_progress.device;
             let energy = self.energy.of(
-                device.position() - output.object_position,
-                device.velocity() - output.object_velocity,
-                device.velocity(),
+                tick.device_position - output.object_position,
+                tick.device_velocity - output.object_velocity,
+                tick.device_velocity,
             );
             growth.sample(energy, self.last_cycle.contains(&i));
             if output.fault.is_some() {
                 growth.give_up();
             }
-            error.hold(way.drive(&mut in_progress, output.force_on_object, bounce.period));
+            error.hold(tick.held);
             if growth.has_diverged() && error.is_complete() {
                 break;
             }
