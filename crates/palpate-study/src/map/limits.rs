@@ -53,29 +53,37 @@ impl Bounce {
         Ok(limit.map(|kappa| kappa * per_kappa))
     }
 
-    /// The largest stiffness `[N/m]` at which the bounce is stable and its mean-force error E below
-    /// `most_error` `[%]` from every start height; all softer contacts that were tried are, too.
+    /// [`Self::stiffest`], and the largest stiffness `[N/m]` at which the mean-force error E is below
+    /// `most_error` `[%]` from every start height, too; all softer contacts that were tried are both. What
+    /// one search has found stable the other does not run again: the soft contacts, which take longest.
     ///
     /// # Errors
-    /// A parameter that the bench or the method refuses.
-    pub fn stiffest_faithful(
+    /// Of each by itself: a parameter that the bench or the method refuses, and a bounce that is too long.
+    pub(super) fn stiffest_and_faithful(
         &self,
         method: MethodName,
         settings: Settings,
         most_error: f64,
-    ) -> Result<Limit, BounceError> {
+    ) -> [Result<Limit, BounceError>; 2] {
         let per_kappa = self.device.mass / (self.period * self.period);
-        let limit = hardest(|kappa| {
-            let bounce = Self {
-                stiffness: kappa * per_kappa,
-                ..*self
-            };
-            let (entries, _) = bounce.judge(Plant::Damped, &[(method, settings)])?;
-            let is_faithful =
-                |entry: &Entry| entry.class() == Class::Stable && entry.error.worst < most_error;
-            Ok(entries.iter().all(is_faithful))
-        })?;
-        Ok(limit.map(|kappa| kappa * per_kappa))
+        let at = |kappa: f64| Self {
+            stiffness: kappa * per_kappa,
+            ..*self
+        };
+        let mut known_stable = Vec::new();
+        let faithful = hardest(|kappa| {
+            let (entries, _) = at(kappa).judge(Plant::Damped, &[(method, settings)])?;
+            let is_stable = |entry: &Entry| entry.class() == Class::Stable;
+            if !entries.iter().all(is_stable) {
+                return Ok(false);
+            }
+            known_stable.push(kappa);
+            Ok(entries.iter().all(|entry| entry.error.worst < most_error))
+        });
+        let stable = hardest(|kappa| {
+            Ok(known_stable.contains(&kappa) || at(kappa).is_stable(method, settings)?)
+        });
+        [stable, faithful].map(|limit| limit.map(|limit| limit.map(|kappa| kappa * per_kappa)))
     }
 
     /// The smallest object mass `[kg]` that bounces stably from every start height at this

@@ -63,13 +63,9 @@ impl Bounce {
                     ..*self
                 };
                 let settings = default_settings(method);
-                let stable = known(bounce.stiffest(method, settings))?;
-                let faithful = match stable {
-                    Some(Limit::None) => Some(Limit::None),
-                    _ => known(bounce.stiffest_faithful(method, settings, most_error))?,
-                };
+                let [stable, faithful] = bounce.stiffest_and_faithful(method, settings, most_error);
                 done();
-                Ok((stable, faithful))
+                Ok((known(stable)?, known(faithful)?))
             })
             .collect::<Result<_, BounceError>>()?;
         let methods = methods
