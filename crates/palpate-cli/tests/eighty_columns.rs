@@ -120,7 +120,7 @@ fn sweep() {
 #[test]
 fn advise() {
     let folder = Folder::new();
-    let device = "advise --device-mass 0.3 --period 0.001";
+    let device = "advise --device-mass 0.3 --period 0.01";
     for contact in [
         "--stiffness 1234567 --mass 0.0123",
         "--stiffness 1000 --coulomb-friction 0.2 --viscous-friction 0.05 --encoder-quantum 1e-5",
