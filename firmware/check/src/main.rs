@@ -3,7 +3,9 @@
 
 use std::error::Error;
 
-use palpate_firmware_check::{counted, drawn, trace};
+#[cfg(feature = "figure")]
+use palpate_firmware_check::drawn;
+use palpate_firmware_check::{counted, trace};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -11,6 +13,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ["trace"] => print!("{}", trace::recorded()?),
         ["samples"] => print!("{}", trace::in_c()),
         ["table"] => print!("{}", counted::table()?),
+        #[cfg(feature = "figure")]
         ["figure", file] => {
             std::fs::write(file, drawn::figure()?)?;
             println!("wrote {file}");

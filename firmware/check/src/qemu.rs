@@ -34,6 +34,23 @@ pub const M3: Core = Core {
 /// All three.
 pub const CORES: [Core; 3] = [M4F, M7, M3];
 
+/// Those that are to be tested: all three, or the one that the variable `PALPATE_FIRMWARE_CORE` names.
+///
+/// # Panics
+/// Where it names none of them.
+#[must_use]
+pub fn cores() -> Vec<Core> {
+    let Ok(only) = std::env::var("PALPATE_FIRMWARE_CORE") else {
+        return CORES.to_vec();
+    };
+    let core = CORES.into_iter().find(|core| core.name == only);
+    vec![
+        core.unwrap_or_else(|| {
+            panic!("PALPATE_FIRMWARE_CORE is {only}, which is none of {CORES:?}")
+        }),
+    ]
+}
+
 /// How time passes in the emulator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Time {

@@ -2,7 +2,7 @@
 //! both methods, on a block and on a wall; from Rust, and from C by the library for firmware.
 #![allow(clippy::print_stdout)] // tests show what they measured
 
-use palpate_firmware_check::qemu::{CORES, Time};
+use palpate_firmware_check::qemu::{Time, cores};
 use palpate_firmware_trace::{FAULTS, Seen, replay_all};
 
 fn desktop() -> (String, [Seen; 4]) {
@@ -23,7 +23,7 @@ fn firmware_in_c_gives_the_forces_of_the_desktop_to_the_last_bit() {
 
 fn compared_with_the_desktop(program: &str) {
     let (desktop, _) = desktop();
-    for core in CORES {
+    for core in cores() {
         let board = core.run(program, Time::Free, 0).unwrap();
         assert_eq!(board.lines().count(), 4 * 801, "{}", core.name);
         for (board, desktop) in board.lines().zip(desktop.lines()) {

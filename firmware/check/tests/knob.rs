@@ -1,7 +1,7 @@
 //! The knob on its board, against its emulated motor and hand, on a Cortex-M4F.
 #![allow(clippy::print_stdout)] // tests show what they measured
 
-use palpate_firmware_check::qemu::{M4F, M7};
+use palpate_firmware_check::qemu::{M3, M4F, cores};
 use palpate_firmware_check::ran::{Entry, Ran, Scene, ran, status};
 
 const PERIOD: f64 = 0.000_25;
@@ -63,9 +63,15 @@ fn the_wall_is_felt_at_4_khz_and_energy_does_not_grow() {
 #[test]
 fn the_same_run_gives_the_same_bits_and_an_m7_the_same_wall() {
     let once = run(Scene::Wall);
-    assert_eq!(once.entries, run(Scene::Wall).entries);
-    let on_m7 = ran(M7, Scene::Wall).unwrap();
-    assert_eq!(once.entries, on_m7.entries);
+    // The M4F again, and an M7 where it is asked for. An M3 has no time for this loop.
+    let with_a_unit = cores().into_iter().filter(|core| *core != M3);
+    let again: Vec<Ran> = with_a_unit
+        .map(|core| ran(core, Scene::Wall).unwrap())
+        .collect();
+    assert!(!again.is_empty());
+    for again in again {
+        assert_eq!(once.entries, again.entries);
+    }
 }
 
 #[test]
