@@ -16,6 +16,7 @@ fn scene() -> WorldScene {
     let device = |x: f64, push: f64| WorldDevice {
         name: "tool".into(),
         own_axes: None,
+        mass_table: None,
         mass: [0.1, 0.16, 0.25],
         position: [x, 0.004, 0.002],
         velocity: [0.0; 3],

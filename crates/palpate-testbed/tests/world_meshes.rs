@@ -35,6 +35,7 @@ fn scene(radius: f64, position: Vector, rest: Vector, bodies: Vec<WorldBody>) ->
         devices: vec![WorldDevice {
             name: "tool".into(),
             own_axes: None,
+            mass_table: None,
             mass: [0.15; 3],
             position,
             velocity: [0.0; 3],

@@ -86,6 +86,7 @@ fn judged_device(tool: &Tool, device: &WorldDevice) -> judge::WorldDevice {
     judge::WorldDevice {
         name: tool.name.clone(),
         own_axes: device.own_axes,
+        mass_table: None,
         mass: device.mass,
         position: device.position,
         velocity: device.velocity,

@@ -417,6 +417,7 @@ fn device(name: &str, position: Vector, tool_radius: f64) -> WorldDevice {
     WorldDevice {
         name: name.into(),
         own_axes: None,
+        mass_table: None,
         mass: [0.1, 0.16, 0.25],
         position,
         velocity: [0.0; 3],

@@ -75,6 +75,7 @@ mod tests {
             devices: vec![WorldDevice {
                 name: "tool".into(),
                 own_axes: None,
+                mass_table: None,
                 mass: [0.5, f64::INFINITY, 0.1],
                 position: [0.0, 0.0, -0.001],
                 velocity: [0.0; 3],

@@ -173,6 +173,7 @@ impl LedPath {
             for mass in device.mass.iter_mut().filter(|mass| mass.is_finite()) {
                 *mass = UNMOVED;
             }
+            device.mass_table = None;
             device.hand = WorldHand::default();
             device.position = *position;
             device.velocity = [0.0; 3];

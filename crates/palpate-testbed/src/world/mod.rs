@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! tool of a device   m x″ = f + F − k (x − x_rest) − b x′ + Σ tremor     along each axis
+//! of a linkage       (M v)′ = f + F … + grad (vᵀ M v/2)             M a matrix by the place
 //! of six axes        L′ = τ + T − k φ − b ω + Σ tremor          and the tool turns with it
 //! rigid body         M x″ = F + Σ f,   L′ = Σ r × f                      L the angular momentum
 //! contact            N = max(0, K p + B p′) while p > 0, along n, from the second member to the first
@@ -45,6 +46,7 @@ mod decisive;
 mod dormand_prince;
 mod field;
 mod held_axis;
+mod held_linkage;
 mod held_turning;
 mod hull;
 mod ideal;
@@ -52,6 +54,7 @@ mod joints;
 mod judgement;
 mod layout;
 mod led;
+mod mass_table;
 pub mod mesh;
 mod modes;
 mod motion;
@@ -81,6 +84,7 @@ pub use judgement::{
     WorldJudgement,
 };
 pub use led::LedPath;
+pub use mass_table::MassTable;
 pub use overlap::Overlap;
 pub use plant::{PlantParams, WorldPlant};
 pub use record::{

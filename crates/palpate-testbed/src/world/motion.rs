@@ -314,9 +314,13 @@ impl System {
         for (number, device) in self.devices.iter().enumerate() {
             let placed = &now.placed[number];
             let push = now.forces[number] + hand_force(device, time, placed);
-            let push = device.own(push);
-            let linear = std::array::from_fn(|axis| push.0[axis] / device.mass[axis]);
-            now.accelerations[number].linear = device.out(Vec3(linear));
+            now.accelerations[number].linear = if let Some(table) = &device.mass_table {
+                table.acceleration(device, [placed.position, placed.velocity, push])
+            } else {
+                let push = device.own(push);
+                let linear = std::array::from_fn(|axis| push.0[axis] / device.mass[axis]);
+                device.out(Vec3(linear))
+            };
             if let Some(turning) = &device.turning {
                 let q = quaternion(&state[self.layout.device(number) + 6..]);
                 let omega = placed.turning;
@@ -514,14 +518,24 @@ fn angular_velocity(rotation: &Rotation, motion: &Motion, v: Vec3) -> Vec3 {
 
 /// Force of the hand on its device \[N\].
 pub(super) fn hand_force(device: &WorldDevice, time: f64, placed: &Placed) -> Vec3 {
+    hand_force_at(device, time, placed.position, placed.velocity)
+}
+
+/// The same at a place with a velocity.
+pub(super) fn hand_force_at(
+    device: &WorldDevice,
+    time: f64,
+    position: Vec3,
+    velocity: Vec3,
+) -> Vec3 {
     let hand = &device.hand;
     let tremor = hand.tremor.each_ref();
     let tremor = tremor.map(|sines| sines.iter().map(|sine| sine.value(time)).sum());
     let tremor = device.out(Vec3(tremor));
     Vec3(std::array::from_fn(|axis| {
         hand.force[axis] + tremor.0[axis]
-            - hand.stiffness * (placed.position.0[axis] - hand.rest[axis])
-            - hand.damping * placed.velocity.0[axis]
+            - hand.stiffness * (position.0[axis] - hand.rest[axis])
+            - hand.damping * velocity.0[axis]
     }))
 }
 
@@ -537,6 +551,9 @@ impl Instant {
                     let momentum = turning.angular_momentum(&placed.rotation, placed.turning);
                     0.5 * momentum.dot(placed.turning)
                 });
+                if let Some(table) = &device.mass_table {
+                    return of_turning + table.kinetic_energy(placed.position, placed.velocity);
+                }
                 let velocity = device.own(placed.velocity);
                 (0..3)
                     .filter(|&axis| device.moves_along(axis))

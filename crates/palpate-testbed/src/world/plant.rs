@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use super::contact::WorldError;
 use super::held_axis::HeldAxis;
+use super::held_linkage::HeldLinkage;
 use super::held_turning::HeldTurning;
 use super::scene::{Vector, WorldDevice, WorldScene};
 use super::vector::Vec3;
@@ -53,6 +54,7 @@ impl PlantParams {
 /// let device = WorldDevice {
 ///     name: "tool".into(),
 ///     own_axes: None,
+///     mass_table: None,
 ///     mass: [0.25; 3],
 ///     position: [0.0; 3],
 ///     velocity: [0.0; 3],
@@ -90,11 +92,30 @@ struct PlantDevice {
     device: WorldDevice,
     axes: [HeldAxis; 3],
     actuators: [Actuator; 3],
+    /// Moves it in place of them, where its mass depends on its place.
+    linkage: Option<HeldLinkage>,
     samplers: [Sampler; 3],
     /// Along its axes.
     impulses: Vec<Vector>,
     turning: Option<HeldTurning>,
     angular_impulses: Vec<Vector>,
+}
+
+impl PlantDevice {
+    /// Along one of its axes.
+    fn position(&self, axis: usize) -> f64 {
+        self.linkage.as_ref().map_or_else(
+            || self.axes[axis].position(),
+            |linkage| self.device.own(linkage.position()).0[axis],
+        )
+    }
+
+    fn velocity(&self, axis: usize) -> f64 {
+        self.linkage.as_ref().map_or_else(
+            || self.axes[axis].velocity(),
+            |linkage| self.device.own(linkage.velocity()).0[axis],
+        )
+    }
 }
 
 impl WorldPlant {
@@ -123,6 +144,10 @@ impl WorldPlant {
                 device: device.clone(),
                 axes: [axis(0)?, axis(1)?, axis(2)?],
                 actuators: [actuator; 3],
+                linkage: device
+                    .mass_table
+                    .as_ref()
+                    .map(|_| HeldLinkage::new(device, params.actuator)),
                 samplers: device.quantum.map(Sampler::Quantum),
                 impulses: Vec::new(),
                 turning: device
@@ -159,19 +184,19 @@ impl WorldPlant {
     /// What the sensors say now: positions, rounded along each of a device's axes to its quantum \[m\].
     #[must_use]
     pub fn measure(&self) -> Vec<Vector> {
-        self.each(|device, axis| device.samplers[axis].sample(device.axes[axis].position()))
+        self.each(|device, axis| device.samplers[axis].sample(device.position(axis)))
     }
 
     /// Where the tools' centres are now \[m\].
     #[must_use]
     pub fn positions(&self) -> Vec<Vector> {
-        self.each(|device, axis| device.axes[axis].position())
+        self.each(PlantDevice::position)
     }
 
     /// How fast they move now \[m/s\].
     #[must_use]
     pub fn velocities(&self) -> Vec<Vector> {
-        self.each(|device, axis| device.axes[axis].velocity())
+        self.each(PlantDevice::velocity)
     }
 
     /// How the sensors say the tools are turned now: the rotation vector of each from the start, rounded to its
@@ -260,6 +285,13 @@ impl WorldPlant {
             let Some(impulse) = device.impulses.last_mut() else {
                 continue;
             };
+            if let (Some(linkage), Some(table)) = (&mut device.linkage, &device.device.mass_table) {
+                let delivered = linkage.advance((&device.device, table), *force, duration);
+                for (sum, part) in impulse.iter_mut().zip(delivered) {
+                    *sum += part;
+                }
+                continue;
+            }
             let force = device.device.own(Vec3(*force)).0;
             for axis in 0..3 {
                 if device.axes[axis].stays() {
@@ -380,6 +412,7 @@ mod tests {
             devices: vec![WorldDevice {
                 name: "tool".into(),
                 own_axes: None,
+                mass_table: None,
                 mass: [0.1, 0.16, 0.25],
                 position: [0.01, -0.02, 0.05],
                 velocity: [0.1, 0.0, -0.3],

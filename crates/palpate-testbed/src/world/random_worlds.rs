@@ -216,6 +216,7 @@ fn draw(numbers: &mut Numbers, period: f64, hand_stiffness: Option<f64>) -> Draw
     let device = WorldDevice {
         name: "tool".into(),
         own_axes: None,
+        mass_table: None,
         mass: masses,
         position: parts.tool,
         velocity: [0.0; 3],

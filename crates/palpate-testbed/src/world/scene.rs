@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::hull::Hull;
 use super::joints::WorldJoint;
+use super::mass_table::MassTable;
 use super::mesh::TriangleMesh;
 use super::turning::Turning;
 use super::vector::Vec3;
@@ -27,6 +28,9 @@ pub struct WorldDevice {
     /// Moved mass m along each axis, above 0 \[kg\]; infinite along an axis that the device lacks. Its mechanism holds it there:
     /// it stays, and no motor gives a force along that axis, so none is judged.
     pub mass: Vector,
+    /// The mass matrix by the tool's place, of a linkage; `None` if its mass is the same everywhere. It tells how the device moves;
+    /// [`mass`](Self::mass), that along its axes at the start, says what counts how much in a judgement.
+    pub mass_table: Option<Arc<MassTable>>,
     /// Position of the tool's centre, that of mass, at t = 0 \[m\].
     pub position: Vector,
     /// Velocity at t = 0 \[m/s\].

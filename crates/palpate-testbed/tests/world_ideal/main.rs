@@ -9,6 +9,7 @@ mod closed_forms;
 mod conservation;
 mod friction;
 mod joints;
+mod linkages;
 mod one_dimension;
 mod own_axes;
 mod refused;
@@ -26,6 +27,7 @@ fn device(mass: f64, position: Vector) -> WorldDevice {
     WorldDevice {
         name: "tool".into(),
         own_axes: None,
+        mass_table: None,
         mass: [mass; 3],
         position,
         velocity: [0.0; 3],

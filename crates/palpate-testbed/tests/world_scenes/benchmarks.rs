@@ -178,6 +178,7 @@ fn read(file: &toml::Table) -> (WorldScene, f64, f64) {
         .map(|device| WorldDevice {
             name: name(device),
             own_axes: None,
+            mass_table: None,
             mass: vector(&device["mass_kg"]),
             position: vector(&device["position_m"]),
             velocity: [0.0; 3],
