@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use nalgebra::UnitQuaternion;
 
+use crate::axes::Axes;
 use crate::rigid::{Rotation, Vector3};
 use crate::state::quaternion;
-use crate::{NOT_TURNED, Quaternion, Shape, Vector};
+use crate::{MassTable, MassTableError, NOT_TURNED, Quaternion, Shape, Vector};
 
 /// What a device moves through the world. Where it is, and how it is turned, the device measures.
 ///
@@ -30,6 +31,9 @@ pub struct Tool {
     /// The device's axes, along which its mass is told and its mobility diagonal: unit vectors at right angles, to 1e-9, along the
     /// world's axes. `None`: the world's own. Positions and forces are in the world's axes in any case.
     pub own_axes: Option<[Vector; 3]>,
+    /// How the device's mass changes with the place of the tool; `None` if it is the same everywhere. The device's axes are then
+    /// those of the mobility at the table's reference, and so are the masses that a method is told.
+    pub mass_table: Option<Arc<MassTable>>,
 }
 
 impl Tool {
@@ -43,6 +47,7 @@ impl Tool {
             gives_torque: true,
             axes: [true; 3],
             own_axes: None,
+            mass_table: None,
         }
     }
 
@@ -54,6 +59,35 @@ impl Tool {
             own_axes: Some(own_axes),
             ..self
         }
+    }
+
+    /// The same tool, moved by a device whose mass matrix changes with the place of the tool, as that of a linkage does.
+    ///
+    /// `places`: increasing coordinates along each of the axes that the device has ([`axes`](Self::axes), [`own_axes`](Self::own_axes)),
+    /// from the world's origin; one alone where nothing changes along an axis `[m]`. `masses`: the matrix along these axes at each
+    /// place of that grid, those of the last axis side by side, as `[xx, yy, zz, xy, xz, yz]`, `[xx, yy, xy]` or `[xx]` `[kg]`.
+    ///
+    /// The device's axes become those along which the matrix at `reference` `[m]` is diagonal; a method is told the masses along these,
+    /// [`MassTable::masses_at_reference`]. The table says how the mass changes from there: one that is wrong by a factor tells the same.
+    /// [`CoupledParams`](crate::CoupledParams) follows it; no other method knows masses.
+    ///
+    /// # Errors
+    /// Lists that do not fit the axes or each other, places that do not increase, a matrix that is not positive definite, or places
+    /// too far apart for what changes between them.
+    pub fn with_mass_table<P: AsRef<[f64]>, M: AsRef<[f64]>>(
+        self,
+        places: &[P],
+        masses: &[M],
+        reference: Vector,
+    ) -> Result<Self, MassTableError> {
+        let frame = (self.axes, Axes::of(&self).own_axes());
+        let table = MassTable::new(frame, places, masses, reference)?;
+        let (own, _) = table.principal();
+        Ok(Self {
+            own_axes: own.map(|own| [0, 1, 2].map(|axis| own.column(axis).into_owned().into())),
+            mass_table: Some(Arc::new(table)),
+            ..self
+        })
     }
 
     /// The same tool, moved by a device that has these of its axes only: a pantograph in a plane has two.

@@ -22,6 +22,8 @@ mod interval;
 mod joint;
 mod law;
 mod link;
+mod linkage;
+mod mass_table;
 mod mesh;
 mod method;
 mod moving;
@@ -52,6 +54,7 @@ pub use hull::{Hull, HullError};
 pub use interval::{Effort, SubSteps};
 pub use joint::{Joint, JointKind, JointLaw};
 pub use law::Mode;
+pub use mass_table::{MassTable, MassTableError};
 pub use mesh::{
     DistanceGrid, GridBytesError, GridError, InvalidGrid, InvalidShell, MassProperties, Mesh,
     MeshError, PointShell,

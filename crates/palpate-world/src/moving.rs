@@ -3,6 +3,7 @@
 use crate::blocks::Blocks;
 use crate::law::{Mode, carried};
 use crate::link::Link;
+use crate::linkage::Carried;
 use crate::mesh::Surface;
 use crate::nearby::Nearby;
 use crate::pairs::Point;
@@ -178,6 +179,8 @@ pub(crate) struct Moving {
     pub blocks: Vec<Blocks>,
     /// The springs of the joints.
     pub links: Vec<Link>,
+    /// Of each tool, what carries an avatar whose mass changes with its place; of no tool if none has one.
+    pub carried: Vec<Option<Carried>>,
 }
 
 impl Moving {
@@ -293,6 +296,11 @@ impl Moving {
     /// that are expected at its end, which keeps it of second order.
     pub fn sub_step(&mut self, points: &[Point], h: f64) {
         let half = 0.5 * h;
+        for (part, carried) in self.parts.iter_mut().zip(&self.carried) {
+            if let Some(carried) = carried {
+                carried.carry(part, h);
+            }
+        }
         for part in self.moving_parts() {
             part.first_push(half);
         }

@@ -56,6 +56,12 @@ pub(crate) struct AxisForce {
     pub lead: f64,
     /// Standard deviation of its impulse `[N s]`.
     pub impulse_deviation: f64,
+    /// Mean of a known acceleration beside it `[m/s^2]`,
+    pub bias: f64,
+    /// and the way that it adds by not being constant `[m]`.
+    pub bias_lead: f64,
+    /// Acceleration that it has of each unit of the external one: 1 but for a linkage that is not at its reference.
+    pub share: f64,
 }
 
 /// Derivatives of a velocity by time, from the velocity itself on.
@@ -97,46 +103,50 @@ impl AxisMotion {
         }
     }
 
-    /// Derivatives of the velocity that begins with these two, with what enters each further one.
-    fn series(&self, first: [f64; 2], enters: impl Fn(usize) -> f64) -> Series {
+    /// Derivatives of the velocity that begins with these two, with what enters each further one, where so much of each unit of the
+    /// external acceleration is felt.
+    fn series(&self, first: [f64; 2], share: f64, enters: impl Fn(usize) -> f64) -> Series {
         let mut series = [first[0], first[1], 0.0, 0.0, 0.0, 0.0];
+        let (damping_rate, spring_rate) = (self.damping_rate * share, self.spring_rate * share);
         for k in 2..STATES {
-            series[k] =
-                enters(k) - self.damping_rate * series[k - 1] - self.spring_rate * series[k - 2];
+            series[k] = enters(k) - damping_rate * series[k - 1] - spring_rate * series[k - 2];
         }
         series
     }
 
-    fn own_series(&self, force: f64) -> Series {
-        let pushed = self.external + self.mobility * force;
-        self.series([self.velocity, pushed], |_| 0.0)
+    fn own_series(&self, force: &AxisForce) -> Series {
+        let pushed = self.external * force.share + force.bias + self.mobility * force.mean;
+        self.series([self.velocity, pushed], force.share, |_| 0.0)
     }
 
     /// What an interval of `h` `[s]` does to it under a `force` on it.
     pub fn under(&self, force: &AxisForce, h: f64) -> Change {
-        let mut change = over(&self.own_series(force.mean), h);
-        change.travel += self.mobility * force.lead;
+        let mut change = over(&self.own_series(force), h);
+        change.travel += self.mobility * force.lead + force.bias_lead;
+        change.external /= force.share;
         change
     }
 
     /// How place, velocity and acceleration at the end come from the state at the start.
     fn transition(&self, force: &AxisForce, h: f64) -> [Row; 3] {
-        let AxisForce { mean, lead, .. } = *force;
-        let own = self.own_series(mean);
+        let AxisForce {
+            mean, lead, share, ..
+        } = *force;
+        let own = self.own_series(force);
         let none = |_| 0.0;
-        let by_velocity = over(&self.series([1.0, 0.0], none), h);
-        let by_external = over(&self.series([0.0, 1.0], none), h);
-        let by_damping = over(&self.series([0.0; 2], |k| -own[k - 1]), h);
-        let by_spring = over(&self.series([0.0; 2], |k| -own[k - 2]), h);
+        let by_velocity = over(&self.series([1.0, 0.0], share, none), h);
+        let by_push = over(&self.series([0.0, 1.0], share, none), h);
+        let by_damping = over(&self.series([0.0; 2], share, |k| -own[k - 1] * share), h);
+        let by_spring = over(&self.series([0.0; 2], share, |k| -own[k - 2] * share), h);
         let row = |own: f64, u: f64, a: f64, theta: f64, l: f64, k: f64| {
             Row::from([own, u, a, theta, l, k])
         };
-        let (u, a, l, k) = (by_velocity, by_external, by_damping, by_spring);
+        let (u, a, l, k) = (by_velocity, by_push, by_damping, by_spring);
         [
             row(
                 1.0,
                 u.travel,
-                a.travel,
+                a.travel * share,
                 mean * a.travel + lead,
                 l.travel,
                 k.travel,
@@ -144,18 +154,18 @@ impl AxisMotion {
             row(
                 0.0,
                 1.0 + u.gained,
-                a.gained,
+                a.gained * share,
                 mean * a.gained,
                 l.gained,
                 k.gained,
             ),
             row(
                 0.0,
-                u.external,
+                u.external / share,
                 1.0 + a.external,
-                mean * a.external,
-                l.external,
-                k.external,
+                mean * a.external / share,
+                l.external / share,
+                k.external / share,
             ),
         ]
     }
@@ -429,6 +439,9 @@ mod tests {
             mean,
             lead: 0.0,
             impulse_deviation: 0.0,
+            bias: 0.0,
+            bias_lead: 0.0,
+            share: 1.0,
         }
     }
 

@@ -9,7 +9,9 @@ use crate::turning::TurningDrive;
 pub(crate) struct Drive {
     /// Acceleration at the interval's start `[m/s^2]`.
     pub acceleration: Vector3,
-    /// By how much it falls with the velocity gained since, along each axis of the mobility `[1/s]`,
+    /// The axes of what follows; `None`: those of the mobility.
+    pub axes: OwnAxes,
+    /// By how much it falls with the velocity gained since, along each axis `[1/s]`,
     pub damping_rate: Vector3,
     /// and with the way made since `[1/s^2]`.
     pub spring_rate: Vector3,
@@ -26,6 +28,7 @@ impl Drive {
         let none = Vector3::zeros();
         Self {
             acceleration,
+            axes: None,
             damping_rate: none,
             spring_rate: none,
             position: none,
@@ -189,10 +192,14 @@ impl Part {
         self.ahead.turning += self.turning_drive.apparent_turning;
     }
 
+    fn axes_of_drive(&self) -> OwnAxes {
+        self.drive.axes.or(self.mobility.linear_axes)
+    }
+
     /// The first half of a sub-step's push.
     pub fn first_push(&mut self, half: f64) {
         let before = self.rigid.velocity;
-        let axes = &self.mobility.linear_axes;
+        let axes = &self.axes_of_drive();
         let slowed = scaled(axes, &self.drive.damping_rate, &before);
         let by_drive = (self.drive.at(axes, &self.rigid.position) - slowed) * half;
         let torque = self.turning_drive.first_torque(&self.rigid);
@@ -202,7 +209,7 @@ impl Part {
     /// The second half: with the damping of the drive at its end, so that both halves together are of second order.
     pub fn second_push(&mut self, half: f64) {
         let before = self.rigid.velocity;
-        let axes = &self.mobility.linear_axes;
+        let axes = &self.axes_of_drive();
         let by_contacts = self.mobility.acceleration(&self.force) * half;
         let sum = before + by_contacts + self.drive.at(axes, &self.rigid.position) * half;
         let after =

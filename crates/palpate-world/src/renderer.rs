@@ -141,6 +141,7 @@ impl WorldRenderer {
             surfaces: self.surfaces.clone(),
             blocks: self.blocks.clone(),
             links: self.links.clone(),
+            carried: vec![None; self.carried()],
         };
         let side = |number: usize| Side::of(number, self.tools);
         let contacts = self.points.iter().map(|point| ContactState {
@@ -195,6 +196,16 @@ impl WorldRenderer {
         let memory = self.method.memory(self);
         self.publish(&mut progress, &memory);
         WorldState { progress, memory }
+    }
+
+    /// How many tools may have an avatar whose mass changes with its place.
+    fn carried(&self) -> usize {
+        let mut tools = self.world.tools.iter();
+        if tools.any(|tool| tool.mass_table.is_some()) {
+            self.tools
+        } else {
+            0
+        }
     }
 
     /// Books of the joints, whose springs may be stretched at the start.

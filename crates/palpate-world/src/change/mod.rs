@@ -147,6 +147,7 @@ impl WorldRenderer {
                     || tool.gives_torque != before.gives_torque
                     || tool.axes != before.axes
                     || tool.own_axes != before.own_axes
+                    || tool.mass_table != before.mass_table
             })
             .map(|(number, (tool, before))| {
                 let turns = match (before.turns, before.gives_torque) {

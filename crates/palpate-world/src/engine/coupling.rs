@@ -199,6 +199,9 @@ impl Coupling {
                     mean: acted.sent[axis],
                     lead: acted.lead[axis],
                     impulse_deviation: acted.impulse_deviation[axis],
+                    bias: 0.0,
+                    bias_lead: 0.0,
+                    share: 1.0,
                 };
                 device.observers[axis].see(&priors[axis], moved[axis], &force, elapsed);
             }
@@ -275,6 +278,9 @@ impl Coupling {
                         mean: acting.intended[axis],
                         lead: acting.lead[axis],
                         impulse_deviation: 0.0,
+                        bias: 0.0,
+                        bias_lead: 0.0,
+                        share: 1.0,
                     };
                     let change = motion.under(&force, duration);
                     motion.offset += change.travel;
@@ -414,6 +420,9 @@ impl Device {
                 mean: period.mean[axis] - held,
                 lead: period.lead[axis],
                 impulse_deviation: 0.0,
+                bias: 0.0,
+                bias_lead: 0.0,
+                share: 1.0,
             };
             let change = apart.under(&force, period.duration);
             self.offset[axis] += change.travel;

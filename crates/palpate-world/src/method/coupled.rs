@@ -1,12 +1,13 @@
 //! Coupled rendering: devices and world are predicted together, and the mean of the contact force is held.
 
+use super::coupled_books::Moved;
+use super::coupled_motions::Motions;
 use super::coupled_turning::Turning;
 use crate::axes::Axes;
-use crate::commands::Acting;
 use crate::interval::advance;
+use crate::linkage::Linkage;
 use crate::moving::Moving;
-use crate::observer::{AxisForce, AxisMotion, AxisObserver, AxisPrior};
-use crate::part::Drive;
+use crate::observer::{AxisObserver, AxisPrior};
 use crate::rigid::{Mobility, Rigid, Rotation, Vector3};
 use crate::state::{Progress, quaternion, show_contacts};
 use crate::turning_observer::TurningPrior;
@@ -18,6 +19,8 @@ pub(crate) struct Coupled {
     pub(crate) priors: Vec<[AxisPrior; 3]>,
     /// Along which axes each device moves.
     pub(crate) axes: Vec<Axes>,
+    /// Of each device whose mass changes with its place.
+    pub(super) linkages: Vec<Option<Linkage>>,
     /// Of each tool that turns.
     pub(super) turning_priors: Vec<Option<TurningPrior>>,
     pub(super) turn_limit: f64,
@@ -52,11 +55,11 @@ pub(crate) struct Device {
 
 /// An avatar against its device.
 #[derive(Clone, Copy, Debug)]
-struct Avatar {
+pub(super) struct Avatar {
     /// o: its position less the device's `[m]`.
-    offset: Vector3,
+    pub offset: Vector3,
     /// w: its velocity less the device's `[m/s]`.
-    velocity_offset: Vector3,
+    pub velocity_offset: Vector3,
 }
 
 impl Avatar {
@@ -65,71 +68,6 @@ impl Avatar {
             offset: Vector3::zeros(),
             velocity_offset: Vector3::zeros(),
         }
-    }
-}
-
-/// A device as its observers know it along each of its axes, counted from its measured position.
-#[derive(Clone, Copy, Debug)]
-struct Motions {
-    along: [AxisMotion; 3],
-    axes: Axes,
-}
-
-impl Motions {
-    fn seen_by(observers: &[AxisObserver; 3], axes: Axes) -> Self {
-        Self {
-            along: observers.each_ref().map(|observer| observer.motion),
-            axes,
-        }
-    }
-
-    /// A number for each of the device's axes.
-    fn own(&self, quantity: impl Fn(&AxisMotion) -> f64) -> Vector3 {
-        Vector3::from(self.along.each_ref().map(quantity))
-    }
-
-    /// A vector in the world.
-    fn of(&self, quantity: impl Fn(&AxisMotion) -> f64) -> Vector3 {
-        self.axes.out(&self.own(quantity))
-    }
-
-    fn drive(&self) -> Drive {
-        Drive {
-            damping_rate: self.own(|axis| axis.damping_rate),
-            spring_rate: self.own(|axis| axis.spring_rate),
-            ..Drive::constant(self.of(|axis| axis.external))
-        }
-    }
-
-    /// The device after `h` `[s]` under what a method intended.
-    fn under(&self, acting: &Acting, h: f64) -> Self {
-        let mut after = *self;
-        let [intended, lead] = [&acting.intended, &acting.lead].map(|force| self.axes.own(force));
-        for (axis, motion) in after.along.iter_mut().enumerate() {
-            let force = AxisForce {
-                mean: intended[axis],
-                lead: lead[axis],
-                impulse_deviation: 0.0,
-            };
-            let change = motion.under(&force, h);
-            motion.offset += change.travel;
-            motion.velocity += change.gained;
-            motion.external += change.external;
-        }
-        after
-    }
-
-    fn mobility(&self) -> Mobility {
-        Mobility {
-            linear: self.own(|axis| axis.mobility),
-            linear_axes: self.axes.own_axes(),
-            ..Mobility::none()
-        }
-    }
-
-    /// Sum over the axes that a force can move of the products of two vectors' parts along them, each over the mobility.
-    fn weighted(&self, one: &Vector3, other: &Vector3) -> f64 {
-        self.mobility().weighted(one, other)
     }
 }
 
@@ -161,7 +99,11 @@ fn place(moving: &mut Moving, tool: usize, measured: &Vector3, device: &Motions,
     let part = &mut moving.parts[tool];
     part.rigid.position = measured + device.of(|axis| axis.offset) + avatar.offset;
     part.rigid.velocity = device.of(|axis| axis.velocity) + avatar.velocity_offset;
-    part.mobility.linear = device.own(|axis| axis.mobility);
+    part.mobility = Mobility {
+        angular: part.mobility.angular,
+        is_round: part.mobility.is_round,
+        ..device.mobility()
+    };
     part.drive = device.drive();
 }
 
@@ -249,16 +191,20 @@ impl Coupled {
             let axes = &self.axes[tool];
             let moved = axes.own(&(Vector3::from(positions[tool]) - device.measured));
             let acted = state.commands.passed(tool);
-            let [sent, lead] = [&acted.sent, &acted.lead].map(|force| axes.own(force));
-            let deviations = axes.own_deviations(&acted.impulse_deviation);
+            let mut before = device.seen();
+            if let Some(linkage) = &self.linkages[tool] {
+                let way = Vector3::from(positions[tool]) - device.measured;
+                before.pass_by(linkage, &device.measured, &way, &acted.sent, elapsed);
+            }
+            let felt = before.felt([&acted.sent, &acted.lead, &acted.impulse_deviation]);
             for axis in 0..3 {
-                let force = AxisForce {
-                    mean: sent[axis],
-                    lead: lead[axis],
-                    impulse_deviation: deviations[axis],
-                };
                 device.ahead.along[axis] =
-                    device.observers[axis].see(&priors[axis], moved[axis], &force, elapsed);
+                    device.observers[axis].see(&priors[axis], moved[axis], &felt[axis], elapsed);
+            }
+            if let Some(linkage) = &self.linkages[tool] {
+                // Anew, with what the sample tells of its velocity.
+                let (measured, force) = (device.measured, &acted.intended);
+                device.ahead.pass(linkage, &measured, force, elapsed);
             }
             place(
                 &mut state.now,
@@ -275,6 +221,7 @@ impl Coupled {
         }
         // The interval anew, from where it began, with what the sample tells of it.
         state.now.look(points);
+        self.carry(&mut state.now, &memory.devices, elapsed);
         state.books.observe(&state.now, points);
         state.now.begin();
         let sub_steps = &renderer.in_loop.sub_steps;
@@ -285,6 +232,7 @@ impl Coupled {
             let Impulse {
                 linear: impulse,
                 angular: angular_impulse,
+                work,
                 touched,
             } = impulse_on(&state.now, renderer, tool);
             let start = device.ahead;
@@ -342,14 +290,17 @@ impl Coupled {
                 }
             }
             book.unforeseen = book.port_work + book.carried - book.held;
-            let [before, after] = [&device.avatar, &avatar].map(|avatar| avatar.velocity_offset);
-            let [u, v] = [&start, &end].map(|device| device.of(|axis| axis.velocity));
-            let gained = start.weighted(&(0.5 * (v - u)), &(v + u));
-            let kinetic = |device: &Motions, velocity: &Vector3, w: &Vector3| {
-                device.weighted(w, &(velocity + 0.5 * w))
+            let motion = Moved {
+                device: [&start, &end],
+                avatar: [&device.avatar, &avatar],
+                measured: &device.measured,
             };
-            book.offset += part.driven - (gained - acted.intended.dot(&way));
-            book.velocity_offset += kinetic(&end, &v, &after) - kinetic(&start, &u, &before);
+            let gained = match &self.linkages[tool] {
+                None => motion.gained(part.driven),
+                Some(linkage) => motion.gained_by(linkage, work),
+            };
+            book.offset += gained.driven - (gained.device - acted.intended.dot(&way));
+            book.velocity_offset += gained.more;
             book.unpaid += axes.along(&(mean - acted.intended)).dot(&way);
 
             device.avatar = avatar;
@@ -450,6 +401,7 @@ impl Coupled {
         let sub_steps = &renderer.in_loop.sub_steps;
         for piece in 0..pieces {
             let duration = state.commands.duration(piece);
+            self.carry(&mut state.ahead, &memory.devices, duration);
             state.ahead.begin();
             let passed = advance(
                 &mut state.ahead,
@@ -461,9 +413,12 @@ impl Coupled {
             effort = effort.and(passed);
             for (tool, device) in memory.devices.iter_mut().enumerate() {
                 // The avatar goes on from where it is, the device under the force that is on its way.
-                device.ahead = device
-                    .ahead
-                    .under(&state.commands.coming(tool, piece), duration);
+                let coming = state.commands.coming(tool, piece);
+                if let Some(linkage) = &self.linkages[tool] {
+                    let (measured, force) = (device.measured, &coming.intended);
+                    device.ahead.pass(linkage, &measured, force, duration);
+                }
+                device.ahead = device.ahead.under(&coming, duration);
                 state.ahead.parts[tool].drive = device.ahead.drive();
                 if let Some((turning, prior)) = &mut device.turning {
                     let coming = state.torque_commands.coming(tool, piece);
@@ -472,6 +427,7 @@ impl Coupled {
                 }
             }
         }
+        self.carry(&mut state.ahead, &memory.devices, period);
         state.ahead.begin();
         let passed = advance(&mut state.ahead, &mut state.room, points, sub_steps, period);
         effort = effort.and(passed);
@@ -481,6 +437,7 @@ impl Coupled {
                 linear: impulse,
                 angular,
                 touched,
+                ..
             } = impulse_on(&state.ahead, renderer, tool);
             if let Some((turning, prior)) = &device.turning
                 && !prior.led
@@ -507,24 +464,57 @@ impl Coupled {
                 continue;
             }
             // What is owed at the beginning of the interval that this force governs.
-            let start = state.ahead.parts[tool].drive.velocity;
-            let owed = start - device.ahead.of(|axis| axis.velocity);
-            let mobility = device.ahead.own(|axis| axis.mobility);
-            let owed = device
-                .ahead
-                .axes
-                .own(&owed)
-                .zip_map(&mobility, |owed, mobility| {
-                    if mobility > 0.0 {
-                        owed / (mobility * period)
-                    } else {
-                        0.0
-                    }
-                });
+            let start = &state.ahead.parts[tool].drive;
+            let owed = self.owed(tool, device, [start.position, start.velocity], period);
             let mean = impulse / period + device.ahead.axes.out(&owed);
             *intended = state.commands.command(tool, &mean, period);
         }
         effort
+    }
+}
+
+impl Coupled {
+    /// Sets the avatars of linkages for an interval of `h` `[s]` that begins, after their contacts were looked at.
+    fn carry(&self, moving: &mut Moving, devices: &[Device], h: f64) {
+        let parts = moving.parts.iter_mut().zip(&mut moving.carried);
+        let of = self.linkages.iter().zip(devices);
+        for ((part, carried), (linkage, device)) in parts.zip(of) {
+            if let Some(linkage) = linkage {
+                let of_interval = linkage.carried(part, &device.ahead.theta(), h);
+                // For the bounds of what is fastest.
+                of_interval.carry(part, h);
+                *carried = Some(of_interval);
+            }
+        }
+    }
+
+    /// Force along a device's axes that brings its velocity to that of its avatar, which is at `position` with `velocity`, over a
+    /// `period` `[s]`: that of a linkage has the same momentum, since its avatar is at another place.
+    fn owed(
+        &self,
+        tool: usize,
+        device: &Device,
+        [position, velocity]: [Vector3; 2],
+        period: f64,
+    ) -> Vector3 {
+        let ahead = &device.ahead;
+        let (theta, own) = (ahead.theta(), ahead.of(|axis| axis.velocity));
+        if let Some(linkage) = &self.linkages[tool] {
+            let place = device.measured + ahead.of(|axis| axis.offset);
+            let [avatar, own] = [[&position, &velocity], [&place, &own]]
+                .map(|motion| linkage.momentum(&theta, motion));
+            return (avatar - own) / period;
+        }
+        ahead
+            .axes
+            .own(&(velocity - own))
+            .zip_map(&theta, |owed, mobility| {
+                if mobility > 0.0 {
+                    owed / (mobility * period)
+                } else {
+                    0.0
+                }
+            })
     }
 }
 
@@ -545,6 +535,8 @@ struct Impulse {
     linear: Vector3,
     /// About its mass centre; of a tool that turns `[N m s]`.
     angular: Vector3,
+    /// Work `[J]`.
+    work: f64,
     /// Whether anything touched it.
     touched: bool,
 }
@@ -553,12 +545,14 @@ fn impulse_on(moving: &Moving, renderer: &WorldRenderer, tool: usize) -> Impulse
     let mut sum = Impulse {
         linear: Vector3::zeros(),
         angular: Vector3::zeros(),
+        work: 0.0,
         touched: false,
     };
     for (point, touch) in renderer.points.iter().zip(&moving.touches) {
         if let Some(sign) = point.sign_on(tool) {
             sum.linear += touch.past.impulse * sign;
             sum.angular += touch.past.angular_impulse;
+            sum.work += touch.past.work_on_tool;
             sum.touched |= !touch.is_apart() || touch.past.impulse != Vector3::zeros();
         }
     }

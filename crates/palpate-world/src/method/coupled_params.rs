@@ -5,6 +5,7 @@ use palpate::Range;
 use super::coupled::Coupled;
 use crate::axes::Axes;
 use crate::fault::out_of_range;
+use crate::linkage::Linkage;
 use crate::observer::{AxisPrior, Prior};
 use crate::rigid::Vector3;
 use crate::turning_observer::TurningPrior;
@@ -210,12 +211,18 @@ impl CoupledParams {
                 prior
             })
         });
+        // What no force moves has a mass that does not matter.
+        let linkages = all.iter().zip(&self.device_mass).map(|(tool, mass)| {
+            let mut there = mass.iter().zip(tool.axes).filter(|(_, has)| *has);
+            Linkage::of(tool).filter(|_| there.all(|(mass, _)| mass.is_finite()))
+        });
         Ok(Coupled {
             turning_priors: turning_priors.collect(),
             turn_limit: self.turn_limit,
             turn_return: self.turn_return,
             priors: priors.collect(),
             axes: all.iter().map(Axes::of).collect(),
+            linkages: linkages.collect(),
             offset_limit: self.offset_limit,
             offset_return: self.offset_return,
             velocity_return: self.velocity_return,

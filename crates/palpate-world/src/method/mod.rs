@@ -5,6 +5,8 @@
 
 mod basic;
 pub(crate) mod coupled;
+mod coupled_books;
+mod coupled_motions;
 mod coupled_params;
 mod coupled_turning;
 mod god_object;
