@@ -582,3 +582,44 @@ fn a_device_says_whether_it_gives_a_torque() {
     let felt = WorldFile::parse("ball.toml", &felt).unwrap().scene;
     assert!(felt.renderer("virtual-coupling").is_err());
 }
+
+#[test]
+fn the_mass_of_a_device_may_change_with_its_place() {
+    let with = |of: &str| {
+        BALL.replace("mass_kg = [0.25, 0.3, 0.35]", of)
+            .replace("hand_force_n = [0.0, 0.0, -1.0]\nquantum_m = 2e-6\n", "")
+            .replace("device_mass_kg = 0.375\n", "")
+    };
+    let table = "axes = [\"x\", \"z\"]\n\
+                 mass_table = { places_m = [[-0.1, 0.1], [0.0]], mass_kg = [[0.2, 0.3, 0.05], [0.3, 0.3, 0.05]] }";
+    let scene = WorldFile::parse("ball.toml", &with(table)).unwrap().scene;
+    let (tool, device) = (&scene.world.tools[0], &scene.devices[0]);
+    assert_eq!(tool.axes, [true, false, true]);
+    assert_eq!(tool.own_axes, device.own_axes);
+    // In the middle of the table: 0.25, 0.3 and 0.05 kg.
+    assert_eq!(device.position[0], 0.0);
+    let [one, lacking, other] = device.mass;
+    assert!(lacking.is_infinite());
+    assert!((one + other - 0.55).abs() < 1e-12);
+    assert!((one * other - (0.25 * 0.3 - 0.05 * 0.05)).abs() < 1e-12);
+    assert_eq!(scene.render.device_mass, [device.mass]);
+    for (of, says) in [
+        ("", "a device needs either mass_kg or mass_table"),
+        (
+            &format!("{table}\nmass_kg = 0.3")[..],
+            "a device has either mass_kg or mass_table",
+        ),
+        (
+            "mass_table = { places_m = [[0.1, 0.0], [0.0], [0.0]], mass_kg = [] }",
+            "mass_table: the places along axis 1 are [0.1, 0.0]",
+        ),
+        (
+            "mass_table = { places_m = [[0.0], [0.0], [0.0]], mass_kg = [[1.0, 1.0, 1.0]] }",
+            "matrix 1 has 3 numbers; a device of 3 axes has 6",
+        ),
+        ("mass_table = { places_m = [[0.0]] }", "mass_kg"),
+    ] {
+        let refused = WorldFile::parse("ball.toml", &with(of)).unwrap_err();
+        assert!(refused.to_string().contains(says), "{of}: {refused}");
+    }
+}

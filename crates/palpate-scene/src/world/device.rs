@@ -6,6 +6,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::file::Reading;
+use super::mass_table::RawMassTable;
 use super::per_axis::{DeviceAxes, PerAxis};
 use super::shape::{RawShape, unit};
 use super::{DeviceTurning, Tremor, TurningHand, WorldDevice, WorldHand};
@@ -15,7 +16,8 @@ use super::{DeviceTurning, Tremor, TurningHand, WorldDevice, WorldHand};
 pub(super) struct RawDevice {
     name: Spanned<String>,
     axes: Option<Spanned<DeviceAxes>>,
-    mass_kg: Spanned<PerAxis>,
+    mass_kg: Option<Spanned<PerAxis>>,
+    mass_table: Option<Spanned<RawMassTable>>,
     position_m: Option<Spanned<Vector>>,
     velocity_m_per_s: Option<Spanned<Vector>>,
     quantum_m: Option<Spanned<PerAxis>>,
@@ -44,7 +46,8 @@ const MOST_BEYOND: f64 = 1e-6;
 impl Reading {
     pub(super) fn device(&mut self, index: usize, raw: Spanned<RawDevice>) -> (Tool, WorldDevice) {
         let place = Place::Tool(index);
-        self.places.part(place, raw.span());
+        let span = raw.span();
+        self.places.part(place, span.clone());
         let mut raw = raw.into_inner();
         let tremor_torque = raw.tremor_n_m.take();
         let tremor = match (raw.tremor_n.take(), raw.tremor_hz.take()) {
@@ -83,8 +86,29 @@ impl Reading {
             gives_torque: turning.is_none_or(|turning| turning.gives_torque),
             axes: axes.has,
             own_axes: axes.own,
+            mass_table: None,
         };
         let position = self.vector("position_m", raw.position_m, [0.0; 3]);
+        let (tool, mass) = match (raw.mass_kg, raw.mass_table) {
+            (None, Some(table)) if known.is_some() => {
+                self.with_mass_table(tool, table.into_inner(), position)
+            }
+            (Some(mass), None) => {
+                let mass = self.mass(&mass, known);
+                (tool, mass)
+            }
+            (mass, table) => {
+                let message = match (mass, table) {
+                    (Some(_), Some(_)) => "a device has either mass_kg or mass_table",
+                    _ => "a device needs either mass_kg or mass_table",
+                };
+                // What stands for neither may be a key that was at fault.
+                if !self.damaged.contains(&format!("device.{index}")) {
+                    self.fault(span, message);
+                }
+                (tool, [1.0; 3])
+            }
+        };
         let mut at_least_0 = |key: &str, value: Option<Spanned<f64>>| {
             value.map_or(0.0, |value| self.number(key, value, Range::NotNegative))
         };
@@ -104,17 +128,8 @@ impl Reading {
             rest: self.vector("hand_rest_m", raw.hand_rest_m, position),
             tremor,
         };
-        let mass = if raw.mass_kg.get_ref().given().contains(&f64::INFINITY) {
-            let message = "mass_kg is inf: name in `axes` the axes that the device has, such as axes = [\"x\", \"y\"], and give \
-                           masses along these only";
-            self.fault(raw.mass_kg.span(), message);
-            [1.0; 3]
-        } else {
-            let elsewhere = f64::INFINITY;
-            self.per_axis("mass_kg", &raw.mass_kg, Range::Positive, (known, elsewhere))
-        };
         let device = WorldDevice {
-            own_axes: axes.own,
+            own_axes: tool.own_axes,
             mass,
             position,
             velocity: self.vector("velocity_m_per_s", raw.velocity_m_per_s, [0.0; 3]),
@@ -125,6 +140,18 @@ impl Reading {
             turning,
         };
         (tool, device)
+    }
+
+    /// A mass along each axis, infinite along those that the device lacks.
+    fn mass(&mut self, mass: &Spanned<PerAxis>, known: Option<[bool; 3]>) -> Vector {
+        if mass.get_ref().given().contains(&f64::INFINITY) {
+            let message = "mass_kg is inf: name in `axes` the axes that the device has, such as axes = [\"x\", \"y\"], and give \
+                           masses along these only";
+            self.fault(mass.span(), message);
+            return [1.0; 3];
+        }
+        let elsewhere = f64::INFINITY;
+        self.per_axis("mass_kg", mass, Range::Positive, (known, elsewhere))
     }
 
     /// What would move a tool along an axis that its device lacks is a mistake: nothing does. `held` is what may stand there.

@@ -91,6 +91,7 @@ struct RawContact {
 struct RawRender {
     method: Option<Spanned<String>>,
     device_mass_kg: Option<Spanned<PerAxis>>,
+    device_mass_factor: Option<Spanned<f64>>,
     damping_n_s_per_m: Option<Spanned<f64>>,
     coupling_stiffness_n_per_m: Option<Spanned<f64>>,
     coupling_mass_kg: Option<Spanned<f64>>,
@@ -366,6 +367,16 @@ impl Reading {
                     Range::Positive,
                     (axes, f64::INFINITY),
                 );
+            }
+        }
+        if let Some(factor) = raw.device_mass_factor {
+            if told_mass.is_some() {
+                let message = "the renderer is told either device_mass_kg or device_mass_factor";
+                self.fault(factor.span(), message);
+            }
+            let factor = self.number("device_mass_factor", factor, Range::Positive);
+            for mass in masses.iter_mut().flatten() {
+                *mass *= factor;
             }
         }
         let told_inertia = raw.device_inertia_kg_m2.map(|inertia| {

@@ -4,6 +4,7 @@ mod device;
 mod file;
 mod guard;
 mod joint;
+mod mass_table;
 mod mesh;
 mod mesh_contact;
 mod numbers;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use palpate_scene::world::{DeviceTurning, Tremor, WorldDevice, WorldScene};
 use palpate_testbed::hand::Sinusoid;
 use palpate_testbed::world as judge;
-use palpate_world::{Body, Joint, JointKind, Motion, Shape, Tool};
+use palpate_world::{Body, Joint, JointKind, MassTable, Motion, Shape, Tool};
 
 /// The scene as the judge takes it: every pair that has a law and of which one side can move.
 #[must_use]
@@ -86,7 +86,7 @@ fn judged_device(tool: &Tool, device: &WorldDevice) -> judge::WorldDevice {
     judge::WorldDevice {
         name: tool.name.clone(),
         own_axes: device.own_axes,
-        mass_table: None,
+        mass_table: tool.mass_table.as_deref().map(judged_masses),
         mass: device.mass,
         position: device.position,
         velocity: device.velocity,
@@ -112,6 +112,16 @@ fn judged_device(tool: &Tool, device: &WorldDevice) -> judge::WorldDevice {
         },
         quantum: device.quantum,
     }
+}
+
+/// The table as the judge has it.
+///
+/// # Panics
+/// Never: what makes a table of the renderer makes one of the judge.
+fn judged_masses(table: &MassTable) -> Arc<judge::MassTable> {
+    let (places, masses) = (table.places().clone(), table.matrices().to_vec());
+    let judged = judge::MassTable::new(table.axes(), places, masses);
+    Arc::new(judged.expect("a checked table has matrices of masses, in between too"))
 }
 
 /// A sine along each axis, a third of a turn apart.
