@@ -227,11 +227,11 @@ impl MassTable {
         let mut sum = [0.0; 6];
         let rows = self.places[1].len();
         let columns = self.places[2].len();
-        for i in 0..near[0].count {
-            for j in 0..near[1].count {
+        for (i, x) in x.iter().enumerate().take(near[0].count) {
+            for (j, y) in y.iter().enumerate().take(near[1].count) {
                 let row = ((near[0].first + i) * rows + near[1].first + j) * columns;
-                for k in 0..near[2].count {
-                    let weight = x[i] * y[j] * z[k];
+                for (k, z) in z.iter().enumerate().take(near[2].count) {
+                    let weight = x * y * z;
                     let mass = &self.masses[row + near[2].first + k];
                     for (sum, mass) in sum.iter_mut().zip(mass) {
                         *sum += weight * mass;
