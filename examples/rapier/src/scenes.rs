@@ -119,6 +119,7 @@ fn judged(scene: &Scene) -> WorldScene {
         devices: vec![WorldDevice {
             name: "tool".to_owned(),
             own_axes: None,
+            mass_table: None,
             mass: DEVICE_MASS,
             position: scene.start,
             velocity: [0.0; 3],

@@ -110,6 +110,7 @@ impl Scene {
             devices: vec![WorldDevice {
                 name: "tool".to_owned(),
                 own_axes: None,
+                mass_table: None,
                 mass: DEVICE_MASS,
                 position: start,
                 velocity: [0.0; 3],
