@@ -26,6 +26,7 @@ pub mod recording;
 pub mod report;
 pub mod suite;
 pub mod sweep;
+pub mod table;
 pub mod text;
 pub mod tune;
 pub mod world;

@@ -2,6 +2,7 @@
 
 pub mod candidates;
 pub mod compare;
+pub mod forces;
 mod setting;
 pub mod suite;
 mod text;

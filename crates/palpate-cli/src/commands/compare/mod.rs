@@ -2,9 +2,6 @@
 
 mod world;
 
-use std::path::Path;
-
-use palpate_files::outputs::Outputs;
 use palpate_scene::SetupError;
 use palpate_scene::method::MethodName;
 use palpate_sim::closed_loop::{Bench, LoopError};
@@ -18,6 +15,7 @@ use crate::setup::only_for_worlds;
 use palpate_plot as plots;
 use palpate_study::compare::{COLUMNS, Comparison, SceneRows};
 use palpate_study::report::Subject;
+use palpate_study::table;
 
 /// Runs every method on every scene.
 pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
@@ -85,7 +83,9 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     drop(progress);
     let mut comparison = Comparison::of(scenes);
     if let Some(out) = &arguments.out {
-        write(&outputs, out, &comparison)?;
+        outputs.write(out, |writer| {
+            table::write(writer, &COLUMNS, comparison.rows())
+        })?;
         comparison.wrote(out);
     }
     if let Some(path) = &arguments.picture.plot {
@@ -101,25 +101,4 @@ fn cannot(error: &SetupError) -> String {
         SetupError::Parameter(parameter) => parameter.to_string(),
         SetupError::Settings(settings) => settings.to_string(),
     }
-}
-
-fn write(outputs: &Outputs, out: &Path, comparison: &Comparison) -> Result<(), Failure> {
-    write_rows(outputs, out, &COLUMNS, comparison.rows())
-}
-
-/// Writes a table as CSV.
-fn write_rows<const N: usize>(
-    outputs: &Outputs,
-    out: &Path,
-    columns: &[&str; N],
-    rows: impl Iterator<Item = [String; N]>,
-) -> Result<(), Failure> {
-    Ok(outputs.write(out, |writer| {
-        let mut csv = csv::Writer::from_writer(writer);
-        csv.write_record(columns)?;
-        for row in rows {
-            csv.write_record(row)?;
-        }
-        csv.flush()
-    })?)
 }

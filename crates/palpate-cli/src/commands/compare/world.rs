@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use palpate_files::outputs::Outputs;
 use palpate_scene::world::{WorldFile, WorldScene};
+use palpate_study::table;
 use palpate_study::world::compare::{COLUMNS, WorldComparison, WorldRows};
 
-use super::write_rows;
 use crate::arguments::CompareArguments;
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -46,7 +46,9 @@ pub fn run(
     drop(progress);
     let mut comparison = WorldComparison::of(scenes);
     if let Some(out) = &arguments.out {
-        write_rows(outputs, out, &COLUMNS, comparison.rows())?;
+        outputs.write(out, |writer| {
+            table::write(writer, &COLUMNS, comparison.rows())
+        })?;
         comparison.wrote(out);
     }
     if let Some(path) = &arguments.picture.plot {
