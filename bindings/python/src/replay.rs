@@ -10,6 +10,7 @@ use palpate_scene::method::MethodName;
 use palpate_scene::{
     Delay, GUARD_ALLOWANCE, GUARD_SPEED, Scene, SceneFile, SceneParameter, SetupError,
 };
+use palpate_session::RecordedWorld;
 use palpate_sim::closed_loop::LoopError;
 use palpate_sim::hand_replay::{HandError, HandModel, REACH};
 use palpate_sim::replay::ReplayError;
@@ -32,9 +33,6 @@ use crate::names::{refused, wrong_on_bench, wrong_replay};
 use crate::render::{Rendered, RenderedInPython};
 use crate::setup::{check_fact, check_periods, guard_named, side_named};
 use crate::worlds::{Judged, replay_world};
-
-/// Text of the receipt that holds a world.
-pub const WORLD: &str = "world";
 
 /// What is to be different from the recording's scene: `None` leaves what it has.
 #[derive(FromPyObject)]
@@ -455,7 +453,7 @@ pub fn replay<'py>(
 ) -> PyResult<Replayed<'py>> {
     let given = (of, changes, settings_given);
     let recording = open(py, path)?;
-    if recording.receipt.texts.contains_key(WORLD) {
+    if recording.receipt.texts.contains_key(RecordedWorld::TEXT) {
         only_a_method(&recording, given)?;
         let (judged, warnings) = replay_world(py, recording, method)?;
         return Ok((None, Some(judged), warnings));

@@ -2,10 +2,10 @@
 
 use numpy::PyArray3;
 use palpate_record::recording::Recording;
-use palpate_rt::WorldFrame;
-use palpate_scene::world::{WorldFile, WorldScene};
+use palpate_scene::world::WorldScene;
+use palpate_session::{RecordedWorld, RecordedWorldError};
 use palpate_sim::world::{WorldBench, WorldBenchError};
-use palpate_study::recording::{WorldPathError, world_path};
+use palpate_study::recording::WorldPathError;
 use palpate_study::world::WorldReport;
 use palpate_world::{Vector, WorldError, WorldRenderer};
 use pyo3::exceptions::PyTypeError;
@@ -14,7 +14,7 @@ use pyo3::types::PyString;
 
 use crate::interrupt::{Stop, interruptible};
 use crate::names::refused;
-use crate::replay::{WORLD, lacking, unread};
+use crate::replay::{lacking, unread};
 use crate::world::{PyWorld, wrong};
 
 /// Forces of all devices over all intervals.
@@ -53,47 +53,18 @@ pub fn replay_world<'py>(
     method: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<(Judged<'py>, Vec<String>)> {
     let name = recording.path().display().to_string();
-    let texts = &recording.receipt.texts;
-    let text = texts.get(WORLD).map_or("", String::as_str);
-    let file = WorldFile::parse(&name, text).map_err(refused)?;
-    let tools = &file.scene.world.tools;
-    let frames = tools.iter().map(|tool| {
-        let (text, of) = if tools.len() > 1 {
-            (
-                format!("frame {}", tool.name),
-                format!("the device {}", tool.name),
-            )
-        } else {
-            ("frame".to_owned(), "the device".to_owned())
-        };
-        let frame = texts.get(&text).and_then(|frame| WorldFrame::read(frame));
-        frame.ok_or_else(|| {
-            refused(format!(
-                "{name}: its receipt does not say where {of} stands in the world"
-            ))
-        })
-    });
-    let frames = frames.collect::<PyResult<Vec<_>>>()?;
+    let recorded = py.detach(|| RecordedWorld::of(&recording));
+    let recorded = recorded.map_err(|error| match error {
+        RecordedWorldError::Path(WorldPathError::Recording(error)) => unread(error),
+        other => refused(other),
+    })?;
+    let gaps = recorded.gaps().map(|gaps| format!("{name}: {gaps}"));
+    let RecordedWorld { file, path, .. } = recorded;
     let scene = file.scene.led();
     let methods = methods(&scene, &scene.render.method, method)?;
     let renderers = renderers(&scene, methods).map_err(|faults| wrong(&file, true, &faults))?;
-    let devices = scene.devices.iter();
-    let turns: Vec<bool> = devices.map(|device| device.turning.is_some()).collect();
     let (judged, warnings) = interruptible(py, move |stop| {
-        let (path, without) = world_path(&recording, &turns, |device, place| {
-            frames[device].in_world(place)
-        })
-        .map_err(|error| match error {
-            WorldPathError::Recording(error) => unread(error),
-            other => refused(other),
-        })?;
-        let mut warnings = Vec::new();
-        if without > 0 {
-            let ticks = palpate_study::text::counted(without, "tick");
-            warnings.push(format!(
-                "{name}: {ticks} without a position; straight lines stand there"
-            ));
-        }
+        let mut warnings: Vec<_> = gaps.into_iter().collect();
         warnings.extend(lacking(&recording));
         let judged = WorldBench::led(&scene, path)
             .and_then(|bench| judge(bench, &scene, &renderers, stop))

@@ -92,7 +92,7 @@ pub use bounded_local_world::{BoundedLocalWorld, HeldLocal, bounded_local_world}
 pub use bounded_world::{Answered, BoundedWorld, Held, WorldSafety};
 pub use control_loop::ControlLoop;
 pub use note::{Ending, Note, Noted};
-pub use receipt::{ReceiptOf, receipt, receipt_of_devices};
+pub use receipt::{NoFrame, OnDevice, frames_of_devices, receipt, receipt_of_devices};
 pub use recorder::{Account, Recorder};
 pub use rendering::{
     Answer, CHANGE_DURATION, ChangeError, ChangingWorld, FrameError, Fresh, FreshDevice,

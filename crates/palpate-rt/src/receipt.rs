@@ -11,6 +11,8 @@ use crate::safety::SafetyParams;
 
 /// Text of the receipt that says what the machine was asked for.
 const REAL_TIME: &str = "real time";
+/// Text of the receipt that says where a device stands in its world.
+const FRAME: &str = "frame";
 
 /// The receipt of a recording by version `version` of a program, but for its scene.
 #[must_use]
@@ -26,25 +28,25 @@ pub fn receipt(
         .with(REAL_TIME, &of_request(request))
 }
 
-/// A device of a world, for the receipt of its loop.
-#[derive(Clone, Copy, Debug)]
-pub struct ReceiptOf<'a> {
+/// A device of a loop that renders a world.
+#[derive(Clone, Debug)]
+pub struct OnDevice {
     /// What it is called in the world.
-    pub name: &'a str,
+    pub name: String,
     /// What it can do.
-    pub capabilities: &'a Capabilities,
+    pub capabilities: Capabilities,
     /// What may reach it.
-    pub limits: &'a SafetyParams,
+    pub limits: SafetyParams,
     /// Where it stands in the world.
-    pub frame: &'a WorldFrame,
+    pub frame: WorldFrame,
 }
 
 /// The receipt of a loop of a world on these devices, but for its world: what is said of each of several stands under its name.
 #[must_use]
-pub fn receipt_of_devices(version: &str, devices: &[ReceiptOf<'_>], request: &Request) -> Receipt {
-    let of_one = |of: &ReceiptOf<'_>| {
-        let receipt = receipt(version, of.capabilities, of.limits, request);
-        receipt.with("frame", &of.frame.to_string())
+pub fn receipt_of_devices(version: &str, devices: &[OnDevice], request: &Request) -> Receipt {
+    let of_one = |of: &OnDevice| {
+        let receipt = receipt(version, &of.capabilities, &of.limits, request);
+        receipt.with(FRAME, &of.frame.to_string())
     };
     if let [of] = devices {
         return of_one(of);
@@ -64,6 +66,31 @@ pub fn receipt_of_devices(version: &str, devices: &[ReceiptOf<'_>], request: &Re
         }
     }
     all
+}
+
+/// A receipt does not say where a device stands in its world.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("its receipt does not say where {device} stands in the world")]
+pub struct NoFrame {
+    /// The device, in words.
+    pub device: String,
+}
+
+/// Where the devices with these `names` stand in their world, as [`receipt_of_devices`] has written it.
+///
+/// # Errors
+/// A device of which the receipt does not say it.
+pub fn frames_of_devices(receipt: &Receipt, names: &[&str]) -> Result<Vec<WorldFrame>, NoFrame> {
+    let frame = |name: &&str| {
+        let (text, device) = match names {
+            [_] => (FRAME.to_owned(), "the device".to_owned()),
+            _ => (format!("{FRAME} {name}"), format!("the device {name}")),
+        };
+        let said = receipt.texts.get(&text);
+        said.and_then(|said| WorldFrame::read(said))
+            .ok_or(NoFrame { device })
+    };
+    names.iter().map(frame).collect()
 }
 
 /// Lines of `key = value`, as TOML has them.

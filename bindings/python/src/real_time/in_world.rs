@@ -6,10 +6,10 @@ use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device, Vector};
 use palpate_devices::{WorldPlaceError, world_frame};
 use palpate_haply::inverse3::Inverse3;
-use palpate_rt::safety::SafetyParams;
-use palpate_rt::{RenderedWorld, WorldAxis, WorldFrame};
-use palpate_scene::world::{WorldActuator, WorldDevice, WorldScene};
-use palpate_sim::device::{SpatialDevice, SpatialHand, SpatialPointer, Told, told_of_devices};
+use palpate_rt::{OnDevice, RenderedWorld, WorldAxis, WorldFrame};
+use palpate_scene::world::{WorldActuator, WorldDevice};
+use palpate_session::NotRendered;
+use palpate_sim::device::{SpatialDevice, SpatialHand, SpatialPointer};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -200,35 +200,12 @@ fn own_device(given: &Bound<'_, PyDict>, name: &str) -> PyResult<(WorldDevice, W
     Ok((*own, actuator))
 }
 
-/// What a device of a loop can do, what may reach it, and where it stands.
-pub struct On {
-    /// What it is called in the world.
-    pub name: String,
-    /// What it can do.
-    pub capabilities: Capabilities,
-    /// What may reach it.
-    pub limits: SafetyParams,
-    /// Where it stands in the world.
-    pub frame: WorldFrame,
-}
-
 /// What a loop renders of a world, on these devices, which are given no more than their limits let through.
-pub fn rendered(world: &PyWorld, on: &[On]) -> PyResult<RenderedWorld> {
-    let told = on.iter().map(|on| Told {
-        device: &on.capabilities,
-        has_axes: [0, 1, 2].map(|axis| on.frame.has(axis)),
-        largest_force: on.limits.largest_force,
-        largest_torque: on.limits.largest_torque,
-    });
-    let scene = told_of_devices(world.scene(), &told.collect::<Vec<_>>());
-    let renderer = scene
-        .renderer(&world.method)
-        .map_err(|faults| world.wrong(&faults))?;
-    let mut methods = WorldScene::METHODS.into_iter();
-    let method = methods.find(|name| *name == world.method);
-    let frames = on.iter().map(|on| on.frame).collect();
-    RenderedWorld::of_devices(&scene.world, renderer, method.unwrap_or("unknown"), frames)
-        .map_err(refused)
+pub fn rendered(world: &PyWorld, on: &[OnDevice]) -> PyResult<RenderedWorld> {
+    palpate_session::rendered(world.scene(), &world.method, on).map_err(|error| match error {
+        NotRendered::World(faults) => world.wrong(&faults),
+        NotRendered::Devices(error) => refused(error),
+    })
 }
 
 impl Standing {

@@ -24,7 +24,7 @@ use std::time::{Duration, Instant};
 use numpy::PyArray1;
 use palpate_device::clock::MonotonicClock;
 use palpate_rt::realtime::{Answer, Request};
-use palpate_rt::{Parameters, Recorder, Worlds, tap};
+use palpate_rt::{OnDevice, Parameters, Recorder, Worlds, tap};
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -38,7 +38,6 @@ use control::{Control, Running};
 use ended::{Closed, Ended, ToldEnd};
 use heard::{Events, Heard, Rows, listen};
 use held::Held;
-use in_world::On;
 use options::Options;
 use prepared::{Beside, Prepared, prepare_contact, prepare_slow_host, prepare_world};
 
@@ -69,7 +68,7 @@ pub struct RealTimeLoop {
 /// What a loop of a world renders, and on which devices.
 struct InWorld {
     worlds: Worlds,
-    on: Vec<On>,
+    on: Vec<OnDevice>,
 }
 
 /// What a loop is made of, by how far it has come.

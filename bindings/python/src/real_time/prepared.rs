@@ -1,11 +1,12 @@
 //! A loop before its start: its devices are open, and what it renders is ready.
 
+use std::slice;
 use std::time::Duration;
 
 use palpate_device::clock::MonotonicClock;
 use palpate_record::recording::Receipt;
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{ControlLoop, ReceiptOf, changing_world, receipt, receipt_of_devices};
+use palpate_rt::{ControlLoop, OnDevice, changing_world, receipt, receipt_of_devices};
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -15,7 +16,7 @@ use super::control::Control;
 use super::devices::{Opened, open};
 use super::ended::Closed;
 use super::held::Held;
-use super::in_world::{self, On, OpenedInWorld};
+use super::in_world::{self, OpenedInWorld};
 use super::options::Options;
 use super::slow_host::SlowHost;
 use crate::names::refused;
@@ -123,7 +124,7 @@ pub fn prepare_world(
             counted(scene.devices.len())
         )));
     }
-    let (mut driven, mut beside, mut on) = (Vec::new(), Vec::new(), Vec::<On>::new());
+    let (mut driven, mut beside, mut on) = (Vec::new(), Vec::new(), Vec::<OnDevice>::new());
     let mut identities = Vec::<Option<String>>::new();
     let own = scene.world.tools.iter().zip(&scene.devices);
     for ((tool, own), given) in own.zip(devices) {
@@ -150,7 +151,7 @@ pub fn prepare_world(
         let limits = options.limits(&capabilities, world.force_limit, world.soft_start);
         driven.push((device, limits));
         beside.push(Beside { held, closed });
-        on.push(On {
+        on.push(OnDevice {
             name: tool.name.clone(),
             capabilities,
             limits,
@@ -161,14 +162,7 @@ pub fn prepare_world(
     let (worlds, rendered) = changing_world(scene.world.clone(), rendered);
     let control = ControlLoop::of_changing_devices(driven, clock, rendered);
     let control = control.map_err(refused)?;
-    let each = on.iter().map(|on| ReceiptOf {
-        name: &on.name,
-        capabilities: &on.capabilities,
-        limits: &on.limits,
-        frame: &on.frame,
-    });
-    let each: Vec<_> = each.collect();
-    let receipt = receipt_of_devices(VERSION, &each, &options.request());
+    let receipt = receipt_of_devices(VERSION, &on, &options.request());
     let are_several = on.len() > 1;
     let runs_on = on.iter().map(|on| {
         let kind = &on.capabilities.name;
@@ -227,11 +221,11 @@ pub fn prepare_slow_host(
     let limits = options.limits(&capabilities, force_limit, soft_start);
     let (slow_host, rendered) = host.ends(frame)?;
     let control = ControlLoop::of_local_world(device, clock, rendered, limits).map_err(refused)?;
-    let of = ReceiptOf {
-        name: SlowHost::TOOL,
-        capabilities: &capabilities,
-        limits: &limits,
-        frame: &frame,
+    let on = OnDevice {
+        name: SlowHost::TOOL.to_owned(),
+        capabilities,
+        limits,
+        frame,
     };
     Ok(Prepared {
         control: Control::Local(Box::new(control)),
@@ -239,9 +233,9 @@ pub fn prepare_slow_host(
         devices: vec![Beside { held, closed }],
         in_world: None,
         slow_host: Some(slow_host),
-        receipt: receipt_of_devices(VERSION, &[of], &options.request()),
+        receipt: receipt_of_devices(VERSION, slice::from_ref(&on), &options.request()),
         names: Vec::new(),
-        runs_on: capabilities.name,
+        runs_on: on.capabilities.name,
         largest_force: limits.largest_force,
     })
 }

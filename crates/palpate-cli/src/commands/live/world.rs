@@ -5,15 +5,15 @@ use std::path::Path;
 use palpate_device::clock::MonotonicClock;
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_scope::{Home, MOST_LANES, Session, WorldLane, WorldLaneEnd, WorldSetup};
-use palpate_session::{Energies, GuardianReport, RunReport, Subject};
+use palpate_session::{Energies, GuardianReport, NotRendered, RunReport, Subject, lacking_axes};
 use palpate_sim::device::SpatialHand;
 
-use super::super::run::world::{OnDevice, known_flags, rendered, tell_of_axes};
+use super::super::run::world::{known_flags, on_devices};
 use super::super::run::{Asked, guarding, outcome, request};
 use super::serving::{listen, serve};
 use super::{LiveArguments, add};
 use crate::devices::{DeviceName, kinds, names, open_for_world};
-use crate::failure::Failure;
+use crate::failure::{Failure, tell};
 use crate::results::print;
 use crate::values::duration;
 use crate::worlds::{self, wrong_world};
@@ -68,14 +68,14 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
         move |number: usize| -> Result<WorldLane, Failure> {
             let method = methods.get(number).copied().unwrap_or("coupled");
             let opened = open_for_world(&device, &given, &file.scene, &clock, &guarding, &hands)?;
-            let opened_as = |opened| OnDevice::of(opened, &safety);
-            let on: Vec<OnDevice> = opened.iter().map(opened_as).collect();
+            let (on, world) = on_devices((&file, method), &opened, &safety);
             if number == 0 {
-                tell_of_axes(&file.scene, &on);
+                lacking_axes(&file.scene, &on).iter().for_each(tell);
             }
-            let world = rendered(&file, method, &on)
-                .map_err(|faults| Failure::input(&faults[0]))?
-                .map_err(Failure::input)?;
+            let world = world.map_err(|error| match error {
+                NotRendered::World(faults) => Failure::input(&faults[0]),
+                NotRendered::Devices(error) => Failure::input(error),
+            })?;
             let limits = on.iter().map(|on| on.limits);
             let devices = opened.into_iter().map(|opened| opened.device).zip(limits);
             Ok(WorldLane {

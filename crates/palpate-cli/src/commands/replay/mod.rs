@@ -9,6 +9,7 @@ use clap::{Args, ValueHint};
 use palpate::Parameter;
 use palpate_record::recording::Recording;
 use palpate_scene::{SceneFile, SetupError};
+use palpate_session::RecordedWorld;
 use palpate_sim::closed_loop::LoopError;
 use palpate_sim::replay::ReplayError;
 
@@ -57,8 +58,8 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     let part = arguments.part.part(f64::INFINITY)?;
     let name = arguments.recording.display().to_string();
     let recording = open(&arguments.recording)?;
-    if let Some(text) = recording.receipt.texts.get(world::WORLD) {
-        return world::run(arguments, &outputs, &recording, text);
+    if recording.receipt.texts.contains_key(RecordedWorld::TEXT) {
+        return world::run(arguments, &outputs, &recording);
     }
     let file = scene(&recording)?;
     let methods = flags.methods(file.scene.method);

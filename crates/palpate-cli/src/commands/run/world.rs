@@ -2,19 +2,13 @@
 
 use std::path::Path;
 
-use palpate_device::Capabilities;
 use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_files::bounded::SCENE;
 use palpate_record::recording::Receipt;
 use palpate_rt::realtime::Request;
-use palpate_rt::safety::SafetyParams;
-use palpate_rt::{
-    ControlLoop, ReceiptOf, RenderedWorld, SetupError, WorldFrame, receipt_of_devices,
-};
-use palpate_scene::world::{WorldFile, WorldScene};
-use palpate_session::{Energies, RunReport, Subject};
-use palpate_sim::device::{Told, told_of_devices};
-use palpate_world::Tool;
+use palpate_rt::{ControlLoop, OnDevice, RenderedWorld, SetupError, receipt_of_devices};
+use palpate_scene::world::WorldFile;
+use palpate_session::{Energies, NotRendered, RunReport, Subject, lacking_axes, rendered};
 
 use super::driving::{Ran, drive, most_periods};
 use super::{Asked, SafetyArguments, SessionArguments, guarding, limits, outcome, request};
@@ -93,12 +87,12 @@ impl Session<'_> {
         let guarding = guarding(&arguments.safety, period)?;
         let (device, given) = (&arguments.device, &arguments.given);
         let opened = open_for_world(device, given, scene, clock, &guarding, &[])?;
-        let opened_as = |opened| OnDevice::of(opened, &arguments.safety);
-        let on: Vec<OnDevice> = opened.iter().map(opened_as).collect();
-        tell_of_axes(scene, &on);
-        let world = rendered(self.file, method, &on)
-            .map_err(|faults| wrong_world(&arguments.flags, self.file, &faults))?
-            .map_err(|error| self.wrong(error))?;
+        let (on, world) = on_devices((self.file, method), &opened, &arguments.safety);
+        lacking_axes(scene, &on).iter().for_each(tell);
+        let world = world.map_err(|error| match error {
+            NotRendered::World(faults) => wrong_world(&arguments.flags, self.file, &faults),
+            NotRendered::Devices(error) => self.wrong(error),
+        })?;
         let limits = on.iter().map(|on| on.limits);
         let devices = opened.into_iter().map(|opened| opened.device).zip(limits);
         let control = ControlLoop::of_devices(devices.collect(), clock.clone(), world)
@@ -106,14 +100,7 @@ impl Session<'_> {
         let most = most_periods(arguments.duration, control.period())?;
         let record = match self.record {
             Some(out) => {
-                let each = on.iter().zip(names(scene)).map(|(on, name)| ReceiptOf {
-                    name,
-                    capabilities: &on.capabilities,
-                    limits: &on.limits,
-                    frame: &on.frame,
-                });
-                let each: Vec<_> = each.collect();
-                let receipt = receipt_of_devices(env!("CARGO_PKG_VERSION"), &each, &request);
+                let receipt = receipt_of_devices(env!("CARGO_PKG_VERSION"), &on, &request);
                 Some((out, put(receipt, self.path, method)?))
             }
             None => None,
@@ -162,78 +149,28 @@ impl Session<'_> {
     }
 }
 
-/// A device of a loop that renders a world.
-pub struct OnDevice {
-    /// Where it stands in the world.
-    pub frame: WorldFrame,
-    /// What it can do.
-    pub capabilities: Capabilities,
-    /// What may reach it.
-    pub limits: SafetyParams,
-}
-
-impl OnDevice {
-    /// A device that is open, with what may reach it.
-    pub fn of(opened: &OpenedInWorld, safety: &SafetyArguments) -> Self {
+/// The devices of a loop that renders the world of `file`, which were `opened` in its order, with what may reach them; and what is
+/// rendered on them.
+///
+/// # Errors
+/// What `method` cannot render there.
+pub fn on_devices(
+    (file, method): (&WorldFile, &str),
+    opened: &[OpenedInWorld],
+    safety: &SafetyArguments,
+) -> (Vec<OnDevice>, Result<RenderedWorld, NotRendered>) {
+    let on = opened.iter().zip(names(&file.scene)).map(|(opened, name)| {
         let capabilities = opened.device.capabilities().clone();
-        Self {
+        OnDevice {
+            name: name.to_owned(),
             frame: opened.frame,
             limits: limits(&capabilities, safety),
             capabilities,
         }
-    }
-}
-
-/// Says which axes of the file's devices those of the loop lack: the loop renders none there, and what the file is simulated with
-/// has a motor.
-pub fn tell_of_axes(scene: &WorldScene, on: &[OnDevice]) {
-    for (tool, on) in scene.world.tools.iter().zip(on) {
-        if tool.own_axes.is_some() {
-            continue;
-        }
-        let left = Tool::new(tool.name.clone(), tool.shape.clone())
-            .along([0, 1, 2].map(|axis| tool.axes[axis] && on.frame.has(axis)));
-        if left.axes == tool.axes || left.axes == [false; 3] {
-            continue;
-        }
-        let names = ["x", "y", "z"].into_iter().zip(left.axes);
-        let names = names.filter(|(_, has)| *has);
-        let names: Vec<_> = names.map(|(name, _)| format!("\"{name}\"")).collect();
-        tell(format_args!(
-            "{name}: the file says {says}, and the device has {moves} of the world ({device}): no force is rendered along the rest, \
-             where the mechanism holds the tool; `axes = [{names}]` in [[device]] says so to `simulate`, `compare` and `tune`, too",
-            name = tool.name,
-            device = on.capabilities.name,
-            moves = left.names_of_axes(),
-            says = tool.names_of_axes(),
-            names = names.join(", ")
-        ));
-    }
-}
-
-/// What a loop renders of a world, on devices that stand in it and are given no more than their limits say. The renderer is told
-/// how coarse the sensors of the devices are, and which axes of the world they lack.
-pub fn rendered(
-    file: &WorldFile,
-    method: &str,
-    on: &[OnDevice],
-) -> Result<Result<RenderedWorld, SetupError>, Vec<palpate_world::WorldError>> {
-    let told = on.iter().map(|on| Told {
-        device: &on.capabilities,
-        has_axes: [0, 1, 2].map(|axis| on.frame.has(axis)),
-        largest_force: on.limits.largest_force,
-        largest_torque: on.limits.largest_torque,
     });
-    let scene: WorldScene = told_of_devices(&file.scene, &told.collect::<Vec<_>>());
-    let renderer = scene.renderer(method)?;
-    let method = worlds::known(method);
-    let frames = on.iter().map(|on| on.frame).collect();
-    Ok(RenderedWorld::of_devices(
-        &scene.world,
-        renderer,
-        method,
-        frames,
-    ))
+    let on: Vec<_> = on.collect();
+    let world = rendered(&file.scene, method, &on);
+    (on, world)
 }
 
 /// The receipt with the world as its file has it, and by which method it is rendered.

@@ -1,0 +1,79 @@
+//! What a loop renders of a world, on devices that stand in it.
+
+use palpate_rt::{OnDevice, RenderedWorld, SetupError};
+use palpate_scene::world::WorldScene;
+use palpate_sim::device::{Told, told_of_devices};
+use palpate_world::{Tool, WorldError};
+
+/// Why a loop cannot render a world on its devices.
+#[derive(Debug)]
+pub enum NotRendered {
+    /// Faults of the world, at least one.
+    World(Vec<WorldError>),
+    /// The devices do not fit the world.
+    Devices(SetupError),
+}
+
+/// What a loop renders of `scene` by `method`, on devices that stand in its world, in the order of the scene, and are given no more
+/// than their limits say. The renderer is told how coarse the sensors of the devices are, and which axes of the world they lack.
+///
+/// # Errors
+/// A world that the method cannot render; devices that do not fit it.
+pub fn rendered(
+    scene: &WorldScene,
+    method: &str,
+    on: &[OnDevice],
+) -> Result<RenderedWorld, NotRendered> {
+    let told = on.iter().map(|on| Told {
+        device: &on.capabilities,
+        has_axes: has_axes(on),
+        largest_force: on.limits.largest_force,
+        largest_torque: on.limits.largest_torque,
+    });
+    let scene = told_of_devices(scene, &told.collect::<Vec<_>>());
+    let renderer = scene.renderer(method).map_err(NotRendered::World)?;
+    let mut known = WorldScene::METHODS.into_iter();
+    let method = known.find(|known| *known == method).unwrap_or("unknown");
+    let frames = on.iter().map(|on| on.frame).collect();
+    RenderedWorld::of_devices(&scene.world, renderer, method, frames).map_err(NotRendered::Devices)
+}
+
+/// Which axes of the scene's devices those of the loop lack, in words: the loop renders none there, and what the scene is
+/// simulated with has a motor.
+#[must_use]
+pub fn lacking_axes(scene: &WorldScene, on: &[OnDevice]) -> Vec<String> {
+    let of_one = |(tool, on): (&Tool, &OnDevice)| {
+        if tool.own_axes.is_some() {
+            return None;
+        }
+        let has_axes = has_axes(on);
+        let left = Tool::new(tool.name.clone(), tool.shape.clone())
+            .along([0, 1, 2].map(|axis| tool.axes[axis] && has_axes[axis]));
+        if left.axes == tool.axes || left.axes == [false; 3] {
+            return None;
+        }
+        let names = ["x", "y", "z"].into_iter().zip(left.axes);
+        let names = names.filter(|(_, has)| *has);
+        let names: Vec<_> = names.map(|(name, _)| format!("\"{name}\"")).collect();
+        Some(format!(
+            "{name}: the file says {says}, and the device has {moves} of the world ({device}): no force is rendered along the rest, \
+             where the mechanism holds the tool; `axes = [{names}]` in [[device]] says so to `simulate`, `compare` and `tune`, too",
+            name = tool.name,
+            device = on.capabilities.name,
+            moves = left.names_of_axes(),
+            says = tool.names_of_axes(),
+            names = names.join(", ")
+        ))
+    };
+    scene
+        .world
+        .tools
+        .iter()
+        .zip(on)
+        .filter_map(of_one)
+        .collect()
+}
+
+fn has_axes(on: &OnDevice) -> [bool; 3] {
+    [0, 1, 2].map(|axis| on.frame.has(axis))
+}
