@@ -1,10 +1,10 @@
 //! `advise`: what can be rendered on a device.
 
 use palpate::MethodName;
-use palpate_calibrate::{Calibration, Quantity};
+use palpate_calibrate::Calibration;
 use palpate_scene::SetupError;
-use palpate_study::advise::{Advice, FAITHFUL_PERCENT};
-use palpate_study::map::{Bounce, BounceDevice, BounceError, MapParams, SEARCHED};
+use palpate_study::advise::{Advice, FAITHFUL_PERCENT, Question};
+use palpate_study::map::{Bounce, BounceError};
 use pyo3::prelude::*;
 
 use crate::calibration::{NamedText, parse};
@@ -122,58 +122,55 @@ fn wrong_bounce(error: BounceError) -> PyErr {
     }
 }
 
-/// The scene that is asked about; a softest stiffness stands in where none is.
+/// The scene that is asked about.
 fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> PyResult<Bounce> {
-    let known = |quantity| file.and_then(|file| file.value(quantity));
-    let defaults = MapParams::default();
-    let mass = arguments.device_mass.or(known(Quantity::DeviceMass));
-    let mass = mass.ok_or_else(|| {
+    let asked = Question {
+        file,
+        device_mass: arguments.device_mass,
+        viscous_friction: arguments.viscous_friction,
+        coulomb_friction: arguments.coulomb_friction,
+        encoder_quantum: arguments.encoder_quantum,
+        period: arguments.period,
+        delay: arguments.delay,
+        lag: arguments.lag,
+        stiffness: arguments.stiffness,
+        object_mass: arguments.mass,
+    };
+    let bounce = asked.bounce().ok_or_else(|| {
         refused("device_mass is needed: there is no device file that has device_mass_kg")
     })?;
-    let mass = above_zero("device_mass", mass, " kg")?;
-    let period = above_zero("period", arguments.period, " s")?;
-    let object_mass = match arguments.mass {
-        f64::INFINITY => f64::INFINITY,
-        mass => above_zero("mass", mass, " kg")?,
-    };
-    let stiffness = match arguments.stiffness {
-        Some(stiffness) => above_zero("stiffness", stiffness, " N/m")?,
-        None => SEARCHED.0 * mass / (period * period),
-    };
-    let quantum = arguments
-        .encoder_quantum
-        .or(known(Quantity::SensorQuantum))
-        .unwrap_or(0.0);
-    // Where the two are known only together, the sum is the better delay.
-    let of_file = known(Quantity::Delay).or(known(Quantity::DelayPlusLag));
-    let of_file = of_file.map(|seconds| seconds / period);
-    let delay = arguments.delay.or(of_file).unwrap_or(0.0);
-    let lag = arguments.lag.or(known(Quantity::Lag)).unwrap_or(0.0);
-    Ok(Bounce {
-        device: BounceDevice {
-            mass,
-            viscous_friction: within(
-                "viscous_friction",
-                arguments.viscous_friction,
-                NOT_NEGATIVE,
-                " N s/m",
-            )?,
-            coulomb_friction: within(
-                "coulomb_friction",
-                arguments.coulomb_friction,
-                NOT_NEGATIVE,
-                " N",
-            )?,
-            encoder_quantum: within("encoder_quantum", quantum, NOT_NEGATIVE, " m")?,
-            told_mass: 1.0,
-        },
-        stiffness,
-        object_mass,
-        forces: defaults.forces,
-        gap: defaults.gap,
-        period,
-        told_period: 1.0,
-        delay: within("delay", delay, PERIODS, " periods")?,
-        lag: within("lag", lag, NOT_NEGATIVE, " s")?,
-    })
+    let device = &bounce.device;
+    above_zero("device_mass", device.mass, " kg")?;
+    above_zero("period", bounce.period, " s")?;
+    if bounce.object_mass != f64::INFINITY {
+        above_zero("mass", bounce.object_mass, " kg")?;
+    }
+    if let Some(stiffness) = arguments.stiffness {
+        above_zero("stiffness", stiffness, " N/m")?;
+    }
+    for (name, value, allowed, unit) in [
+        (
+            "viscous_friction",
+            device.viscous_friction,
+            NOT_NEGATIVE,
+            " N s/m",
+        ),
+        (
+            "coulomb_friction",
+            device.coulomb_friction,
+            NOT_NEGATIVE,
+            " N",
+        ),
+        (
+            "encoder_quantum",
+            device.encoder_quantum,
+            NOT_NEGATIVE,
+            " m",
+        ),
+        ("delay", bounce.delay, PERIODS, " periods"),
+        ("lag", bounce.lag, NOT_NEGATIVE, " s"),
+    ] {
+        within(name, value, allowed, unit)?;
+    }
+    Ok(bounce)
 }

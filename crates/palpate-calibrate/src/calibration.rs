@@ -99,6 +99,17 @@ impl Calibration {
     pub fn set(&mut self, quantity: Quantity, known: Known) {
         self.known.insert(quantity, known);
     }
+
+    /// The same, with the values that somebody states in place of what was found.
+    #[must_use]
+    pub fn stating(mut self, stated: impl IntoIterator<Item = (Quantity, Option<f64>)>) -> Self {
+        for (quantity, value) in stated {
+            if let Some(value) = value {
+                self.set(quantity, Known::given(value, "given"));
+            }
+        }
+        self
+    }
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use palpate::{Contact, LARGEST_DELAY, Mass};
-use palpate_calibrate::{Calibration, Known, Quantity};
+use palpate_calibrate::{Calibration, Quantity};
 use palpate_files::bounded::DEVICE;
 use palpate_scene::{Told, quantum_of};
 use palpate_study::calibrated;
@@ -32,19 +32,13 @@ pub fn warn_of_resonance(
     contact: &Contact<f64>,
     period: f64,
 ) {
-    let mut known = file.map_or_else(Calibration::default, |file| file.calibration.clone());
-    for (quantity, value) in [
+    let known = file.map_or_else(Calibration::default, |file| file.calibration.clone());
+    let device_mass = known.value(Quantity::DeviceMass).or(device_mass);
+    let known = known.stating([
         (Quantity::Resonance, flags.resonance),
         (Quantity::FlexibleMassFraction, flags.flexible_mass_fraction),
-        (
-            Quantity::DeviceMass,
-            device_mass.filter(|_| known.value(Quantity::DeviceMass).is_none()),
-        ),
-    ] {
-        if let Some(value) = value {
-            known.set(quantity, Known::given(value, "given"));
-        }
-    }
+        (Quantity::DeviceMass, device_mass),
+    ]);
     let object_mass = match contact.object_mass {
         Mass::Finite(mass) => mass,
         Mass::Infinite => f64::INFINITY,

@@ -1,6 +1,9 @@
 //! Advice: can this device render a contact, and by which method?
 
+mod question;
 mod text;
+
+pub use question::Question;
 
 use crate::map::{Bounce, BounceError, Class, Entry, Limit, Plant, Stay, bounds, default_settings};
 use crate::tune::tunable;

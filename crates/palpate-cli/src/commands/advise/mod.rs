@@ -4,11 +4,11 @@ mod arguments;
 
 pub use arguments::AdviseArguments;
 
-use palpate_calibrate::{Calibration, Known, Quantity};
+use palpate_calibrate::{Calibration, Quantity};
 use palpate_plot::shown_of;
 use palpate_scene::SetupError;
-use palpate_study::advise::{Advice, FAITHFUL_PERCENT};
-use palpate_study::map::{Bounce, BounceDevice, BounceError, MapParams};
+use palpate_study::advise::{Advice, FAITHFUL_PERCENT, Question};
+use palpate_study::map::{Bounce, BounceError};
 
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -30,8 +30,15 @@ pub fn run(arguments: &AdviseArguments) -> Result<(), Failure> {
     })
     .map_err(|error| refused(&error))?;
     drop(progress);
-    let stiffest = stiffest_by_resonance(arguments, file.unwrap_or_default(), &bounce);
-    if let Some(stiffest) = stiffest {
+    let known = file.unwrap_or_default().stating([
+        (Quantity::DeviceMass, arguments.device_mass),
+        (Quantity::Resonance, arguments.resonance),
+        (
+            Quantity::FlexibleMassFraction,
+            arguments.flexible_mass_fraction,
+        ),
+    ]);
+    if let Some(stiffest) = known.stiffest_contact(bounce.object_mass, bounce.period) {
         advice.bounded_by_a_resonance(stiffest);
     }
     if let Some(path) = &arguments.picture.plot {
@@ -48,35 +55,11 @@ pub fn run(arguments: &AdviseArguments) -> Result<(), Failure> {
     print_report(&advice, arguments.json)
 }
 
-/// Stiffest contact that the first resonance of flags or `file` allows `[N/m]`; none where none is known.
-fn stiffest_by_resonance(
-    arguments: &AdviseArguments,
-    file: Calibration,
-    bounce: &Bounce,
-) -> Option<f64> {
-    let mut known = file;
-    for (quantity, given) in [
-        (Quantity::DeviceMass, arguments.device_mass),
-        (Quantity::Resonance, arguments.resonance),
-        (
-            Quantity::FlexibleMassFraction,
-            arguments.flexible_mass_fraction,
-        ),
-    ] {
-        if let Some(value) = given {
-            known.set(quantity, Known::given(value, "given"));
-        }
-    }
-    known.stiffest_contact(bounce.object_mass, bounce.period)
-}
-
-/// The scene that is asked about, on the device of flags and `file`; a softest stiffness stands in where
-/// none is.
+/// The scene that is asked about, on the device of flags and `file`.
 fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> Result<Bounce, Failure> {
-    let known = |quantity| file.and_then(|file| file.value(quantity));
     let positive = |flag: &str, value: f64, unit: &str| {
         if value.is_finite() && value > 0.0 {
-            Ok(value)
+            Ok(())
         } else {
             Err(Failure::Arguments(format!(
                 "{flag} is {value} {unit}, but must be finite and greater than 0"
@@ -85,36 +68,36 @@ fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> Result<Bou
     };
     let not_negative = |flag: &str, value: f64, unit: &str| {
         if value.is_finite() && value >= 0.0 {
-            Ok(value)
+            Ok(())
         } else {
             Err(Failure::Arguments(format!(
                 "{flag} is {value} {unit}, but must be finite and not below 0"
             )))
         }
     };
-    let defaults = MapParams::default();
-    let mass = arguments.device_mass.or(known(Quantity::DeviceMass));
-    let mass = mass.ok_or_else(|| {
+    let asked = Question {
+        file,
+        device_mass: arguments.device_mass,
+        viscous_friction: arguments.viscous_friction,
+        coulomb_friction: arguments.coulomb_friction,
+        encoder_quantum: arguments.encoder_quantum,
+        period: arguments.period,
+        delay: arguments.delay,
+        lag: arguments.lag,
+        stiffness: arguments.stiffness,
+        object_mass: arguments.mass.unwrap_or(f64::INFINITY),
+    };
+    let bounce = asked.bounce().ok_or_else(|| {
         Failure::Arguments("the device file has no device_mass_kg: --device-mass is needed".into())
     })?;
-    let mass = positive("--device-mass", mass, "kg")?;
-    let period = positive("--period", arguments.period, "s")?;
-    let object_mass = match arguments.mass {
-        None => f64::INFINITY,
-        Some(mass) if mass == f64::INFINITY => mass,
-        Some(mass) => positive("--mass", mass, "kg")?,
-    };
-    let stiffness = match arguments.stiffness {
-        Some(stiffness) => positive("--stiffness", stiffness, "N/m")?,
-        None => palpate_study::map::SEARCHED.0 * mass / (period * period),
-    };
-    let quantum = known(Quantity::SensorQuantum);
-    let quantum = arguments.encoder_quantum.or(quantum).unwrap_or(0.0);
-    // Where the two are known only together, the sum is the better delay.
-    let of_file = known(Quantity::Delay).or(known(Quantity::DelayPlusLag));
-    let of_file = of_file.map(|seconds| seconds / period);
-    let delay = arguments.delay.or(of_file).unwrap_or(0.0);
-    let lag = arguments.lag.or(known(Quantity::Lag)).unwrap_or(0.0);
+    positive("--device-mass", bounce.device.mass, "kg")?;
+    positive("--period", bounce.period, "s")?;
+    if bounce.object_mass != f64::INFINITY {
+        positive("--mass", bounce.object_mass, "kg")?;
+    }
+    if let Some(stiffness) = arguments.stiffness {
+        positive("--stiffness", stiffness, "N/m")?;
+    }
     if let Some(resonance) = arguments.resonance {
         positive("--resonance", resonance, "Hz")?;
     }
@@ -127,34 +110,19 @@ fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> Result<Bou
     }
     if arguments.flexible_mass_fraction.is_some()
         && arguments.resonance.is_none()
-        && known(Quantity::Resonance).is_none()
+        && file.is_none_or(|file| file.value(Quantity::Resonance).is_none())
     {
         return Err(Failure::Arguments(
             "--flexible-mass-fraction is for a device with a resonance, and none is known: --resonance is missing"
                 .into(),
         ));
     }
-    Ok(Bounce {
-        device: BounceDevice {
-            mass,
-            viscous_friction: not_negative(
-                "--viscous-friction",
-                arguments.viscous_friction,
-                "N s/m",
-            )?,
-            coulomb_friction: not_negative("--coulomb-friction", arguments.coulomb_friction, "N")?,
-            encoder_quantum: not_negative("--encoder-quantum", quantum, "m")?,
-            told_mass: 1.0,
-        },
-        stiffness,
-        object_mass,
-        forces: defaults.forces,
-        gap: defaults.gap,
-        period,
-        told_period: 1.0,
-        delay,
-        lag: not_negative("--lag", lag, "s")?,
-    })
+    let device = &bounce.device;
+    not_negative("--viscous-friction", device.viscous_friction, "N s/m")?;
+    not_negative("--coulomb-friction", device.coulomb_friction, "N")?;
+    not_negative("--encoder-quantum", device.encoder_quantum, "m")?;
+    not_negative("--lag", bounce.lag, "s")?;
+    Ok(bounce)
 }
 
 fn refused(error: &BounceError) -> Failure {

@@ -1,0 +1,117 @@
+//! What is asked of an advice, as far as somebody says it.
+
+use palpate_calibrate::{Calibration, Quantity};
+
+use crate::map::{Bounce, BounceDevice, MapParams, SEARCHED};
+
+/// A device and a contact on it. What nobody states is taken from the device file.
+#[derive(Clone, Copy, Debug)]
+pub struct Question<'a> {
+    /// The device file.
+    pub file: Option<&'a Calibration>,
+    /// Effective mass of the device `[kg]`.
+    pub device_mass: Option<f64>,
+    /// Viscous friction of the device `[N s/m]`.
+    pub viscous_friction: f64,
+    /// Coulomb friction of the device `[N]`.
+    pub coulomb_friction: f64,
+    /// Quantum of its position sensor `[m]`; 0 where neither says one.
+    pub encoder_quantum: Option<f64>,
+    /// Period of the loop `[s]`.
+    pub period: f64,
+    /// Time from a sample to the beginning of its force `[periods]`; 0 where neither says one.
+    pub delay: Option<f64>,
+    /// Time constant of the force after that `[s]`; 0 where neither says one.
+    pub lag: Option<f64>,
+    /// Contact stiffness `[N/m]`; `None` asks for limits only.
+    pub stiffness: Option<f64>,
+    /// Object mass `[kg]`; infinite for a wall.
+    pub object_mass: f64,
+}
+
+impl Question<'_> {
+    /// The scene that is asked about, whose values nobody has checked; `None` where the device's mass is not known. A softest
+    /// stiffness stands in where none is asked for.
+    #[must_use]
+    pub fn bounce(&self) -> Option<Bounce> {
+        let known = |quantity| self.file.and_then(|file| file.value(quantity));
+        let mass = self.device_mass.or(known(Quantity::DeviceMass))?;
+        let quantum = known(Quantity::SensorQuantum);
+        // Where the two are known only together, the sum is the better delay.
+        let delay = known(Quantity::Delay).or(known(Quantity::DelayPlusLag));
+        let delay = delay.map(|seconds| seconds / self.period);
+        let defaults = MapParams::default();
+        Some(Bounce {
+            device: BounceDevice {
+                mass,
+                viscous_friction: self.viscous_friction,
+                coulomb_friction: self.coulomb_friction,
+                encoder_quantum: self.encoder_quantum.or(quantum).unwrap_or(0.0),
+                told_mass: 1.0,
+            },
+            stiffness: self
+                .stiffness
+                .unwrap_or(SEARCHED.0 * mass / (self.period * self.period)),
+            object_mass: self.object_mass,
+            forces: defaults.forces,
+            gap: defaults.gap,
+            period: self.period,
+            told_period: 1.0,
+            delay: self.delay.or(delay).unwrap_or(0.0),
+            lag: self.lag.or(known(Quantity::Lag)).unwrap_or(0.0),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use palpate_calibrate::Known;
+
+    use super::*;
+
+    /// Asks about a device of which nothing is stated.
+    fn asked(file: &Calibration) -> Question<'_> {
+        Question {
+            file: Some(file),
+            device_mass: None,
+            viscous_friction: 0.0,
+            coulomb_friction: 0.0,
+            encoder_quantum: None,
+            period: 1e-3,
+            delay: None,
+            lag: None,
+            stiffness: None,
+            object_mass: 0.1,
+        }
+    }
+
+    #[test]
+    fn what_is_stated_counts_before_what_the_file_says() {
+        let mut file = Calibration::default();
+        assert_eq!(asked(&file).bounce(), None);
+        for (quantity, value) in [
+            (Quantity::DeviceMass, 0.2),
+            (Quantity::SensorQuantum, 1e-5),
+            (Quantity::DelayPlusLag, 2e-3),
+        ] {
+            file.set(quantity, Known::given(value, "given"));
+        }
+        let found = asked(&file).bounce().unwrap();
+        assert_eq!(found.device.mass, 0.2);
+        assert_eq!(found.device.encoder_quantum, 1e-5);
+        assert_eq!((found.delay, found.lag), (2.0, 0.0));
+        // Not the sum, once the delay itself is known.
+        file.set(Quantity::Delay, Known::given(1e-3, "given"));
+        assert_eq!(asked(&file).bounce().unwrap().delay, 1.0);
+        let stated = Question {
+            device_mass: Some(0.3),
+            delay: Some(0.5),
+            lag: Some(1e-4),
+            stiffness: Some(100.0),
+            ..asked(&file)
+        };
+        let bounce = stated.bounce().unwrap();
+        assert_eq!((bounce.device.mass, bounce.delay), (0.3, 0.5));
+        assert_eq!((bounce.lag, bounce.stiffness), (1e-4, 100.0));
+    }
+}
