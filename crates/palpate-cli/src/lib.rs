@@ -9,7 +9,6 @@ mod commands;
 mod devices;
 mod excerpt;
 mod failure;
-mod hand;
 mod inside;
 mod progress;
 mod recorded;

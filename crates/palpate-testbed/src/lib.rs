@@ -85,12 +85,14 @@ pub mod reference;
 pub mod relative_motion;
 pub mod schedule;
 pub mod sprung_mass;
+mod taps;
 pub mod timeline;
 pub mod viscous_ideal;
 pub mod viscous_mass;
 pub mod world;
 
 pub use error::InvalidParameter;
+pub use taps::taps;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

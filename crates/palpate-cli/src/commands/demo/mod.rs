@@ -14,7 +14,6 @@ use super::figure;
 use super::render::render;
 use crate::arguments::DemoArguments;
 use crate::failure::Failure;
-use crate::hand;
 use crate::progress::Progress;
 use crate::results::print;
 use made::Made;
@@ -58,7 +57,8 @@ pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
     };
     scene_report.wrote(&made.path(SCENE_PLOT));
 
-    let trace = hand::taps();
+    let (t_s, position_m) = palpate_testbed::taps();
+    let trace = Trace { t_s, position_m };
     let setup = ReplaySetup {
         contact: Contact::object(200.0, 0.5),
         loop_params: LoopParams::new(0.01),

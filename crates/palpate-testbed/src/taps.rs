@@ -1,6 +1,4 @@
-//! A synthetic hand: a person who taps on something, for a demonstration without a recording.
-
-use palpate_record::trace::Trace;
+//! The motion of a hand that taps on something, for a demonstration without a recording.
 
 /// Recording step `[s]`, as of a 2 kHz encoder.
 const STEP: f64 = 0.0005;
@@ -20,12 +18,11 @@ const REACHES: [(f64, f64); 10] = [
     (-0.030, 0.40),
 ];
 
-/// Minimum-jerk reaches with an 8 Hz tremor of 0.2 mm, seen through the encoder.
-pub fn taps() -> Trace {
-    let mut trace = Trace {
-        t_s: Vec::new(),
-        position_m: Vec::new(),
-    };
+/// Minimum-jerk reaches with an 8 Hz tremor of 0.2 mm, seen through an encoder of 2 um at 2 kHz: times `[s]` from 0 on, and positions
+/// `[m]` from -0.03 to 0.022.
+#[must_use]
+pub fn taps() -> (Vec<f64>, Vec<f64>) {
+    let (mut times, mut positions) = (Vec::new(), Vec::new());
     let mut begin = REACHES[0].0;
     let mut start = 0_u32;
     for (end, duration) in REACHES {
@@ -36,15 +33,13 @@ pub fn taps() -> Trace {
             let t = f64::from(start + i) * STEP;
             let tremor = 2e-4 * (2.0 * std::f64::consts::PI * 8.0 * t).sin();
             let position = begin + (end - begin) * reach + tremor;
-            trace.t_s.push(t);
-            trace
-                .position_m
-                .push((position / QUANTUM).round() * QUANTUM);
+            times.push(t);
+            positions.push((position / QUANTUM).round() * QUANTUM);
         }
         begin = end;
         start += steps;
     }
-    trace
+    (times, positions)
 }
 
 #[expect(
