@@ -44,17 +44,6 @@ impl TimingFlags {
         timing.seed = self.seed.unwrap_or(timing.seed);
         Ok(())
     }
-
-    /// Whether a parameter was given as a flag.
-    pub fn gives(&self, parameter: SceneParameter) -> bool {
-        match parameter {
-            SceneParameter::DelayFraction => self.delay_fraction.is_some(),
-            SceneParameter::Jitter => self.jitter.is_some(),
-            SceneParameter::DropProbability => self.drop.is_some(),
-            SceneParameter::Seed => self.seed.is_some(),
-            _ => false,
-        }
-    }
 }
 
 /// Says that a method cannot render one contact.
@@ -318,53 +307,6 @@ impl Flags {
             || self.gives(SceneParameter::ToldDeviceMass)
             || self.actuation.change_a_scene()
             || self.settings().iter().any(is_number)
-    }
-
-    /// Whether a parameter was given as a flag.
-    pub fn gives(&self, parameter: SceneParameter) -> bool {
-        let rendered = match parameter {
-            SceneParameter::Rendered(rendered) => rendered,
-            SceneParameter::ToldDeviceMass => return self.told_device_mass.is_some(),
-            SceneParameter::DelaySeconds => return self.actuation.delay.is_some(),
-            SceneParameter::Lag => return self.actuation.lag.is_some(),
-            SceneParameter::Gain => return self.actuation.gain.is_some(),
-            SceneParameter::ToldDelay => return self.actuation.told_delay.is_some(),
-            _ => return false,
-        };
-        match rendered {
-            Parameter::Stiffness => self.stiffness.is_some(),
-            Parameter::ObjectMass => self.mass.is_some(),
-            Parameter::VirtualForce => self.force.is_some(),
-            Parameter::ObjectPosition => self.object_position.is_some(),
-            Parameter::ObjectVelocity => self.object_velocity.is_some(),
-            Parameter::Side => self.side.is_some(),
-            Parameter::Period => self.period.is_some(),
-            Parameter::Delay => self.actuation.delay.is_some(),
-            Parameter::ForceLimit => self.force_limit.is_some(),
-            Parameter::SlewLimit => self.slew_limit.is_some(),
-            Parameter::SpeedLimit => self.speed_limit.is_some(),
-            Parameter::LargestGap => self.largest_gap.is_some(),
-            Parameter::GuardSpeed => self.guard_speed.is_some(),
-            Parameter::GuardAllowance => self.guard_allowance.is_some(),
-            Parameter::DeviceMass => self.device_mass.is_some(),
-            Parameter::EncoderQuantum | Parameter::NoiseBound => self.encoder_quantum.is_some(),
-            Parameter::Setting(setting) => self.settings().has(setting.key),
-            Parameter::DelayDeviation => self.actuation.delay_deviation.is_some(),
-            Parameter::Lag => self.actuation.lag.or(self.actuation.told_lag).is_some(),
-            Parameter::LagDeviation => self.actuation.lag_deviation.is_some(),
-            Parameter::Gain => self.actuation.gain.or(self.actuation.told_gain).is_some(),
-            Parameter::GainDeviation => self.actuation.gain_deviation.is_some(),
-            Parameter::Resonance => self.actuation.resonance.is_some(),
-            Parameter::ResonanceDampingRatio => self.actuation.resonance_damping_ratio.is_some(),
-            Parameter::FlexibleMassFraction => self.actuation.flexible_mass_fraction.is_some(),
-            Parameter::DerivedDamping
-            | Parameter::AxisOrigin
-            | Parameter::AxisNormal
-            | Parameter::AxisNormalLength
-            | Parameter::Kappa
-            | Parameter::ObjectKappa
-            | Parameter::Own { .. } => false,
-        }
     }
 }
 

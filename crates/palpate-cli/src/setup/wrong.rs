@@ -7,100 +7,146 @@ use palpate_scene::method::{SettingKey, SettingsError};
 use palpate_scene::{SceneParameter, SceneParameterError, SetupError};
 use palpate_testbed::InvalidParameter;
 
-use crate::arguments::flag_of_setting;
+use crate::arguments::{Flags, TimingFlags, flag_of_setting};
 use crate::failure::Failure;
 
-/// The flag that gives a parameter of a scene, if one does.
-fn flag_of(parameter: SceneParameter) -> Option<Cow<'static, str>> {
-    Some(Cow::Borrowed(match parameter {
-        SceneParameter::Rendered(parameter) => return flag_of_rendered(parameter),
-        SceneParameter::ToldDeviceMass => "--told-device-mass",
-        SceneParameter::DelayFraction => "--delay-fraction",
-        SceneParameter::DelaySeconds => "--delay",
-        SceneParameter::Lag => "--lag",
-        SceneParameter::Gain => "--gain",
-        SceneParameter::ToldDelay => "--told-delay",
-        SceneParameter::Jitter => "--jitter",
-        SceneParameter::DropProbability => "--drop",
-        SceneParameter::Seed => "--seed",
-        SceneParameter::ObjectRadius
-        | SceneParameter::DevicePosition
-        | SceneParameter::DeviceVelocity
-        | SceneParameter::ViscousFriction
-        | SceneParameter::CoulombFriction
-        | SceneParameter::MotorLimit
-        | SceneParameter::Resonance
-        | SceneParameter::ResonanceDamping
-        | SceneParameter::MotorMassShare
-        | SceneParameter::Backlash
-        | SceneParameter::Cogging
-        | SceneParameter::CoggingPitch
-        | SceneParameter::SensorNoise
-        | SceneParameter::ToldSensorNoise
-        | SceneParameter::CommandJitter
-        | SceneParameter::HandForce
-        | SceneParameter::Tremor
-        | SceneParameter::TremorFrequency
-        | SceneParameter::Release
-        | SceneParameter::HandMass
-        | SceneParameter::HandStiffness
-        | SceneParameter::HandDamping
-        | SceneParameter::HandPosition
-        | SceneParameter::Swing
-        | SceneParameter::SwingFrequency
-        | SceneParameter::JitterDeviation
-        | SceneParameter::DroppedSamples
-        | SceneParameter::CollapseFrom
-        | SceneParameter::CollapseUntil
-        | SceneParameter::CollapsePeriod
-        | SceneParameter::Collisions
-        | SceneParameter::Duration => return None,
-    }))
+/// A flag, and whether it was given.
+type FlagOf = (Cow<'static, str>, bool);
+
+/// A flag that takes a value.
+fn valued<T>(flag: &'static str, value: Option<T>) -> Option<FlagOf> {
+    Some((Cow::Borrowed(flag), value.is_some()))
 }
 
-fn flag_of_rendered(parameter: Parameter) -> Option<Cow<'static, str>> {
-    Some(Cow::Borrowed(match parameter {
-        Parameter::Stiffness => "--stiffness",
-        Parameter::ObjectMass => "--mass",
-        Parameter::VirtualForce => "--force",
-        Parameter::ObjectPosition => "--object-position",
-        Parameter::ObjectVelocity => "--object-velocity",
-        Parameter::Side => "--side",
-        Parameter::Period => "--period",
-        Parameter::Delay => "--delay",
-        Parameter::ForceLimit => "--force-limit",
-        Parameter::SlewLimit => "--slew-limit",
-        Parameter::SpeedLimit => "--speed-limit",
-        Parameter::LargestGap => "--largest-gap",
-        Parameter::GuardSpeed => "--guard-speed",
-        Parameter::GuardAllowance => "--guard-allowance",
-        Parameter::DeviceMass => "--device-mass",
-        Parameter::EncoderQuantum | Parameter::NoiseBound => "--encoder-quantum",
-        Parameter::DelayDeviation => "--delay-deviation",
-        Parameter::Lag => "--lag",
-        Parameter::LagDeviation => "--lag-deviation",
-        Parameter::Gain => "--gain",
-        Parameter::GainDeviation => "--gain-deviation",
-        Parameter::Resonance => "--resonance",
-        Parameter::ResonanceDampingRatio => "--resonance-damping-ratio",
-        Parameter::FlexibleMassFraction => "--flexible-mass-fraction",
-        Parameter::Setting(setting) => return Some(flag_of_setting(setting).into()),
-        // Nobody gives these by a flag.
-        Parameter::DerivedDamping
-        | Parameter::AxisOrigin
-        | Parameter::AxisNormal
-        | Parameter::AxisNormalLength
-        | Parameter::Kappa
-        | Parameter::ObjectKappa
-        | Parameter::Own { .. } => return None,
-    }))
+impl TimingFlags {
+    /// The flag that gives a parameter of a scene, if one of these does.
+    fn flag_of(&self, parameter: SceneParameter) -> Option<FlagOf> {
+        match parameter {
+            SceneParameter::DelayFraction => valued("--delay-fraction", self.delay_fraction),
+            SceneParameter::Jitter => valued("--jitter", self.jitter),
+            SceneParameter::DropProbability => valued("--drop", self.drop),
+            SceneParameter::Seed => valued("--seed", self.seed),
+            _ => None,
+        }
+    }
+
+    /// Whether a parameter was given as a flag.
+    pub fn gives(&self, parameter: SceneParameter) -> bool {
+        self.flag_of(parameter).is_some_and(|(_, given)| given)
+    }
+}
+
+impl Flags {
+    /// The flag that gives a parameter of a scene, if one of these does.
+    fn flag_of(&self, parameter: SceneParameter) -> Option<FlagOf> {
+        let of = &self.actuation;
+        match parameter {
+            SceneParameter::Rendered(parameter) => self.flag_of_rendered(parameter),
+            SceneParameter::ToldDeviceMass => valued("--told-device-mass", self.told_device_mass),
+            SceneParameter::DelaySeconds => valued("--delay", of.delay),
+            SceneParameter::Lag => valued("--lag", of.lag),
+            SceneParameter::Gain => valued("--gain", of.gain),
+            SceneParameter::ToldDelay => valued("--told-delay", of.told_delay),
+            SceneParameter::DelayFraction
+            | SceneParameter::Jitter
+            | SceneParameter::DropProbability
+            | SceneParameter::Seed
+            | SceneParameter::ObjectRadius
+            | SceneParameter::DevicePosition
+            | SceneParameter::DeviceVelocity
+            | SceneParameter::ViscousFriction
+            | SceneParameter::CoulombFriction
+            | SceneParameter::MotorLimit
+            | SceneParameter::Resonance
+            | SceneParameter::ResonanceDamping
+            | SceneParameter::MotorMassShare
+            | SceneParameter::Backlash
+            | SceneParameter::Cogging
+            | SceneParameter::CoggingPitch
+            | SceneParameter::SensorNoise
+            | SceneParameter::ToldSensorNoise
+            | SceneParameter::CommandJitter
+            | SceneParameter::HandForce
+            | SceneParameter::Tremor
+            | SceneParameter::TremorFrequency
+            | SceneParameter::Release
+            | SceneParameter::HandMass
+            | SceneParameter::HandStiffness
+            | SceneParameter::HandDamping
+            | SceneParameter::HandPosition
+            | SceneParameter::Swing
+            | SceneParameter::SwingFrequency
+            | SceneParameter::JitterDeviation
+            | SceneParameter::DroppedSamples
+            | SceneParameter::CollapseFrom
+            | SceneParameter::CollapseUntil
+            | SceneParameter::CollapsePeriod
+            | SceneParameter::Collisions
+            | SceneParameter::Duration => None,
+        }
+    }
+
+    fn flag_of_rendered(&self, parameter: Parameter) -> Option<FlagOf> {
+        let of = &self.actuation;
+        match parameter {
+            Parameter::Stiffness => valued("--stiffness", self.stiffness),
+            Parameter::ObjectMass => valued("--mass", self.mass),
+            Parameter::VirtualForce => valued("--force", self.force),
+            Parameter::ObjectPosition => valued("--object-position", self.object_position),
+            Parameter::ObjectVelocity => valued("--object-velocity", self.object_velocity),
+            Parameter::Side => valued("--side", self.side),
+            Parameter::Period => valued("--period", self.period),
+            Parameter::Delay => valued("--delay", of.delay),
+            Parameter::ForceLimit => valued("--force-limit", self.force_limit),
+            Parameter::SlewLimit => valued("--slew-limit", self.slew_limit),
+            Parameter::SpeedLimit => valued("--speed-limit", self.speed_limit),
+            Parameter::LargestGap => valued("--largest-gap", self.largest_gap),
+            Parameter::GuardSpeed => valued("--guard-speed", self.guard_speed),
+            Parameter::GuardAllowance => valued("--guard-allowance", self.guard_allowance),
+            Parameter::DeviceMass => valued("--device-mass", self.device_mass),
+            Parameter::EncoderQuantum | Parameter::NoiseBound => {
+                valued("--encoder-quantum", self.encoder_quantum)
+            }
+            Parameter::DelayDeviation => valued("--delay-deviation", of.delay_deviation),
+            Parameter::Lag => valued("--lag", of.lag.or(of.told_lag)),
+            Parameter::LagDeviation => valued("--lag-deviation", of.lag_deviation),
+            Parameter::Gain => valued("--gain", of.gain.or(of.told_gain)),
+            Parameter::GainDeviation => valued("--gain-deviation", of.gain_deviation),
+            Parameter::Resonance => valued("--resonance", of.resonance),
+            Parameter::ResonanceDampingRatio => {
+                valued("--resonance-damping-ratio", of.resonance_damping_ratio)
+            }
+            Parameter::FlexibleMassFraction => {
+                valued("--flexible-mass-fraction", of.flexible_mass_fraction)
+            }
+            Parameter::Setting(setting) => {
+                let is_given = self.settings().has(setting.key);
+                Some((flag_of_setting(setting).into(), is_given))
+            }
+            // Nobody gives these by a flag.
+            Parameter::DerivedDamping
+            | Parameter::AxisOrigin
+            | Parameter::AxisNormal
+            | Parameter::AxisNormalLength
+            | Parameter::Kappa
+            | Parameter::ObjectKappa
+            | Parameter::Own { .. } => None,
+        }
+    }
+
+    /// Whether a parameter was given as a flag.
+    pub fn gives(&self, parameter: SceneParameter) -> bool {
+        self.flag_of(parameter).is_some_and(|(_, given)| given)
+    }
 }
 
 /// A parameter out of range, in terms of the flag that gave it.
 pub fn wrong_flag(error: &SceneParameterError) -> Failure {
-    let flag = flag_of(error.parameter);
+    let parameter = error.parameter;
+    let flag = Flags::default().flag_of(parameter);
+    let flag = flag.or_else(|| TimingFlags::default().flag_of(parameter));
     Failure::Arguments(match flag {
-        Some(flag) => error.called(flag).to_string(),
+        Some((flag, _)) => error.called(flag).to_string(),
         None => error.to_string(),
     })
 }
