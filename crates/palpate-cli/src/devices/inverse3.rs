@@ -1,54 +1,20 @@
 //! The Haply Inverse3 behind its service.
 
-use clap::Args;
 use palpate_device::clock::Clock;
 use palpate_device::{Device, Vector};
 use palpate_devices::inverse3::{Overheard, identity};
 use palpate_devices::{FIRST_AXIS, Reopen};
 use palpate_haply::inverse3::{ConnectError, Inverse3, Inverse3Options, OpenError, Pace, SERVICE};
 
-use super::{DeviceArguments, DeviceName, reconnecting};
+use super::arguments::Inverse3Arguments;
+use super::{DeviceArguments, reconnecting};
 use crate::failure::{Failure, tell};
 use crate::values::duration;
-
-/// Flags of the Inverse3.
-#[derive(Args, Debug, Clone)]
-pub struct Inverse3Arguments {
-    /// Inverse Service of the device `inverse3` [default: ws://localhost:10001]
-    #[arg(long, value_name = "URL")]
-    pub service: Option<String>,
-    /// Its events channel, usually ws://localhost:10020, which tells why a device is gone
-    /// [default: not listened to]
-    #[arg(long, value_name = "URL")]
-    pub events: Option<String>,
-    /// Which Inverse3 of the service [default: the only one]
-    #[arg(long, value_name = "ID")]
-    pub device_id: Option<String>,
-    /// Priority under SCHED_FIFO of the threads that talk to the service, 0: none [default: 79]
-    #[arg(long, value_name = "0..99", value_parser = clap::value_parser!(u8).range(0..=99))]
-    pub service_priority: Option<u8>,
-}
 
 /// Just below that of a loop.
 const PRIORITY: u8 = 79;
 
 impl Inverse3Arguments {
-    /// Refuses a flag that belongs to another device.
-    pub fn check(&self, device: DeviceName) -> Result<(), Failure> {
-        let given = [
-            ("--service", self.service.is_some()),
-            ("--events", self.events.is_some()),
-            ("--device-id", self.device_id.is_some()),
-            ("--service-priority", self.service_priority.is_some()),
-        ];
-        match given.iter().find(|(_, given)| *given) {
-            Some((flag, _)) if device != DeviceName::Inverse3 => Err(Failure::Arguments(format!(
-                "{flag} is for --device inverse3"
-            ))),
-            _ => Ok(()),
-        }
-    }
-
     fn options(&self) -> Inverse3Options {
         let priority = self.service_priority.unwrap_or(PRIORITY);
         Inverse3Options {

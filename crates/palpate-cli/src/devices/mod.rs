@@ -4,7 +4,6 @@
 //! to a device has a file of its own.
 
 mod arguments;
-mod choice;
 #[cfg(unix)]
 pub mod guarding;
 pub mod inverse3;

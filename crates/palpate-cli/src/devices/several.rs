@@ -5,7 +5,7 @@ use palpate_scene::world::{WorldDevice, WorldScene};
 use palpate_session::Guarding;
 use palpate_sim::device::SpatialHand;
 
-use super::choice::Choice;
+use super::arguments::Choice;
 use super::{DeviceArguments, DeviceName, OpenedInWorld, open_as};
 use crate::arguments::Given;
 use crate::failure::Failure;
