@@ -107,7 +107,7 @@ fn leak_dissipation_is_drawn_over_ten_collisions() {
     drawn(
         &folder,
         "fig2-long.svg",
-        &["b = 0: FRE 92.3 %", "b = 0.03: FRE 30.1 %"],
+        &["b = 0 N s/m: FRE 92.3 %", "b = 0.03 N s/m: FRE 30.1 %"],
     );
 }
 

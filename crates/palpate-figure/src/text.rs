@@ -1,7 +1,7 @@
 //! Text that fits: its width, its lines, its characters.
 
 use kuva::render::layout::{ComputedLayout, Layout};
-use kuva::render::render_utils::wrap_text;
+use kuva::render::render_utils;
 
 /// Families that look alike and of which every system has one.
 pub(super) const FAMILY: &str = "Helvetica, Arial, Liberation Sans, DejaVu Sans, sans-serif";
@@ -13,6 +13,15 @@ pub(super) fn width(text: &str, size: u32) -> f64 {
         .with_y_categories(vec![text.to_owned()])
         .with_tick_size(size);
     ComputedLayout::from_layout(&layout).y_tick_label_px
+}
+
+/// `text` in lines of at most `characters`; a percent sign stays with its number.
+fn wrap_text(text: &str, characters: usize) -> Vec<String> {
+    // A character that is no white space, and that no text has after `clean`.
+    const GLUE: &str = "\u{fffe}";
+    let glued = text.replace(" %", &format!("{GLUE}%"));
+    let lines = render_utils::wrap_text(&glued, characters).into_iter();
+    lines.map(|line| line.replace(GLUE, " ")).collect()
 }
 
 /// How many characters a line may have for `text` to fit into `room` \[px\].

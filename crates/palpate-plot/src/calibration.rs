@@ -3,7 +3,6 @@
 use palpate_calibrate::{Calibration, Quantity};
 use palpate_figure::{Figure, Kind, Panel, Role, Row, Series};
 use palpate_study::card::MotionCard;
-use palpate_study::text::digits;
 
 /// Positions, what the fit left of them, and commands; without a title.
 #[must_use]
@@ -48,7 +47,7 @@ pub fn motion(motion: &MotionCard) -> Figure {
                 ],
             ),
             row(
-                "measured - fitted [um]",
+                "measured - fitted [µm]",
                 vec![curve("measured - fitted", Kind::Line, Role::Recorded, left)],
             ),
             row(
@@ -82,10 +81,9 @@ fn finding(calibration: &Calibration) -> String {
     let said = |quantity, unit: f64, name: &str, symbol: &str| {
         let value = calibration.value(quantity)? * unit;
         let deviation = calibration.standard_deviation(quantity)? * unit;
+        let decimals = decimals(deviation);
         Some(format!(
-            "{name} {} ± {} {symbol}",
-            digits(value),
-            digits(deviation)
+            "{name} {value:.decimals$} ± {deviation:.decimals$} {symbol}"
         ))
     };
     let found = [
@@ -95,4 +93,29 @@ fn finding(calibration: &Calibration) -> String {
     ];
     let found: Vec<String> = found.into_iter().flatten().collect();
     found.join(", ")
+}
+
+/// Decimals with which a value and its `deviation` are written: two digits of the deviation.
+fn decimals(deviation: f64) -> usize {
+    let two_digits = (0..9).find(|decimals| deviation >= 0.1_f64.powi(*decimals) * 9.5);
+    two_digits.map_or(9, |decimals| decimals.unsigned_abs() as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_deviation_has_two_digits_and_its_value_as_many_decimals() {
+        for (deviation, expected) in [
+            (120.0, 0),
+            (12.0, 0),
+            (0.751, 2),
+            (0.0945, 3),
+            (0.0045, 4),
+            (0.0, 9),
+        ] {
+            assert_eq!(decimals(deviation), expected, "{deviation}");
+        }
+    }
 }

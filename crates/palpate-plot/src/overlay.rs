@@ -32,19 +32,18 @@ pub(super) fn lines(figure: &RunsFigure) -> (Vec<Vec<Grid>>, String) {
             }));
         }
     }
+    // What was recorded is behind: the method that recorded it has the same lines.
+    positions.extend(figure.recorded_object());
     positions.extend(named().map(|(run, name, role)| object_position(run, name, role)));
     positions.extend(beside);
-    positions.extend(figure.recorded_object());
 
     let mut forces = vec![ideal_force(figure.reference)];
+    forces.extend(figure.recorded_force());
     forces.extend(named().map(|(run, name, role)| held_force(run, name, role)));
     forces.extend(runs.iter().filter_map(end_of_motors));
-    forces.extend(figure.recorded_force());
 
-    let mut leaks: Vec<Series> = named()
-        .map(|(run, name, role)| held_leak(run, name, role))
-        .collect();
-    leaks.extend(figure.recorded_leak());
+    let mut leaks: Vec<Series> = figure.recorded_leak().into_iter().collect();
+    leaks.extend(named().map(|(run, name, role)| held_leak(run, name, role)));
     // What a loop that ran away leaked is no measure of what was recorded.
     let ran_away = runs.iter().any(|run| run.diverged == Some(true));
     let leak_limits = match figure.recorded {

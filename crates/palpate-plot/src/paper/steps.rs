@@ -10,9 +10,9 @@ use crate::step_by_step;
 
 /// Dampings of HFCR that are beside each other over many collisions `[N s/m]`, and what they are.
 const DAMPINGS: [(f64, &str); 4] = [
-    (0.0, "b = 0"),
-    (0.0125, "b = 0.0125"),
-    (0.03, "b = 0.03"),
+    (0.0, "b = 0 N s/m"),
+    (0.0125, "b = 0.0125 N s/m"),
+    (0.03, "b = 0.03 N s/m"),
     (0.05, "b = 0.05 N s/m"),
 ];
 
