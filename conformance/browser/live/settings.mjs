@@ -191,7 +191,7 @@ test("a refusal stands where one has asked, and nothing shows what was not done"
     document.querySelector("#method-1").value = "basic";
     document.querySelector("#wall").checked = true;
   });
-  await refused("", "too much is wished at once; say it again");
+  await refused("", "too many requests at once; send this one again");
   assert.deepEqual(await open.get(() => [document.querySelector("#method-1").value, document.querySelector("#wall").checked]), ["coupled", false]);
   await open.leave();
   await live.end();

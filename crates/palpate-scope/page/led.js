@@ -3,7 +3,7 @@
 import { devicesOf, handsOf } from "./devices.js";
 import { SAY_S } from "./pace.js";
 import { say } from "./protocol.js";
-import { Wish } from "./wish.js";
+import { HandTarget } from "./hand_target.js";
 
 export class Led {
   /**
@@ -24,9 +24,9 @@ export class Led {
     // The server listens to a number of messages a second, of all hands together.
     const everyS = SAY_S * Math.max(1, devices.filter((device) => device.pointer).length);
     /** Where it is to be [m]. */
-    this.led = new Wish(everyS);
+    this.led = new HandTarget(everyS);
     /** How it is to be turned, w, x, y, z. */
-    this.turned = new Wish(everyS);
+    this.turned = new HandTarget(everyS);
   }
 
   /** What the server says of it. */

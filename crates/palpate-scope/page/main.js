@@ -137,7 +137,7 @@ model.addEventListener("refused", ({ detail: { about, text } }) => {
     methods.refuse(text);
   }
   if (model.state) {
-    // Nothing has changed, so nobody tells the state: what shows a wish shows again what is.
+    // Nothing has changed, so nobody tells the state: what shows a request shows the state again.
     methods.take(model.state);
     contact.take(model.state);
     told.take(model.state);

@@ -250,9 +250,9 @@ class LaneScene {
       this.scene.add(mesh);
       return mesh;
     });
-    const wish = new EdgesGeometry(new SphereGeometry(1, 12, 8), 1);
-    this.wishes = world.tools.map(() => {
-      const ball = new LineSegments(wish, new LineBasicMaterial({ color: theme.quiet }));
+    const target = new EdgesGeometry(new SphereGeometry(1, 12, 8), 1);
+    this.targets = world.tools.map(() => {
+      const ball = new LineSegments(target, new LineBasicMaterial({ color: theme.quiet }));
       ball.visible = false;
       this.scene.add(ball);
       return ball;
@@ -266,7 +266,7 @@ class LaneScene {
     for (const mesh of this.bodies) {
       mesh.userData.fit?.(centre, reach);
     }
-    this.wishes.forEach((wish) => wish.scale.setScalar(0.05 * reach));
+    this.targets.forEach((target) => target.scale.setScalar(0.05 * reach));
     this.arrows.metresPerNewton = (ARROW_M_PER_N * reach) / 0.05;
     this.felt.metresPerNewton = this.arrows.metresPerNewton;
     this.arrows.thickness = 0.012 * reach;
@@ -274,11 +274,11 @@ class LaneScene {
   }
 
   showHands(hands) {
-    this.wishes.forEach((wish, number) => {
+    this.targets.forEach((target, number) => {
       const hand = hands[number] ?? null;
-      wish.visible = hand !== null;
+      target.visible = hand !== null;
       if (hand) {
-        wish.position.set(...hand);
+        target.position.set(...hand);
       }
     });
   }

@@ -436,7 +436,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn wishes_are_understood() {
+    fn requests_are_understood() {
         let request = |text: &str| match parse(text) {
             ClientMessage::Request(request) => request,
             other => panic!("{text}: {other:?}"),

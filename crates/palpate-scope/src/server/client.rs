@@ -116,7 +116,7 @@ async fn converse(
                     ClientMessage::Request(request) => commands
                         .try_send(Command::Request(seat.id, request))
                         .err()
-                        .map(|_| ("", "too much is wished at once; say it again".to_owned())),
+                        .map(|_| ("", "too many requests at once; send this one again".to_owned())),
                     ClientMessage::Refused(about, text) => Some((about, text)),
                     ClientMessage::Unknown(why) => return Some(away(CloseCode::Invalid, why)),
                 };

@@ -74,7 +74,7 @@ pub const FILES: &[File] = &[
     file!("/trips.js", SCRIPT, "trips.js"),
     file!("/space.js", SCRIPT, "space.js"),
     file!("/view.js", SCRIPT, "view.js"),
-    file!("/wish.js", SCRIPT, "wish.js"),
+    file!("/hand_target.js", SCRIPT, "hand_target.js"),
     file!("/world.css", STYLE, "world.css"),
     file!("/world.html", HTML, "world.html"),
     file!("/world.js", SCRIPT, "world.js"),

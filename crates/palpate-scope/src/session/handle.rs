@@ -12,7 +12,7 @@ use super::{Command, SessionEnd, SessionError};
 use crate::hub::Hub;
 
 /// Most requests that wait.
-const WISHES: usize = 256;
+const REQUESTS: usize = 256;
 
 /// A session on its thread. Dropping it ends it, and waits until its devices are commanded no force
 /// and its recordings are whole.
@@ -39,7 +39,7 @@ impl<End: Send + 'static> Session<End> {
         Running: Turns<End = End> + Send + 'static,
     {
         let stop = stop.below();
-        let (commands, incoming): (_, Receiver<Command>) = sync_channel(WISHES);
+        let (commands, incoming): (_, Receiver<Command>) = sync_channel(REQUESTS);
         let hub = Arc::new(Hub::default());
         let running = begin(Arc::clone(&hub), stop.clone())?;
         let answers = running.answers();

@@ -153,7 +153,7 @@ impl Running {
         let failed = opened.map_err(|error| error.to_string()).err();
         self.failed.clone_from(&failed);
         failed.map_or(Ok(()), |text| {
-            // Half of what was wished is not what is shown: none of it runs.
+            // Where one lane cannot be opened, no lane runs: the page shows all that was asked for, or nothing.
             self.stop_lanes();
             self.end_recordings();
             self.lanes.clear();

@@ -7,7 +7,7 @@ const KEPT_S = 1;
 /** Numbers that differ by less are the same. */
 const SAME = 1e-9;
 
-export class Wish {
+export class HandTarget {
   /** @param {number} everyS how long after the last it is said at least [s] */
   constructor(everyS) {
     this.turns = new Turns(everyS);
