@@ -68,7 +68,7 @@ impl<S: Scalar> Response<S> {
         }
     }
 
-    /// With one more part; none if that has no derivatives worth the name.
+    /// With one more part; `None` if whole bounces were skipped.
     #[inline]
     pub fn after(self, drive: &Drive<S>, part: Part<S>) -> Option<Self> {
         match part {

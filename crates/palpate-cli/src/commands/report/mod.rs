@@ -1,4 +1,4 @@
-//! `palpate report`: a page about a device, for whom it may concern.
+//! `palpate report`: a page about a device, to send to somebody.
 
 mod arguments;
 mod session;
