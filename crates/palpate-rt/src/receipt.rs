@@ -166,6 +166,7 @@ fn corners([lower, upper]: [Vector; 2]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rendering::WorldAxis;
 
     #[test]
     fn every_line_is_a_key_and_its_value_and_not_what_rust_prints() {
@@ -195,6 +196,38 @@ mod tests {
         assert!(
             named.starts_with("name = \"a \\\"quoted\\\" device\"\naxes = 2\n"),
             "{named}"
+        );
+    }
+
+    #[test]
+    fn where_devices_stand_is_read_back_by_their_names() {
+        let capabilities = Capabilities::unknown("any", 1);
+        let on = |name: &str, place: f64| OnDevice {
+            name: name.to_owned(),
+            limits: SafetyParams::for_device(&capabilities),
+            capabilities: capabilities.clone(),
+            frame: WorldFrame::new(
+                [Some(WorldAxis::along(0)), None, None],
+                [0.0; 3],
+                [place, 0.0, 0.0],
+            )
+            .unwrap(),
+        };
+        let several = [on("left", 0.25), on("right", 0.5)];
+        for devices in [&several[..1], &several] {
+            let receipt = receipt_of_devices("1.2.3", devices, &Request::default());
+            let names: Vec<_> = devices.iter().map(|on| on.name.as_str()).collect();
+            let frames = frames_of_devices(&receipt, &names).unwrap();
+            assert_eq!(
+                frames,
+                devices.iter().map(|on| on.frame).collect::<Vec<_>>()
+            );
+        }
+        let receipt = receipt_of_devices("1.2.3", &several, &Request::default());
+        let error = frames_of_devices(&receipt, &["left", "third"]).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "its receipt does not say where the device third stands in the world"
         );
     }
 }
