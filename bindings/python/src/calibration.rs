@@ -57,8 +57,8 @@ impl PyExcitation {
 
 #[pymethods]
 impl PyExcitation {
-    /// An excitation that has not begun: period \[s\], largest force \[N\], duration \[s\], excursion \[m\],
-    /// tremor \[m\], seed.
+    /// An excitation that has not begun: period `[s]`, largest force `[N]`, duration `[s]`, excursion `[m]`,
+    /// tremor `[m]`, seed.
     #[new]
     fn new(
         period: f64,
@@ -80,7 +80,7 @@ impl PyExcitation {
         Ok(Self::of(params, motion))
     }
 
-    /// The force on the device \[N\] to hold from the sample of `position` \[m\] on; `time` \[s\] is that of the
+    /// The force on the device `[N]` to hold from the sample of `position` `[m]` on; `time` `[s]` is that of the
     /// sample, where it was measured.
     #[pyo3(signature = (position, time=None))]
     fn step(&self, position: f64, time: Option<f64>) -> PyResult<f64> {
@@ -107,7 +107,7 @@ impl PyExcitation {
         }
     }
 
-    /// Says that the last sample was answered by another force than it asked for \[N\].
+    /// Says that the last sample was answered by another force than it asked for `[N]`.
     fn report_sent(&self, force: f64) -> PyResult<()> {
         self.motion().really_sent(finite("force", force, " N")?);
         Ok(())
@@ -124,13 +124,13 @@ impl PyExcitation {
         self.motion().length()
     }
 
-    /// Positions \[m\] so far.
+    /// Positions `[m]` so far.
     #[getter]
     fn positions(&self) -> Vec<f64> {
         self.motion().positions.clone()
     }
 
-    /// The force \[N\] that each position was answered with.
+    /// The force `[N]` that each position was answered with.
     #[getter]
     fn forces(&self) -> Vec<f64> {
         self.motion().forces.clone()

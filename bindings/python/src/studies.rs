@@ -33,7 +33,7 @@ pub fn threads() -> PyResult<ThreadPool> {
         .map_err(|error| PyRuntimeError::new_err(format!("no threads to work in: {error}")))
 }
 
-/// Judges a method at values of its damping \[N s/m\]; at so many usual ones where none are given.
+/// Judges a method at values of its damping `[N s/m]`; at so many usual ones where none are given.
 #[pyfunction]
 pub fn tune(
     py: Python<'_>,

@@ -10,7 +10,7 @@ use crate::methods::chosen;
 use crate::names::refused;
 use crate::studies::{Shown, threads};
 
-/// A score: plant, condition, column, and how often the plant was drawn again; error of its ideal, E \[%\], FRE
+/// A score: plant, condition, column, and how often the plant was drawn again; error of its ideal, E `[%]`, FRE
 /// over floor, peak over that of the ideal; whether the loop ran away; samples, and those that were limited.
 type Row = (
     (usize, usize, usize, u32),

@@ -9,7 +9,7 @@ use super::{Limits, Row, Series, Sheet};
 /// Share of the data's range that is left free above and below it.
 const AIR: f64 = 0.06;
 
-/// What is larger than this is off every scale, as infinity is \[unit of the axis\].
+/// What is larger than this is off every scale, as infinity is `[unit of the axis]`.
 pub(super) const LARGEST: f64 = 1e100;
 
 /// The shared range of the horizontal axes.
@@ -115,7 +115,7 @@ pub(super) fn union(ranges: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f6
     ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
-/// Distance of the ticks for about one per `room` of `length` \[px\].
+/// Distance of the ticks for about one per `room` of `length` `[px]`.
 pub(super) fn tick_step(range: (f64, f64), length: f64, room: f64) -> f64 {
     let width = range.1 - range.0;
     let mut spaces = (length / room).round().clamp(2.0, 10.0);

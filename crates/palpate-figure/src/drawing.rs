@@ -1,6 +1,6 @@
 //! Drawings: lines, arrows, springs and words at places of a page, for what is not a plot.
 //!
-//! Places are in \[px\] from the upper left corner, y down. Words may have subscripts, `f_V`: what
+//! Places are in `[px]` from the upper left corner, y down. Words may have subscripts, `f_V`: what
 //! follows an underscore, up to the next character that is neither letter nor digit, is lowered.
 
 use kuva::render::color::Color;
@@ -10,7 +10,7 @@ use crate::drawn::Drawn;
 use crate::page::Page;
 use crate::{Picture, Size, SizeError, ink, text};
 
-/// A place on the page \[px\].
+/// A place on the page `[px]`.
 pub type Place = (f64, f64);
 
 /// How a line looks.
@@ -18,9 +18,9 @@ pub type Place = (f64, f64);
 pub struct Pen {
     /// As `#rrggbb`.
     pub colour: &'static str,
-    /// Width of the line \[px\].
+    /// Width of the line `[px]`.
     pub width: f64,
-    /// Lengths of dashes and gaps \[px\]; empty for a line without gaps.
+    /// Lengths of dashes and gaps `[px]`; empty for a line without gaps.
     pub dashes: &'static [f64],
 }
 
@@ -59,11 +59,11 @@ pub enum Beside {
     Middle,
 }
 
-/// Size of words \[px\].
+/// Size of words `[px]`.
 pub const WORDS: u32 = 14;
-/// Size of a head \[px\].
+/// Size of a head `[px]`.
 pub const HEAD: u32 = 16;
-/// Size of small print \[px\].
+/// Size of small print `[px]`.
 pub const SMALL: u32 = 12;
 
 /// A page that is drawn on.
@@ -74,7 +74,7 @@ pub struct Drawing {
 }
 
 impl Drawing {
-    /// An empty page of a width and a height \[px\].
+    /// An empty page of a width and a height `[px]`.
     #[must_use]
     pub fn new(width: f64, height: f64) -> Self {
         Self {
@@ -167,7 +167,7 @@ impl Drawing {
         self.arrow(middle, to, pen);
     }
 
-    /// A part of a circle about `middle`, from one angle to another \[rad\], counter-clockwise as seen,
+    /// A part of a circle about `middle`, from one angle to another `[rad]`, counter-clockwise as seen,
     /// with a head at its end.
     pub fn turn(&mut self, middle: Place, radius: f64, (from, to): (f64, f64), pen: Pen) {
         const STEPS: u32 = 40;
@@ -184,7 +184,7 @@ impl Drawing {
         self.arrow(at(back), at(to), pen);
     }
 
-    /// A spring from place to place with so many turns, `width` across \[px\].
+    /// A spring from place to place with so many turns, `width` across `[px]`.
     pub fn spring(&mut self, from: Place, to: Place, turns: u32, width: f64, pen: Pen) {
         let length = (to.0 - from.0).hypot(to.1 - from.1).max(f64::MIN_POSITIVE);
         let along = ((to.0 - from.0) / length, (to.1 - from.1) / length);
@@ -280,7 +280,7 @@ impl Drawn for Drawing {
     }
 }
 
-/// Width of a run of any length \[px\]: by itself, a short one counts as broad as a tick label.
+/// Width of a run of any length `[px]`: by itself, a short one counts as broad as a tick label.
 fn width_of(run: &str, size: u32) -> f64 {
     const BROAD: &str = "MMMM";
     let together = format!("{BROAD}{run}{BROAD}");

@@ -3,7 +3,7 @@
 use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, TextAnchor};
 
-/// A place on the page \[px\].
+/// A place on the page `[px]`.
 pub(super) type Place = (f64, f64);
 
 /// A straight line.

@@ -10,21 +10,21 @@ use super::stroke::Window;
 use super::{Grid, Panel, axis, ink, text};
 
 const HEAD_SIZE: u32 = 12;
-/// Right of each panel, half of the last number on its axis included \[px\].
+/// Right of each panel, half of the last number on its axis included `[px]`.
 const RIGHT: f64 = 16.0;
-/// Above the frames of a row \[px\].
+/// Above the frames of a row `[px]`.
 const ABOVE: f64 = 7.0;
-/// Above the frames of a row where a note or a head stands there \[px\].
+/// Above the frames of a row where a note or a head stands there `[px]`.
 const ABOVE_NOTED: f64 = 17.0;
-/// Above the frames of the first row, for the heads of the columns \[px\].
+/// Above the frames of the first row, for the heads of the columns `[px]`.
 const HEAD: f64 = 20.0;
-/// Between the head of a row and a note \[px\].
+/// Between the head of a row and a note `[px]`.
 const BETWEEN: f64 = 12.0;
-/// Left of the frames of every column but the first \[px\].
+/// Left of the frames of every column but the first `[px]`.
 const LEFT: f64 = 4.0;
-/// Below the frames of a row without numbers \[px\].
+/// Below the frames of a row without numbers `[px]`.
 const BELOW: f64 = 4.0;
-/// Below the frames of the last row, for numbers and label \[px\].
+/// Below the frames of the last row, for numbers and label `[px]`.
 const BELOW_LAST: f64 = 42.0;
 
 /// What the grids of a figure have in common.
@@ -36,7 +36,7 @@ pub(super) struct Common<'a> {
     pub x_label: &'a str,
     /// Whether they show powers of ten.
     pub x_decades: bool,
-    /// Height of a frame \[px\].
+    /// Height of a frame `[px]`.
     pub height: f64,
 }
 
@@ -56,9 +56,9 @@ pub(super) struct Planned<'a> {
     columns: usize,
     /// Range of each row.
     ranges: Vec<(f64, f64)>,
-    /// Width of the numbers of each row, and of the widest \[px\].
+    /// Width of the numbers of each row, and of the widest `[px]`.
     numbers: (Vec<f64>, f64),
-    /// Room left of the first frame \[px\].
+    /// Room left of the first frame `[px]`.
     pub left: f64,
 }
 
@@ -109,7 +109,7 @@ impl<'a> Planned<'a> {
         self.grid.rows.len() as f64
     }
 
-    /// Width of the grid without its frames and what is left of the first \[px\].
+    /// Width of the grid without its frames and what is left of the first `[px]`.
     pub fn between(&self) -> f64 {
         self.columns() * RIGHT + (self.columns() - 1.0) * LEFT
     }
@@ -144,7 +144,7 @@ impl<'a> Planned<'a> {
         layout
     }
 
-    /// The grid with frames of a `width`, the first of them `left` of its edge \[px\].
+    /// The grid with frames of a `width`, the first of them `left` of its edge `[px]`.
     pub fn draw(&self, left: f64, width: f64, level: Level) -> Scene {
         let height = self.common.height;
         let empty = Panel::default();
@@ -255,7 +255,7 @@ impl<'a> Planned<'a> {
     }
 }
 
-/// The note above a frame that some series leave, no wider than `room` \[px\].
+/// The note above a frame that some series leave, no wider than `room` `[px]`.
 fn note(drawn: &Drawn, room: f64) -> Option<String> {
     let arrow = |above: bool, below: bool| match (above, below) {
         (true, false) => "\u{25b2}",

@@ -18,9 +18,9 @@ pub(super) const NOTE: &str = "#555555";
 pub(super) struct Ink {
     /// As `#rrggbb`.
     pub colour: &'static str,
-    /// Lengths of dashes and gaps \[px\]; empty for a line without gaps.
+    /// Lengths of dashes and gaps `[px]`; empty for a line without gaps.
     pub dashes: &'static [f64],
-    /// Width of the line \[px\].
+    /// Width of the line `[px]`.
     pub width: f64,
     /// Shape of a single sample.
     pub marker: MarkerShape,
@@ -58,7 +58,7 @@ const MARK: Ink = Ink {
     ..DEVICE
 };
 
-/// Width of a line beside one of those that are compared \[px\].
+/// Width of a line beside one of those that are compared `[px]`.
 const BESIDE: f64 = 0.8;
 
 /// Okabe and Ito; their yellow, the last, is darkened so that it is not lost on white paper.

@@ -9,7 +9,7 @@ use super::ink::{Ink, dash_array, ink};
 use super::{Kind, Role, Sheet, text};
 
 const SIZE: u32 = 12;
-/// Long enough to show the longest dashes once \[px\].
+/// Long enough to show the longest dashes once `[px]`.
 const SWATCH: f64 = 34.0;
 const GAP: f64 = 6.0;
 const BETWEEN: f64 = 20.0;
@@ -31,7 +31,7 @@ struct Entry {
 }
 
 impl Legend {
-    /// One entry per name, in the order of their first appearance, within `room` \[px\].
+    /// One entry per name, in the order of their first appearance, within `room` `[px]`.
     pub fn new(sheet: &Sheet, room: f64) -> Self {
         let mut entries: Vec<Entry> = Vec::new();
         let (mut x, mut line) = (0.0, 0);
@@ -59,7 +59,7 @@ impl Legend {
         Self { entries, lines }
     }
 
-    /// Height of the whole legend \[px\].
+    /// Height of the whole legend `[px]`.
     pub fn height(&self) -> f64 {
         LINE * self.lines as f64
     }

@@ -12,17 +12,17 @@ const SUBTITLE_SIZE: u32 = 12;
 const BOLD: f64 = 1.17;
 pub(super) const NOTE_SIZE: u32 = 10;
 
-/// Free space around everything \[px\].
+/// Free space around everything `[px]`.
 const EDGE: f64 = 10.0;
 
-/// Least size of a frame \[px\].
+/// Least size of a frame `[px]`.
 const LEAST_FRAME: (f64, f64) = (70.0, 36.0);
 
 /// What is drawn of a picture.
 pub struct Page {
     /// Everything on the page.
     pub scene: Scene,
-    /// What a pixel of the scene is on the page \[px\].
+    /// What a pixel of the scene is on the page `[px]`.
     pub scale: f64,
 }
 
@@ -32,7 +32,7 @@ impl From<Scene> for Page {
     }
 }
 
-/// Size of a frame \[px\] where so many stand side by side.
+/// Size of a frame `[px]` where so many stand side by side.
 fn frame(columns: f64) -> (f64, f64) {
     match columns {
         ..2.0 => (600.0, 130.0),
@@ -119,9 +119,9 @@ fn scene(sheet: &Sheet, planned: &Lines, frame_width: f64) -> Scene {
 pub(super) struct Head<'a> {
     pub title: &'a str,
     pub subtitle: &'a str,
-    /// Middle of both \[px\].
+    /// Middle of both `[px]`.
     pub middle: f64,
-    /// Room for a line \[px\].
+    /// Room for a line `[px]`.
     pub room: f64,
 }
 
@@ -145,7 +145,7 @@ impl Head<'_> {
     }
 }
 
-/// Draws small print below `top`, within `room` \[px\]; where it ends.
+/// Draws small print below `top`, within `room` `[px]`; where it ends.
 pub(super) fn foot(page: &mut Scene, note: &str, left: f64, mut top: f64, room: f64) -> f64 {
     for line in text::lines(&text::clean(note), room, NOTE_SIZE) {
         top += 1.3 * f64::from(NOTE_SIZE);
@@ -158,7 +158,7 @@ pub(super) fn foot(page: &mut Scene, note: &str, left: f64, mut top: f64, room: 
 /// The lines of grids, which know the height of their frames but not yet the width.
 struct Lines<'a> {
     lines: Vec<Vec<Planned<'a>>>,
-    /// Height of each frame \[px\].
+    /// Height of each frame `[px]`.
     height: f64,
 }
 
@@ -189,12 +189,12 @@ impl<'a> Lines<'a> {
         columns.fold(0.0, f64::max)
     }
 
-    /// Width of the frames where none is asked for \[px\].
+    /// Width of the frames where none is asked for `[px]`.
     fn natural_frame(&self) -> f64 {
         frame(self.lines.iter().map(side_by_side).fold(0.0, f64::max)).0
     }
 
-    /// Width of the frames of the widest line on a page of a `width` \[px\].
+    /// Width of the frames of the widest line on a page of a `width` `[px]`.
     fn frame_within(&self, width: f64) -> Result<f64, SizeError> {
         let frame = self
             .lines
@@ -255,7 +255,7 @@ fn side_by_side(line: &Vec<Planned>) -> f64 {
     line.iter().map(Planned::columns).sum::<f64>()
 }
 
-/// Width of each line \[px\].
+/// Width of each line `[px]`.
 fn widths(lines: &[Vec<Scene>]) -> impl Iterator<Item = f64> {
     lines
         .iter()

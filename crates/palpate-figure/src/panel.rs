@@ -12,12 +12,12 @@ use super::ink::{self, dash_array, ink};
 use super::stroke::{Strokes, Window, strokes};
 use super::{Kind, Panel, Role, Series, axis, text};
 
-/// Size of the numbers at the ticks \[px\].
+/// Size of the numbers at the ticks `[px]`.
 pub(super) const TICK_SIZE: u32 = 11;
-/// Size of the labels of the axes \[px\].
+/// Size of the labels of the axes `[px]`.
 pub(super) const LABEL_SIZE: u32 = 12;
 
-/// Half the height of the mark of a series that leaves the panel \[px\].
+/// Half the height of the mark of a series that leaves the panel `[px]`.
 const MARK: f64 = 4.0;
 
 /// What a panel shows, ready to be drawn.
@@ -30,7 +30,7 @@ pub(super) struct Drawn {
     pub series: usize,
 }
 
-/// The curves of a panel of `height` \[px\].
+/// The curves of a panel of `height` `[px]`.
 pub(super) fn draw(panel: &Panel, window: &Window, height: f64) -> Drawn {
     let mut plots = Vec::new();
     let (low, high) = window.y;
@@ -97,7 +97,7 @@ fn curve(series: &Series, points: Vec<(f64, f64)>) -> Plot {
         .into()
 }
 
-/// The axes of a panel of the given size \[px\], without their labels. The horizontal and the vertical
+/// The axes of a panel of the given size `[px]`, without their labels. The horizontal and the vertical
 /// one show powers of ten where their `decades` say so.
 pub(super) fn axes(window: &Window, width: f64, height: f64, decades: (bool, bool)) -> Layout {
     let step = |range: (f64, f64), length: f64, room: f64, decades: bool| {

@@ -6,7 +6,7 @@ use std::str::FromStr;
 /// Pixels of a figure per millimetre: 96 to the inch, as in SVG.
 const PER_MILLIMETRE: f64 = 96.0 / 25.4;
 
-/// Least and greatest side of a figure that is asked for \[mm\].
+/// Least and greatest side of a figure that is asked for `[mm]`.
 const SIDES: (f64, f64) = (20.0, 2000.0);
 
 /// How large a figure is; what is not given follows from what the figure shows.
@@ -26,7 +26,7 @@ impl Size {
         height: None,
     };
 
-    /// Names of sizes, and their width and height \[mm\].
+    /// Names of sizes, and their width and height `[mm]`.
     pub const NAMED: [(&'static str, f64, Option<f64>); 3] = [
         ("column", 85.0, None),
         ("page", 170.0, None),
@@ -72,9 +72,9 @@ pub enum SizeError {
     TooSmall {
         /// `width` or `height`.
         side: &'static str,
-        /// What was asked for \[mm\].
+        /// What was asked for `[mm]`.
         asked: f64,
-        /// The least that this figure takes \[mm\].
+        /// The least that this figure takes `[mm]`.
         least: f64,
     },
 }

@@ -6,7 +6,7 @@ use kuva::render::render_utils;
 /// Families that look alike and of which every system has one.
 pub(super) const FAMILY: &str = "Helvetica, Arial, Liberation Sans, DejaVu Sans, sans-serif";
 
-/// Width of `text` \[px\] in the broadest of the families.
+/// Width of `text` `[px]` in the broadest of the families.
 pub(super) fn width(text: &str, size: u32) -> f64 {
     // The only door to the library's font metrics is the room it reserves for tick labels.
     let layout = Layout::new((0.0, 1.0), (0.0, 1.0))
@@ -24,7 +24,7 @@ fn wrap_text(text: &str, characters: usize) -> Vec<String> {
     lines.map(|line| line.replace(GLUE, " ")).collect()
 }
 
-/// How many characters a line may have for `text` to fit into `room` \[px\].
+/// How many characters a line may have for `text` to fit into `room` `[px]`.
 pub(super) fn characters(text: &str, room: f64, size: u32) -> usize {
     let fits = |count: &usize| {
         wrap_text(text, *count)
@@ -34,7 +34,7 @@ pub(super) fn characters(text: &str, room: f64, size: u32) -> usize {
     (8..=text.chars().count()).rev().find(fits).unwrap_or(8)
 }
 
-/// `text` in lines of at most `room` \[px\].
+/// `text` in lines of at most `room` `[px]`.
 pub(super) fn lines(text: &str, room: f64, size: u32) -> Vec<String> {
     if text.is_empty() {
         return Vec::new();
@@ -42,7 +42,7 @@ pub(super) fn lines(text: &str, room: f64, size: u32) -> Vec<String> {
     wrap_text(text, characters(text, room, size))
 }
 
-/// `text` in as few lines as fit into `room` \[px\], none much shorter than the others.
+/// `text` in as few lines as fit into `room` `[px]`, none much shorter than the others.
 pub(super) fn balanced(text: &str, room: f64, size: u32) -> Vec<String> {
     let lines = lines(text, room, size);
     let least = (8..text.chars().count())

@@ -11,7 +11,7 @@ use crate::inputs;
 pub struct Limit {
     /// What the file is, for messages.
     kind: &'static str,
-    /// The most that is read \[bytes\].
+    /// The most that is read `[bytes]`.
     bytes: u64,
 }
 
@@ -31,7 +31,7 @@ pub const TABLE: Limit = Limit::of("a table", 256 * MEBIBYTE);
 pub const JOURNAL: Limit = Limit::of("a journal", 512 * MEBIBYTE);
 
 impl Limit {
-    /// At most `bytes` \[bytes\] of files of a kind.
+    /// At most `bytes` `[bytes]` of files of a kind.
     #[must_use]
     pub const fn of(kind: &'static str, bytes: u64) -> Self {
         Self { kind, bytes }
@@ -86,7 +86,7 @@ impl Limit {
 pub struct Bounded<R> {
     source: R,
     limit: Limit,
-    /// What may still be read \[bytes\].
+    /// What may still be read `[bytes]`.
     rest: u64,
 }
 

@@ -39,20 +39,20 @@ const LONGEST_FIELD: usize = 40;
 /// A recorded motion along one axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace {
-    /// Time of each sample, strictly increasing \[s\].
+    /// Time of each sample, strictly increasing `[s]`.
     pub t_s: Vec<f64>,
-    /// Position at each sample \[m\].
+    /// Position at each sample `[m]`.
     pub position_m: Vec<f64>,
 }
 
 /// Which samples of a trace are read.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Part {
-    /// From this time on \[s\]; samples before it are passed over.
+    /// From this time on `[s]`; samples before it are passed over.
     pub from: f64,
-    /// Up to this time \[s\]; nothing after it is read.
+    /// Up to this time `[s]`; nothing after it is read.
     pub to: f64,
-    /// The longest time from the first sample to the last \[s\]; a longer trace is refused as soon
+    /// The longest time from the first sample to the last `[s]`; a longer trace is refused as soon
     /// as that shows.
     pub longest: f64,
 }
@@ -71,7 +71,7 @@ impl Part {
 pub struct HeldTrace {
     /// The motion.
     pub trace: Trace,
-    /// Force on the device from each sample until the next \[N\], of the column
+    /// Force on the device from each sample until the next `[N]`, of the column
     /// `force_on_device_n`; none where there is no such column.
     pub force_on_device_n: Option<Vec<f64>>,
 }
@@ -172,9 +172,9 @@ pub enum TraceFault {
         "the time {now} s does not come after {before} s; times must increase from line to line"
     )]
     TimeNotIncreasing {
-        /// Time of the sample before \[s\].
+        /// Time of the sample before `[s]`.
         before: f64,
-        /// Time of this sample \[s\].
+        /// Time of this sample `[s]`.
         now: f64,
     },
     /// A field of the column of forces is not a finite number.
@@ -195,9 +195,9 @@ pub enum TraceFault {
     /// The trace is longer than was allowed.
     #[error("the trace goes on for more than {longest} s after its first sample at {first} s")]
     TooLong {
-        /// The longest time that was allowed \[s\].
+        /// The longest time that was allowed `[s]`.
         longest: f64,
-        /// Time of the first sample that counts \[s\].
+        /// Time of the first sample that counts `[s]`.
         first: f64,
     },
     /// Fewer than two samples lie in the part that was asked for.
@@ -208,15 +208,15 @@ pub enum TraceFault {
         last.map_or_else(String::new, |last| format!(" and end at {last} s"))
     )]
     TooFewInPart {
-        /// Beginning of the part \[s\].
+        /// Beginning of the part `[s]`.
         from: f64,
-        /// Its end \[s\].
+        /// Its end `[s]`.
         to: f64,
         /// How many samples there are.
         found: usize,
-        /// Time of the first sample of all \[s\].
+        /// Time of the first sample of all `[s]`.
         first: f64,
-        /// Time of the last \[s\], if the trace was read to its end.
+        /// Time of the last `[s]`, if the trace was read to its end.
         last: Option<f64>,
     },
     /// There is no motion in fewer than two samples.

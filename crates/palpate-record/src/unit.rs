@@ -75,14 +75,14 @@ impl fmt::Display for LengthUnit {
     }
 }
 
-/// Longest stretch that a hand on a device covers \[m\]: both arms spread. Desktop devices reach 0.1
+/// Longest stretch that a hand on a device covers `[m]`: both arms spread. Desktop devices reach 0.1
 /// to 0.8 m.
 const LONGEST_STRETCH: f64 = 2.0;
-/// Fastest that a hand moves on average \[m/s\]: shaking by 0.15 m at 6 Hz is 1.8 m/s.
+/// Fastest that a hand moves on average `[m/s]`: shaking by 0.15 m at 6 Hz is 1.8 m/s.
 const FASTEST_MEAN: f64 = 3.0;
-/// Distance below which an average says nothing \[m\]: a single throw of an arm is faster.
+/// Distance below which an average says nothing `[m]`: a single throw of an arm is faster.
 const SHORTEST_TRAVEL: f64 = 2.0;
-/// Time between the positions whose distances add up to the travel \[s\]: at every sample, the
+/// Time between the positions whose distances add up to the travel `[s]`: at every sample, the
 /// sensor's noise would add up, too.
 const TRAVEL_STEP: f64 = 0.01;
 
@@ -105,20 +105,20 @@ const TRAVEL_STEP: f64 = 0.01;
 /// ```
 #[derive(Debug, Clone, Copy, Default)]
 pub struct HandMotion {
-    /// The last two samples, the older first \[m\].
+    /// The last two samples, the older first `[m]`.
     last: Option<(f64, Option<f64>)>,
-    /// Lowest and highest position \[m\].
+    /// Lowest and highest position `[m]`.
     bounds: Option<(f64, f64)>,
     /// Time and position that the travel was measured up to.
     measured: Option<(f64, f64)>,
-    /// Sum of the distances \[m\].
+    /// Sum of the distances `[m]`.
     travel: f64,
-    /// Times of the first and the last sample \[s\].
+    /// Times of the first and the last sample `[s]`.
     span: Option<(f64, f64)>,
 }
 
 impl HandMotion {
-    /// Takes a sample at `time` \[s\], at `position` \[m\]; times increase.
+    /// Takes a sample at `time` `[s]`, at `position` `[m]`; times increase.
     pub fn add(&mut self, time: f64, position: f64) {
         let since = self.span.map_or(time, |(first, _)| first);
         self.span = Some((since, time));
@@ -171,11 +171,11 @@ impl HandMotion {
 /// average.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Excess {
-    /// Distance travelled, to and fro \[m\].
+    /// Distance travelled, to and fro `[m]`.
     pub travel: f64,
-    /// Distance between the lowest and the highest position \[m\].
+    /// Distance between the lowest and the highest position `[m]`.
     pub stretch: f64,
-    /// How long that took \[s\].
+    /// How long that took `[s]`.
     pub duration: f64,
 }
 
@@ -222,7 +222,7 @@ fn two_digits(value: f64) -> String {
 mod tests {
     use super::*;
 
-    /// `seconds` of a swing by `amplitude` \[m\] at `hertz`, at 1 kHz, through `change`.
+    /// `seconds` of a swing by `amplitude` `[m]` at `hertz`, at 1 kHz, through `change`.
     fn swing(
         amplitude: f64,
         hertz: f64,

@@ -11,15 +11,15 @@ const EDGE: f64 = 10.0;
 const LABEL_SIZE: u32 = 12;
 const NAME_SIZE: u32 = 11;
 const NOTE_SIZE: u32 = 10;
-/// Between panels side by side \[px\].
+/// Between panels side by side `[px]`.
 const BETWEEN: f64 = 18.0;
-/// Height of the line of one dot where nothing else is asked for, and the least \[px\].
+/// Height of the line of one dot where nothing else is asked for, and the least `[px]`.
 const LINE: f64 = 16.0;
 const LEAST_LINE: f64 = 9.0;
-/// Width of the inside of a panel where nothing else is asked for, and the least \[px\].
+/// Width of the inside of a panel where nothing else is asked for, and the least `[px]`.
 const PANEL: f64 = 190.0;
 const LEAST_PANEL: f64 = 70.0;
-/// Below the last panel of a column, for numbers and label \[px\].
+/// Below the last panel of a column, for numbers and label `[px]`.
 const BELOW: f64 = 34.0;
 const DOT: f64 = 3.6;
 /// Most panels side by side.

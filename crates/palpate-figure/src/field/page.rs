@@ -10,11 +10,11 @@ use crate::page::{Head, Page, foot};
 use crate::{Size, SizeError, ink, text};
 
 const EDGE: f64 = 10.0;
-/// Left of the panels, for the name of the row, the axis' label and its numbers \[px\].
+/// Left of the panels, for the name of the row, the axis' label and its numbers `[px]`.
 const LEFT: f64 = 74.0;
-/// Between panels \[px\].
+/// Between panels `[px]`.
 const BETWEEN: f64 = 9.0;
-/// Below the panels of a row without numbers, and with them \[px\].
+/// Below the panels of a row without numbers, and with them `[px]`.
 const BELOW: f64 = 8.0;
 const BELOW_LAST: f64 = 36.0;
 const HEAD_SIZE: u32 = 12;
@@ -23,12 +23,12 @@ const NOTE_SIZE: u32 = 10;
 const SWATCH: f64 = 16.0;
 const LEGEND_LINE: f64 = 17.0;
 
-/// Width and height of a field where nothing else is asked for: four fit on a page of 170 mm \[px\].
+/// Width and height of a field where nothing else is asked for: four fit on a page of 170 mm `[px]`.
 const SIZE: f64 = 117.0;
-/// Least width and height of a field \[px\].
+/// Least width and height of a field `[px]`.
 const LEAST: f64 = 40.0;
 
-/// Width of everything beside the fields \[px\].
+/// Width of everything beside the fields `[px]`.
 fn beside(columns: f64) -> f64 {
     2.0 * EDGE + LEFT + columns * (STRIP + SPLIT + BETWEEN)
 }

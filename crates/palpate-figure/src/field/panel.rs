@@ -8,11 +8,11 @@ use super::{Bound, FieldFigure, FieldPanel, Scale};
 use crate::element::line;
 use crate::ink;
 
-/// Width of the strip at zero \[px\].
+/// Width of the strip at zero `[px]`.
 pub(super) const STRIP: f64 = 7.0;
-/// Between strip and field \[px\].
+/// Between strip and field `[px]`.
 pub(super) const SPLIT: f64 = 3.0;
-/// Size of the numbers at the ticks \[px\].
+/// Size of the numbers at the ticks `[px]`.
 const TICK_SIZE: u32 = 10;
 const TICK: f64 = 3.0;
 
@@ -28,7 +28,7 @@ const LOOKS: [(&str, &str); 4] = [
 pub(super) struct Place {
     pub left: f64,
     pub top: f64,
-    /// Width and height of the field \[px\].
+    /// Width and height of the field `[px]`.
     pub size: f64,
     pub x_numbers: bool,
     pub y_numbers: bool,

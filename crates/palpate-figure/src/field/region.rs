@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-/// A grid of cells on the page: where its columns and rows begin and end \[px\].
+/// A grid of cells on the page: where its columns and rows begin and end `[px]`.
 pub(super) struct Grid {
     /// One more than there are columns, from left to right.
     pub x: Vec<f64>,
@@ -22,12 +22,12 @@ impl Grid {
         self.y.len() - 1
     }
 
-    /// Where a column begins \[px\].
+    /// Where a column begins `[px]`.
     fn x(&self, column: usize) -> f64 {
         tenths(self.x[column])
     }
 
-    /// Where a row begins \[px\].
+    /// Where a row begins `[px]`.
     fn y(&self, row: usize) -> f64 {
         tenths(self.y[row])
     }

@@ -329,7 +329,7 @@ fn parts(colour: &Color) -> Option<[f32; 3]> {
     }
 }
 
-/// Writes words at a place, turned by an angle clockwise \[deg\].
+/// Writes words at a place, turned by an angle clockwise `[deg]`.
 fn write(
     content: &mut Content,
     words: &str,

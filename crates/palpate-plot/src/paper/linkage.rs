@@ -8,11 +8,11 @@ use palpate_figure::{Beside, Drawing, Pen, drawing};
 
 /// Pixels per metre.
 const SCALE: f64 = 480.0;
-/// Where the frame's origin stands on the page \[px\].
+/// Where the frame's origin stands on the page `[px]`.
 const ORIGIN: (f64, f64) = (400.0, 545.0);
-/// Radius of the ball in the drawing \[m\]: the paper's 0.01 m would be a dot here.
+/// Radius of the ball in the drawing `[m]`: the paper's 0.01 m would be a dot here.
 const BALL: f64 = 0.055;
-/// Gap between ball and end-point in the drawing \[m\].
+/// Gap between ball and end-point in the drawing `[m]`.
 const GAP: f64 = 0.06;
 const LINK: &str = "#d5e6f2";
 
@@ -150,7 +150,7 @@ pub fn drawing(linkage: &Linkage) -> Result<Drawing, NoPose> {
     Ok(page)
 }
 
-/// The end-point \[m\], with x from half-way between the motors.
+/// The end-point `[m]`, with x from half-way between the motors.
 fn end_point(pose: &ArmPose, elbow: (f64, f64), distal: f64) -> [f64; 2] {
     let [dx, dy] = pose.distal[0];
     [elbow.0 + distal * dx, elbow.1 + distal * dy]

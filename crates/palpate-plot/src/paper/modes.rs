@@ -4,16 +4,16 @@ use palpate_figure::{Beside, Drawing, Pen, drawing};
 
 /// What sets the two modes apart on the page.
 struct Mode {
-    /// Middle of its column \[px\].
+    /// Middle of its column `[px]`.
     middle: f64,
     head: &'static str,
     condition: &'static str,
     equations: [&'static str; 3],
-    /// Height of the object's end that meets the device, η, and of the device, ξ \[px\].
+    /// Height of the object's end that meets the device, η, and of the device, ξ `[px]`.
     heights: (f64, f64),
 }
 
-/// Length of the contact spring without a force \[px\].
+/// Length of the contact spring without a force `[px]`.
 const FREE_LENGTH: f64 = 130.0;
 const OBJECT: (f64, f64) = (110.0, 46.0);
 const DEVICE: (f64, f64) = (150.0, 30.0);

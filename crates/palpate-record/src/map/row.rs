@@ -11,9 +11,9 @@ pub struct Row {
     pub kappa: f64,
     /// K T²/M; 0 for a wall.
     pub object_kappa: f64,
-    /// K \[N/m\]
+    /// K `[N/m]`
     pub stiffness: f64,
-    /// M \[kg\]; infinite for a wall.
+    /// M `[kg]`; infinite for a wall.
     pub object_mass: f64,
     /// `undamped` or `damped`.
     pub plant: String,
@@ -21,11 +21,11 @@ pub struct Row {
     pub method: String,
     /// Growth of the energy per collision; infinite where the loop diverged.
     pub growth: [f64; 2],
-    /// Mean-force error E \[%\].
+    /// Mean-force error E `[%]`.
     pub error: [f64; 2],
     /// Force rendering error over the hold floor.
     pub error_over_floor: [f64; 2],
-    /// Hold floor \[%\].
+    /// Hold floor `[%]`.
     pub hold_floor: [f64; 2],
     /// Start heights from which the loop was stable, grew, diverged.
     pub classes: [u64; 3],

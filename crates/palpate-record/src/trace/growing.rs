@@ -4,7 +4,7 @@ use std::io::{self, Read};
 
 const MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// Longest line of a trace \[bytes\]: a file without lines, such as `/dev/zero`, is refused there, and not kept up to the
+/// Longest line of a trace `[bytes]`: a file without lines, such as `/dev/zero`, is refused there, and not kept up to the
 /// limit of a table.
 const LONGEST_LINE: usize = 1 << 20;
 

@@ -10,11 +10,11 @@ use thiserror::Error;
 /// A recorded motion of so many devices in space.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldTrace {
-    /// Time of each sample, from 0, strictly increasing \[s\].
+    /// Time of each sample, from 0, strictly increasing `[s]`.
     pub t_s: Vec<f64>,
-    /// Position of each device at each sample: `[sample][device]` \[m\].
+    /// Position of each device at each sample: `[sample][device]` `[m]`.
     pub positions_m: Vec<Vec<[f64; 3]>>,
-    /// How each device is turned at each sample, a unit quaternion \[w, x, y, z\], not turned where it does not turn; empty if
+    /// How each device is turned at each sample, a unit quaternion `[w, x, y, z]`, not turned where it does not turn; empty if
     /// none does.
     pub orientations: Vec<Vec<[f64; 4]>>,
 }
@@ -37,7 +37,7 @@ pub struct WorldTraceError {
     pub fault: String,
 }
 
-/// Reads a table whose first column is `t` or `t_s` \[s\] and whose others are x, y and z \[m\] of each device, in the order
+/// Reads a table whose first column is `t` or `t_s` `[s]` and whose others are x, y and z `[m]` of each device, in the order
 /// of the scene; of a device that turns also qw, qx, qy and qz, a quaternion of about length 1. `turns` says for each device whether
 /// it turns. Times count from the first one.
 ///
