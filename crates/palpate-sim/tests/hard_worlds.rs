@@ -1,5 +1,5 @@
 //! Worlds that are hard to compute: light bodies at slow rates, strong dampers, impacts of perfect sensors, forces that begin at 0,
-//! conical holes, and worlds that are turned as a whole.
+//! hollows of many faces, and worlds that are turned as a whole.
 #![allow(missing_docs)]
 #![allow(clippy::print_stdout)] // what was measured
 
@@ -375,4 +375,17 @@ fn a_sphere_in_a_conical_hole_is_pushed_to_its_axis() {
         assert_eq!((run.refused, run.crowded), (0, 0));
         assert!(error(&run) < 3.0);
     }
+}
+
+#[test]
+fn a_marble_that_rolls_in_a_bowl_is_near_the_floor() {
+    let source = include_str!("../../../experiments/worlds/bowl.toml");
+    let scene = scene(source);
+    let bench = WorldBench::new(&scene).unwrap();
+    let [basic, coupled] = ["basic", "coupled"].map(|method| {
+        let renderer = scene.renderer(method).unwrap();
+        error(&bench.run(method, &renderer).unwrap())
+    });
+    println!("bowl: E basic {basic:.0} %, coupled {coupled:.2} %");
+    assert!(coupled < 3.0 && basic > 20.0);
 }
