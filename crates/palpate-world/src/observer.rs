@@ -261,6 +261,8 @@ pub(crate) struct AxisPrior {
     /// Variance of a measured position `[m^2]`.
     pub measurement_variance: f64,
     pub prior: Prior,
+    /// The jerk that is reckoned with while the device is where it is expected, at least `[m/s^3]`.
+    least_jerk: f64,
     /// Whether the device has this axis. If not, the tool is where it is measured, and nothing is estimated.
     is_there: bool,
 }
@@ -273,7 +275,17 @@ impl AxisPrior {
             // A position is anywhere within its quantum.
             measurement_variance: quantum * quantum / 12.0,
             prior,
+            least_jerk: 0.0,
             is_there: true,
+        }
+    }
+
+    /// Of a device whose mass is another at each place. One mobility for each axis is only nearly right there, and what is left over
+    /// has to be put down to a jerk: with less of it E of the arm of `palpate-sim --test linkages` is 24 % at 4 ms in place of 9 %.
+    pub fn of_a_linkage(self) -> Self {
+        Self {
+            least_jerk: self.prior.jerk,
+            ..self
         }
     }
 
@@ -364,7 +376,8 @@ impl AxisObserver {
         }
         let calm = CALMING * (1.0 - square / variance).max(0.0);
         // One whose way in an interval the sensor cannot tell from none costs nothing.
-        let least = (measurement_variance / travel_variance).min(most);
+        let least = measurement_variance / travel_variance;
+        let least = least.max(from.least_jerk * from.least_jerk).min(most);
         let calmed = (jerk_variance * (1.0 - calm)).max(least);
         if square > SURPRISE * variance {
             // Nothing the filter reckons with: something kicked the device. Let the kick come first in the interval, which makes the

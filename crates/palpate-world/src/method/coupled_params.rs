@@ -194,6 +194,11 @@ impl CoupledParams {
         let priors = self.device_mass.iter().zip(all).map(|(mass, tool)| {
             std::array::from_fn(|axis| {
                 let prior = AxisPrior::new(mass[axis], self.encoder_quantum, self.prior);
+                let prior = if tool.mass_table.is_some() {
+                    prior.of_a_linkage()
+                } else {
+                    prior
+                };
                 if tool.axes[axis] {
                     prior
                 } else {
