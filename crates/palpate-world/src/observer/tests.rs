@@ -62,7 +62,7 @@ fn the_transition_is_the_derivative_of_the_motion() {
     for (state, step) in steps.into_iter().enumerate() {
         let moved = |by: f64| {
             let mut moved = motion;
-            let place = [
+            let places = [
                 &mut moved.offset,
                 &mut moved.velocity,
                 &mut moved.external,
@@ -70,7 +70,7 @@ fn the_transition_is_the_derivative_of_the_motion() {
                 &mut moved.damping_rate,
                 &mut moved.spring_rate,
             ];
-            *place.into_iter().nth(state).unwrap() += by;
+            *places[state] += by;
             end(&moved)
         };
         let [more, less] = [moved(step), moved(-step)];
