@@ -352,6 +352,17 @@ fn tune_tries_the_dampings_that_are_named_and_refuses_what_has_nothing_to_tune()
         .collect();
     assert_eq!(dampings, [1.0, 1.5, 2.0]);
     assert!(folder.read("curve.svg").contains("virtual-damper with B"));
+    // 0.4 N s/m leak the least: of fewer dampings the largest is the best one.
+    let damper = "tune ball.toml --method virtual-damper --least leak --steps 3 --from 0 --to";
+    let words = "has the largest damping that was tried";
+    let flat = |asked: String| {
+        let text = folder.succeed(&asked);
+        text.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    for (to, is_at_the_end) in [("0.2", true), ("1", false)] {
+        let text = flat(format!("{damper} {to}"));
+        assert_eq!(text.contains(words), is_at_the_end, "{to}: {text}");
+    }
     let text = folder.succeed("tune ball.toml --method god-object");
     assert!(text.contains("coupling_stiffness_n_per_m = "), "{text}");
     assert!(

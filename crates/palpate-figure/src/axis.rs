@@ -4,10 +4,13 @@ use std::collections::BTreeMap;
 
 use kuva::render::render_utils::compute_tick_step;
 
-use super::{Limits, Row, Series, Sheet};
+use super::{Kind, Limits, Role, Row, Series, Sheet};
 
 /// Share of the data's range that is left free above and below it.
 const AIR: f64 = 0.06;
+
+/// Share of the data's range that is at least free beside a mark.
+const BESIDE_A_MARK: f64 = 0.02;
 
 /// What is larger than this is off every scale, as infinity is `[unit of the axis]`.
 pub(super) const LARGEST: f64 = 1e100;
@@ -22,7 +25,14 @@ pub(super) fn horizontal(sheet: &Sheet) -> (f64, f64) {
         let (first, last) = (low.floor(), high.ceil().max(low.floor() + 1.0));
         (first - 0.125, last + 0.125)
     } else if has_height(low, high) {
-        (low, high)
+        // A mark at the end needs room, or its half is cut off.
+        let marks = sheet
+            .series()
+            .filter(|series| series.role == Role::Mark && series.kind == Kind::Points);
+        let (first, last) = span(marks.flat_map(|series| series.x.iter().copied()))
+            .unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
+        let air = BESIDE_A_MARK * (high - low);
+        (low.min(first - air), high.max(last + air))
     } else {
         around(low)
     }
@@ -166,11 +176,11 @@ pub(super) fn tick_label(value: f64, step: f64) -> String {
     text.replace('-', "\u{2212}")
 }
 
-/// The label of the tick at the logarithm `value` of what is shown. Below 0.001 it is a power, so that the
-/// first label of a panel stays clear of the last one of the panel beside it.
+/// The label of the tick at the logarithm `value` of what is shown. Below 0.001 and above 1000 it is a power, so
+/// that the first label of a panel stays clear of the last one of the panel beside it.
 pub(super) fn decade_label(value: f64) -> String {
     let decade = value.round();
-    if decade < -3.0 {
+    if decade.abs() > 3.0 {
         return format!("1e{decade}").replace('-', "\u{2212}");
     }
     let shown = 10.0_f64.powf(decade);
@@ -292,7 +302,7 @@ mod tests {
         assert_eq!(label(0.0, 5e-6), "0");
         assert_eq!(label(2.5e7, 5e6), "2.5e7");
         assert_eq!(label(1000.0, 500.0), "1000");
-        let decades: Vec<String> = (-4..4).map(|at| decade_label(f64::from(at))).collect();
+        let decades: Vec<String> = (-4..5).map(|at| decade_label(f64::from(at))).collect();
         let expected = [
             "1e\u{2212}4",
             "0.001",
@@ -302,7 +312,36 @@ mod tests {
             "10",
             "100",
             "1000",
+            "1e4",
         ];
         assert_eq!(decades, expected);
+    }
+
+    #[test]
+    fn a_mark_at_the_end_has_room_beside_it() {
+        let at = |role, kind, x: &[f64]| Series {
+            name: String::new(),
+            kind,
+            role,
+            x: x.to_vec(),
+            y: vec![0.0; x.len()],
+        };
+        let reach = |mark: f64| {
+            let series = vec![
+                at(Role::Compared(0), Kind::Line, &[0.0, 10.0]),
+                at(Role::Mark, Kind::Points, &[mark]),
+            ];
+            let rows = vec![Row {
+                panels: vec![Panel { series }],
+                ..Row::default()
+            }];
+            horizontal(&Sheet::from(&Figure {
+                rows,
+                ..Figure::default()
+            }))
+        };
+        assert_eq!(reach(5.0), (0.0, 10.0));
+        assert_eq!(reach(10.0), (0.0, 10.2));
+        assert_eq!(reach(0.0), (-0.2, 10.0));
     }
 }

@@ -233,8 +233,26 @@ impl fmt::Display for WorldTuneReport {
             );
             writeln!(f, "{}", wrapped(&words))?;
         }
+        let damping = |point: &WorldPointReport| point.settings.damping_n_s_per_m;
+        let coupling = |point: &WorldPointReport| {
+            let setting = &point.settings;
+            (setting.coupling_stiffness_n_per_m, setting.coupling_mass_kg)
+        };
+        let same = self
+            .curve
+            .iter()
+            .filter(|point| coupling(point) == coupling(&self.best));
+        let most = same.filter_map(damping).fold(f64::NEG_INFINITY, f64::max);
+        let is_at_the_end = damping(&self.best).is_some_and(|best| best >= most);
+        let end = match self.best.settings.coupling_stiffness_n_per_m {
+            _ if !is_at_the_end => "",
+            None => " It has the largest damping that was tried; a larger one may be better.",
+            Some(_) => {
+                " It has the largest damping that was tried with its coupling; a larger one may be better."
+            }
+        };
         let best = format!(
-            "Best: of the least {}, found with knowledge of the ideal, on this scene as it is. In [render] of the scene:",
+            "Best: of the least {}, found with knowledge of the ideal, on this scene as it is.{end} In [render] of the scene:",
             self.least
         );
         writeln!(f, "{}", wrapped(&best))?;
