@@ -88,25 +88,14 @@ def metadata(folder):
     return json.loads(done.stdout)
 
 
-def linked(metadata, root):
-    """The crates of others that are linked into the package `root`."""
-    packages = {package["id"]: package for package in metadata["packages"]}
-    nodes = {node["id"]: node for node in metadata["resolve"]["nodes"]}
-    waiting = [p["id"] for p in packages.values() if p["name"] == root and p["source"] is None]
-    seen = set()
-    while waiting:
-        which = waiting.pop()
-        if which in seen:
-            continue
-        kinds = {kind for target in packages[which]["targets"] for kind in target["kind"]}
-        if "proc-macro" in kinds:
-            continue
-        seen.add(which)
-        for dependency in nodes[which]["deps"]:
-            if any(kind["kind"] is None for kind in dependency["dep_kinds"]):
-                waiting.append(dependency["pkg"])
-    found = [packages[which] for which in seen if packages[which]["source"] is not None]
-    return sorted(found, key=lambda p: (p["name"].lower(), p["version"]))
+def linked(folder, root):
+    """The crates of others that are linked into the package `root`, for any platform and with all of its features."""
+    command = ["cargo", "tree", "--locked", "--all-features", "--package", root, "--target", "all"]
+    command += ["--edges", "normal,no-proc-macro", "--prefix", "none", "--format", "{p}"]
+    done = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, check=True, text=True)
+    seen = {tuple(line.split()[:2]) for line in done.stdout.splitlines() if line}
+    packages = [p for p in metadata(folder)["packages"] if p["source"] and (p["name"], f"v{p['version']}") in seen]
+    return sorted(packages, key=lambda p: (p["name"].lower(), p["version"]))
 
 
 def followed(expression):
@@ -243,7 +232,7 @@ def notices_part(packages):
 
 
 def document(given):
-    packages = linked(metadata(given.folder), given.package)
+    packages = linked(given.folder, given.package)
     by_licence = {}
     for package in packages:
         if not package["license"]:
