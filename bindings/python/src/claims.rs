@@ -10,21 +10,18 @@ use crate::names::refused;
 
 /// The committed scenes that the claims are about.
 const SCENES: [(&str, &str); 6] = [
-    ("fig2", include_str!("../../../experiments/fig2.toml")),
+    ("fig2", include_str!("../experiments/fig2.toml")),
     (
         "experiment1",
-        include_str!("../../../experiments/experiment1.toml"),
+        include_str!("../experiments/experiment1.toml"),
     ),
     (
         "experiment2",
-        include_str!("../../../experiments/experiment2.toml"),
+        include_str!("../experiments/experiment2.toml"),
     ),
-    ("fig4", include_str!("../../../experiments/fig4.toml")),
-    ("fig5", include_str!("../../../experiments/fig5.toml")),
-    (
-        "fig5_box",
-        include_str!("../../../experiments/fig5_box.toml"),
-    ),
+    ("fig4", include_str!("../experiments/fig4.toml")),
+    ("fig5", include_str!("../experiments/fig5.toml")),
+    ("fig5_box", include_str!("../experiments/fig5_box.toml")),
 ];
 
 /// Checks the claims: the report as JSON and as text.
