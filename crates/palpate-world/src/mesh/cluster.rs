@@ -1,19 +1,21 @@
 //! Several faces that push a sphere, as few contacts.
 //!
-//! Faces whose normals differ by less than [`SHARP`] from one to the next are one bent surface, also where it goes all around
-//! the sphere, as a conical hole does: the sphere is pushed along the shortest way out of all of them, as by a surface
-//! without facets. Where that way is longer than [`STEEP`] times the depth, or there is none, as in a tube that is too narrow,
+//! Faces whose normals differ by less than [`SHARP`] from one to the next are one bent surface, and so are those of a
+//! [hollow](super::hollow), also where it goes all around the sphere, as a conical hole does: the sphere is pushed along the
+//! shortest way out of all of them, as by a surface without facets. Where that way is longer than [`STEEP`] times the depth, or there is none, as in a tube that is too narrow,
 //! only those are one surface that differ by less than [`SHARP`] from the deepest. Surfaces push by themselves, each as a
 //! half-space does.
 
+use super::hollow::Around;
+use super::topology::SHARP;
 use crate::rigid::Vector3;
 
-/// Cosine of the angle between two normals from which on their faces push apart from each other: 30 degrees.
-const SHARP: f64 = 0.866_025_403_784_438_6;
 /// Longest way out of a bent surface over its largest depth: that of a cone whose side is 19.5 degrees from its axis.
 const STEEP: f64 = 3.0;
 /// Most faces that are looked at for one sphere: as many as a [`Chosen`] has bits.
 const MOST_PUSHES: usize = 64;
+/// A sphere that is lifted out of a bent surface overlaps it by less than this share of its depth.
+const LIFTED: f64 = 1e-11;
 
 /// A face that a sphere overlaps, as a half-space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,14 +26,17 @@ pub(super) struct Push {
     pub depth: f64,
     /// Its triangle.
     pub triangle: u32,
+    /// Whether the sphere stands over it: it is no edge and no corner.
+    pub is_face: bool,
 }
 
 /// Numbers of faces that push, as bits.
-type Chosen = u64;
+pub(super) type Chosen = u64;
 
 /// What pushes a sphere at a look.
+#[derive(Clone, Debug)]
 pub(super) struct Pushes {
-    all: [Push; MOST_PUSHES],
+    all: Box<[Push]>,
     count: usize,
     /// Those that do not push any more.
     gone: Chosen,
@@ -55,13 +60,21 @@ impl Pushes {
             normal: Vector3::zeros(),
             depth: 0.0,
             triangle: 0,
+            is_face: false,
         };
         Self {
-            all: [nothing; MOST_PUSHES],
+            all: vec![nothing; MOST_PUSHES].into(),
             count: 0,
             gone: 0,
             left_out: 0,
         }
+    }
+
+    /// Nothing pushes any more.
+    pub fn clear(&mut self) {
+        self.count = 0;
+        self.gone = 0;
+        self.left_out = 0;
     }
 
     /// Takes one more; of too many, the deepest stay.
@@ -83,14 +96,16 @@ impl Pushes {
         }
     }
 
-    /// Leaves out what the deepest surface hides: what is not of it and is not seen.
-    pub fn hide(&mut self, is_seen: impl Fn(&Push) -> bool) {
+    /// Those of the surface that the deepest belongs to.
+    pub fn deepest_surface(&self, around: Option<&mut Around>) -> Chosen {
         let all = self.left();
-        let Some(deepest) = self.deepest(all) else {
-            return;
-        };
-        let others = all & !self.joined(all, deepest);
-        for number in numbers(others) {
+        self.deepest(all)
+            .map_or(0, |deepest| self.joined(all, deepest, around))
+    }
+
+    /// Leaves out what a surface hides: what is not of it and is not seen.
+    pub fn hide(&mut self, surface: Chosen, is_seen: impl Fn(&Push) -> bool) {
+        for number in numbers(self.left() & !surface) {
             if !is_seen(&self.all[number]) {
                 self.gone |= 1 << number;
             }
@@ -98,13 +113,12 @@ impl Pushes {
     }
 
     /// The surface that the deepest of what is left belongs to: its depth `[m]` and its normal. It pushes no more then.
-    pub fn take_surface(&mut self) -> Option<(f64, Vector3)> {
+    pub fn take_surface(&mut self, mut around: Option<&mut Around>) -> Option<(f64, Vector3)> {
         let all = self.left();
         let deepest = self.deepest(all)?;
-        let joined = self.joined(all, deepest);
+        let joined = self.joined(all, deepest, around.as_deref_mut());
         let first = self.all[deepest];
-        let near = first.depth * STEEP;
-        let whole = way_out(self.of(joined), &first).filter(|way| way.norm() <= near);
+        let whole = self.way_out_of_all(joined, &first, around);
         let (surface, way) = match whole {
             Some(way) => (joined, way),
             None => {
@@ -117,13 +131,55 @@ impl Pushes {
         };
         self.gone |= surface;
         let depth = way.norm();
-        let is_one = surface == 1 << deepest;
+        let is_one = way == first.normal * first.depth;
         let normal = if is_one || depth <= 0.0 {
             first.normal
         } else {
             way / depth
         };
         Some((depth, normal))
+    }
+
+    /// The shortest way `[m]` out of a bent surface, of which one push is the deepest, to where the sphere overlaps nothing of it.
+    /// `None` if there is none or it is too long.
+    fn way_out_of_all(
+        &mut self,
+        surface: Chosen,
+        first: &Push,
+        around: Option<&mut Around>,
+    ) -> Option<Vector3> {
+        let near = first.depth * STEEP;
+        let is_near = |way: &Vector3| way.norm() <= near;
+        let mut way = way_out(self.of(surface), first).filter(is_near)?;
+        let Some(around) = around.filter(|around| around.is_hollow()) else {
+            return Some(way);
+        };
+        let (count, mut pushing) = (self.count, surface);
+        let slack = LIFTED * first.depth;
+        while let Some(next) = around.in_the_way(self.faces_of(pushing), &way, slack) {
+            let Some(free) = self.all.get_mut(self.count) else {
+                self.left_out += 1;
+                break;
+            };
+            *free = next;
+            pushing |= 1 << self.count;
+            self.count += 1;
+            let longer = way_out(self.of(pushing), first).filter(is_near);
+            let Some(longer) = longer else {
+                self.count = count;
+                return None;
+            };
+            way = longer;
+        }
+        self.count = count;
+        Some(way)
+    }
+
+    /// The triangles of the faces among them.
+    fn faces_of(&self, chosen: Chosen) -> impl Iterator<Item = u32> + Clone {
+        self.of(chosen)
+            .filter(|push| push.is_face)
+            .map(|push| push.triangle)
     }
 
     fn left(&self) -> Chosen {
@@ -147,8 +203,25 @@ impl Pushes {
     }
 
     /// Those that are one bent surface with one of them.
-    fn joined(&self, among: Chosen, one: usize) -> Chosen {
-        let mut surface: Chosen = 1 << one;
+    fn joined(&self, among: Chosen, one: usize, around: Option<&mut Around>) -> Chosen {
+        let surface = self.alike(among, 1 << one);
+        let others = among & !surface;
+        let Some(around) = around else {
+            return surface;
+        };
+        if self.faces_of(others).next().is_none() || !around.is_hollow() {
+            return surface;
+        }
+        let reached = around.reached(self.faces_of(surface));
+        let linked = numbers(others)
+            .filter(|&other| self.all[other].is_face && reached(self.all[other].triangle))
+            .fold(0, |linked, other| linked | 1 << other);
+        self.alike(among, surface | linked)
+    }
+
+    /// Those whose normals differ by less than [`SHARP`] from one to the next, beginning with some of them.
+    fn alike(&self, among: Chosen, some: Chosen) -> Chosen {
+        let mut surface = some;
         let mut border = surface;
         while border != 0 {
             let reached = border.trailing_zeros() as usize;
@@ -263,6 +336,7 @@ mod tests {
             normal: Vector3::new(x, y, z).normalize(),
             depth,
             triangle: 0,
+            is_face: true,
         }
     }
 
@@ -293,6 +367,7 @@ mod tests {
                 normal,
                 depth: normal.dot(way),
                 triangle: number,
+                is_face: true,
             });
         }
         pushes
@@ -303,12 +378,12 @@ mod tests {
         let way = Vector3::new(2e-5, -1e-5, 8e-4);
         for (count, lean) in [(12, 0.5), (24, 0.9), (64, 1.2)] {
             let mut pushes = ring(count, lean, &way);
-            let (depth, normal) = pushes.take_surface().unwrap();
+            let (depth, normal) = pushes.take_surface(None).unwrap();
             assert!(
                 (normal * depth - way).norm() < 1e-12,
                 "{count} {normal} {depth}"
             );
-            assert_eq!(pushes.take_surface(), None);
+            assert_eq!(pushes.take_surface(None), None);
         }
     }
 
@@ -316,14 +391,17 @@ mod tests {
     #[test]
     fn what_is_too_narrow_is_several_surfaces() {
         let mut steep = ring(24, 0.3, &Vector3::new(0.0, 0.0, 1e-3));
-        let (depth, _) = steep.take_surface().unwrap();
-        assert!(depth < 5e-4 && steep.take_surface().is_some(), "{depth}");
+        let (depth, _) = steep.take_surface(None).unwrap();
+        assert!(
+            depth < 5e-4 && steep.take_surface(None).is_some(),
+            "{depth}"
+        );
         let mut tube = Pushes::none();
         for side in [1.0, -1.0] {
             tube.add(push(side, 0.0, 0.0, 1e-4));
         }
         for side in [1.0, -1.0] {
-            let (depth, normal) = tube.take_surface().unwrap();
+            let (depth, normal) = tube.take_surface(None).unwrap();
             assert_eq!(
                 (depth, normal.x),
                 (1e-4, -side),
@@ -339,7 +417,7 @@ mod tests {
             pushes.add(push(0.0, 0.0, 1.0, 1e-4 + 1e-6 * f64::from(number)));
         }
         assert_eq!(pushes.left_out, 6);
-        assert_eq!(pushes.take_surface().unwrap().0, 1e-4 + 69e-6);
+        assert_eq!(pushes.take_surface(None).unwrap().0, 1e-4 + 69e-6);
     }
 
     /// What is one surface with the deepest is not hidden by it; what is not seen does not push.
@@ -349,9 +427,10 @@ mod tests {
         pushes.add(push(0.0, 0.0, 1.0, 2e-4));
         pushes.add(push(0.3, 0.0, 1.0, 1e-4));
         pushes.add(push(1.0, 0.0, 0.0, 1e-4));
-        pushes.hide(|_| false);
-        assert!(pushes.take_surface().is_some());
-        assert_eq!(pushes.take_surface(), None);
+        let surface = pushes.deepest_surface(None);
+        pushes.hide(surface, |_| false);
+        assert!(pushes.take_surface(None).is_some());
+        assert_eq!(pushes.take_surface(None), None);
     }
 
     #[test]

@@ -26,6 +26,10 @@ pub(super) struct Gathered {
     pushing: usize,
     /// Least distance of the others `[m]`.
     others: f64,
+    /// Whether one of them goes on over a hollow edge.
+    is_hollow: bool,
+    /// Which number each triangle of the mesh has, if it is one of them.
+    numbers: Box<[u16]>,
     place: Vector3,
     /// How far the centre may be from the place; below 0 before anything was gathered `[m]`.
     way: f64,
@@ -42,8 +46,20 @@ pub(super) struct About<'a> {
     pub others: f64,
     pub off: f64,
     pub reach: f64,
+    /// Where they were gathered.
+    pub place: Vector3,
+    numbers: &'a [u16],
     /// Triangles within the sphere that did not fit, the furthest ones.
     pub left_out: u32,
+}
+
+impl About<'_> {
+    /// Which of them a triangle is.
+    pub fn number(&self, triangle: u32) -> Option<usize> {
+        let number = usize::from(self.numbers[triangle as usize]);
+        // Of other triangles the number may be from an earlier time.
+        (self.near.get(number)?.triangle == triangle).then_some(number)
+    }
 }
 
 /// How far a centre may go before triangles are gathered anew: this, and a share of the radius `[m]`.
@@ -55,7 +71,8 @@ const LEAST_SHARE: f64 = 0.2;
 const MOST_SEEN: usize = 1024;
 
 impl Gathered {
-    pub fn none() -> Self {
+    /// Of a mesh of so many triangles.
+    pub fn none(triangles: usize) -> Self {
         let nothing = Near {
             triangle: 0,
             distance: f64::INFINITY,
@@ -65,6 +82,8 @@ impl Gathered {
             count: 0,
             pushing: 0,
             others: f64::INFINITY,
+            is_hollow: false,
+            numbers: vec![0; triangles].into(),
             place: Vector3::zeros(),
             way: -1.0,
             left_out: 0,
@@ -87,8 +106,20 @@ impl Gathered {
             others: self.others,
             off,
             reach: radius + self.way,
+            place: self.place,
+            numbers: &self.numbers,
             left_out: self.left_out,
         }
+    }
+
+    /// Whether these are the triangles that a sphere with that centre may touch, and all that are `more` further away `[m]`.
+    pub fn holds(&self, centre: &Vector3, more: f64) -> bool {
+        (centre - self.place).norm() + more <= self.way
+    }
+
+    /// Whether one of the triangles about the place goes on over a hollow edge.
+    pub fn is_hollow(&self) -> bool {
+        self.is_hollow
     }
 
     fn gather(&mut self, mesh: &Mesh, centre: &Vector3, radius: f64) {
@@ -129,14 +160,19 @@ impl Gathered {
         }
         self.pushing = 0;
         self.others = f64::INFINITY;
+        self.is_hollow = false;
         for number in 0..self.count {
             let near = self.near[number];
+            self.is_hollow |= mesh.topology.bends[near.triangle as usize].is_hollow();
             if may_push(mesh, near.triangle, centre, self.way) {
                 self.near.swap(number, self.pushing);
                 self.pushing += 1;
             } else {
                 self.others = self.others.min(near.distance);
             }
+        }
+        for (number, near) in (0_u16..).zip(&self.near[..self.count]) {
+            self.numbers[near.triangle as usize] = number;
         }
     }
 }

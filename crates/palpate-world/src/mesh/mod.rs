@@ -4,6 +4,7 @@ mod build;
 mod cluster;
 mod distance_grid;
 mod gather;
+mod hollow;
 mod mass;
 mod nearest;
 mod point_shell;

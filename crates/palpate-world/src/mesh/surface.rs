@@ -11,6 +11,7 @@ use std::sync::Arc;
 use super::build::Mesh;
 use super::cluster::{Push, Pushes};
 use super::gather::{About, Gathered, Near};
+use super::hollow::Around;
 use super::nearest::{nearest_of, side};
 use super::topology::NONE;
 use super::triangle::{Region, crossing, nearest};
@@ -69,6 +70,10 @@ pub(crate) struct Surface {
     centre: Vector3,
     radius: f64,
     gathered: Gathered,
+    /// About the sphere where it is lifted out of a hollow.
+    lifted: Gathered,
+    /// Room for what pushes at a look.
+    pushes: Pushes,
     memory: Memory,
     left_out: u32,
 }
@@ -77,12 +82,14 @@ impl Surface {
     /// A sphere about `centre`, in the axes of the first of the two parts `[m]`, and the mesh of the second.
     pub fn new(mesh: Arc<Mesh>, [first, second]: [usize; 2], centre: Vector3, radius: f64) -> Self {
         Self {
+            gathered: Gathered::none(mesh.faces.len()),
+            lifted: Gathered::none(mesh.faces.len()),
+            pushes: Pushes::none(),
             mesh,
             first,
             second,
             centre,
             radius,
-            gathered: Gathered::none(),
             memory: Memory {
                 standing: Standing::Unknown,
                 found: [None; POINTS_PER_MESH],
@@ -141,21 +148,21 @@ impl Surface {
     /// Looks at the surface from where the sphere is now.
     pub fn look(&mut self, sphere: &Rigid, placed: &Rigid) {
         let centre = self.centre_in(sphere, placed);
-        let mut pushes = Pushes::none();
+        self.pushes.clear();
         let is_behind = self.is_behind(&centre);
         self.memory.clearance = 0.0;
         if is_behind {
-            self.push_from_behind(&centre, &mut pushes);
+            self.push_from_behind(&centre);
         }
         match self.memory.standing {
-            Standing::Front { .. } => self.push_from_front(&centre, &mut pushes),
+            Standing::Front { .. } => self.push_from_front(&centre),
             Standing::Inside { place, way } => {
                 self.memory.clearance = self.radius + (way - (centre - place).norm()).max(0.0);
             }
             Standing::Unknown | Standing::Behind { .. } => {}
         }
-        self.left_out = self.left_out.max(pushes.left_out);
-        self.meet(&centre, pushes);
+        self.meet(&centre);
+        self.left_out = self.left_out.max(self.pushes.left_out);
     }
 
     /// Finds out on which side the centre is, and remembers it. Whether it is behind a triangle.
@@ -229,8 +236,8 @@ impl Surface {
     }
 
     /// The minima of the distance in front of the surface that are nearer than the radius.
-    fn push_from_front(&mut self, centre: &Vector3, pushes: &mut Pushes) {
-        let mesh = &*self.mesh;
+    fn push_from_front(&mut self, centre: &Vector3) {
+        let (mesh, pushes) = (&*self.mesh, &mut self.pushes);
         let radius = self.radius;
         let About {
             near,
@@ -239,6 +246,7 @@ impl Surface {
             off,
             reach,
             left_out,
+            ..
         } = self.gathered.about(mesh, centre, radius);
         let mut clearance = others - off;
         for found in &near[..pushing] {
@@ -260,16 +268,26 @@ impl Surface {
                 normal,
                 depth: radius - distance,
                 triangle: found.triangle,
+                is_face: region == Region::Inside,
             });
         }
-        // What is seen first hides what lies behind it.
-        pushes.hide(|push| is_seen(mesh, near, centre, push, radius));
-        pushes.left_out = pushes.left_out.max(left_out);
         self.memory.clearance = clearance.min((reach - off).max(0.0));
+        pushes.left_out = pushes.left_out.max(left_out);
+        // What is seen first hides what lies behind it.
+        let mut around = Around {
+            mesh,
+            gathered: &mut self.gathered,
+            lifted: &mut self.lifted,
+            centre,
+            radius,
+        };
+        let surface = pushes.deepest_surface(Some(&mut around));
+        let near = around.about().near;
+        pushes.hide(surface, |push| is_seen(mesh, near, centre, push, radius));
     }
 
     /// The way from a centre behind the surface to the place that it was led to. It may find the centre in front.
-    fn push_from_behind(&mut self, centre: &Vector3, pushes: &mut Pushes) {
+    fn push_from_behind(&mut self, centre: &Vector3) {
         let Standing::Behind { triangle } = self.memory.standing else {
             return;
         };
@@ -282,7 +300,7 @@ impl Surface {
         }
         self.memory.standing = Standing::Behind { triangle };
         let distance = off.norm();
-        pushes.add(Push {
+        self.pushes.add(Push {
             normal: if distance > SLACK * self.mesh.reach() {
                 -off / distance
             } else {
@@ -290,16 +308,25 @@ impl Surface {
             },
             depth: self.radius + distance,
             triangle,
+            is_face: false,
         });
     }
 
     /// Puts what pushes together, and gives each its point: the one that was most like it before.
-    fn meet(&mut self, centre: &Vector3, mut pushes: Pushes) {
+    fn meet(&mut self, centre: &Vector3) {
+        let is_in_front = matches!(self.memory.standing, Standing::Front { .. });
+        let mut around = is_in_front.then_some(Around {
+            mesh: &self.mesh,
+            gathered: &mut self.gathered,
+            lifted: &mut self.lifted,
+            centre,
+            radius: self.radius,
+        });
         let before = self.memory.found;
         let mut now = [None; POINTS_PER_MESH];
         let mut waiting = [None; POINTS_PER_MESH];
         let mut count = 0;
-        while let Some((depth, normal)) = pushes.take_surface() {
+        while let Some((depth, normal)) = self.pushes.take_surface(around.as_mut()) {
             if count == POINTS_PER_MESH {
                 self.left_out += 1;
                 break;

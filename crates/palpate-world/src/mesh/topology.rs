@@ -8,6 +8,39 @@ use crate::rigid::{Rotation, Vector3};
 
 /// In place of the neighbour across an edge that has none.
 pub(super) const NONE: u32 = u32::MAX;
+/// Cosine of the angle between two normals from which on their faces push apart from each other: 30 degrees.
+pub(super) const SHARP: f64 = 0.866_025_403_784_438_6;
+/// Sine of the angle below which an edge neither stands out nor is hollow: files are in single precision.
+const FLAT: f64 = 1e-3;
+
+/// How a triangle goes on over its edges.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Bends(u8);
+
+impl Bends {
+    const HOLLOW: u8 = 1 << 3;
+
+    /// Whether the surface goes on over edge k: it does not stand out there, and bends by less than [`SHARP`].
+    pub fn goes_on(self, k: usize) -> bool {
+        self.0 >> k & 1 == 1
+    }
+
+    /// Whether it goes on over an edge that is hollow.
+    pub fn is_hollow(self) -> bool {
+        self.0 & Self::HOLLOW != 0
+    }
+
+    /// Over edge k, which leads along a vector, from a face with one normal to one with another.
+    fn add(&mut self, k: usize, along: &Vector3, [own, other]: [&Vector3; 2]) {
+        let inwards = -own.cross(other).dot(along) / along.norm();
+        if own.dot(other) > SHARP && inwards > -FLAT {
+            self.0 |= 1 << k;
+            if inwards > FLAT {
+                self.0 |= Self::HOLLOW;
+            }
+        }
+    }
+}
 
 /// Which triangles of a mesh meet where.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +49,8 @@ pub(super) struct Topology {
     pub normals: Vec<Vector3>,
     /// The triangle across each edge, or [`NONE`]. Edge k goes from corner k to the next.
     pub neighbours: Vec<[u32; 3]>,
+    /// How each triangle goes on over its edges.
+    pub bends: Vec<Bends>,
     /// Sum of the normals at each vertex, each times its angle there: says on which side of a nearest vertex a place
     /// is (Baerentzen and Aanaes, 2005).
     pub vertex_normals: Vec<Vector3>,
@@ -83,9 +118,20 @@ impl Topology {
                 vertex_normals[corner] += normal * one.cross(&other).norm().atan2(one.dot(&other));
             }
         }
+        let mut bends = vec![Bends::default(); faces.len()];
+        for (triangle, face) in faces.iter().enumerate() {
+            let places = face.map(|corner| vertices[corner as usize]);
+            for (k, &other) in neighbours[triangle].iter().enumerate() {
+                if other != NONE {
+                    let both = [triangle, other as usize].map(|number| &normals[number]);
+                    bends[triangle].add(k, &(places[(k + 1) % 3] - places[k]), both);
+                }
+            }
+        }
         Ok(Self {
             normals,
             neighbours,
+            bends,
             vertex_normals,
             around,
             begins,

@@ -1,6 +1,7 @@
 //! Surfaces of triangles, and what a sphere touches of them.
 
 pub mod gallery;
+mod hollow;
 mod mass;
 mod parts;
 mod search;

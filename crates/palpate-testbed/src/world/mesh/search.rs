@@ -3,26 +3,24 @@
 use std::collections::BTreeSet;
 
 use super::parts::{OnMesh, Part, nearest, shares};
-use super::triangles::TriangleMesh;
+use super::triangles::{SHARP, TriangleMesh};
 use crate::world::vector::Vec3;
 
 /// Contacts of a sphere with a mesh at once.
 pub(in crate::world) const MOST_CONTACTS: usize = 4;
-/// Cosine of the angle between normals from which on their faces are surfaces of their own: 30°.
-const SHARP: f64 = 0.866_025_403_784_438_6;
 /// The longest way out of a bent surface over its largest depth.
 const STEEP: f64 = 3.0;
 /// A way ends on a part, or beyond it, if it falls short by no more than this share of the largest depth.
-const ENDS: f64 = 1e-10;
+pub(super) const ENDS: f64 = 1e-10;
 /// What is beyond its end by less than this share is not.
 const SLACK: f64 = 1e-12;
 
 /// A part with the sphere's depth in it.
 #[derive(Debug, Clone, Copy)]
-struct Push {
-    part: Part,
-    depth: f64,
-    normal: Vec3,
+pub(super) struct Push {
+    pub part: Part,
+    pub depth: f64,
+    pub normal: Vec3,
 }
 
 /// What each of the contacts should be at, if they are at `now`, and the sphere's centre is at `centre` in the mesh's
@@ -114,7 +112,7 @@ impl TriangleMesh {
     }
 
     /// The nearest point of a face: the part that it lies on, and the squared distance.
-    fn on_face(&self, face: usize, point: Vec3) -> (Part, f64) {
+    pub(super) fn on_face(&self, face: usize, point: Vec3) -> (Part, f64) {
         let corners = self.faces[face];
         let mut best = (Part::Face(face), f64::INFINITY);
         let mut is_over = true;
@@ -228,7 +226,7 @@ impl TriangleMesh {
             }
             return vec![OnMesh::Before([Some(part), None, None])];
         }
-        let (surface, others) = parted(pushes);
+        let (surface, others) = self.bent(pushes, radius, centre);
         let seen = others
             .into_iter()
             .filter(|push| self.sees(centre, radius, push));
@@ -236,9 +234,9 @@ impl TriangleMesh {
         pushes.sort_by(|a, b| b.depth.total_cmp(&a.depth));
         let mut contacts = Vec::new();
         while let Some(&deepest) = pushes.first() {
-            let (surface, others) = parted(pushes);
-            let is_near = |(length, _): &(f64, Parts)| *length <= STEEP * deepest.depth;
-            if let Some((_, parts)) = holding(&surface, now).filter(is_near) {
+            let (surface, others) = self.bent(pushes, radius, centre);
+            let longest = STEEP * deepest.depth;
+            if let Some(parts) = self.out_of_all(&surface, now, radius, centre, longest) {
                 contacts.push(OnMesh::Before(parts));
                 pushes = others;
                 continue;
@@ -247,8 +245,8 @@ impl TriangleMesh {
             let (beside, left): (Vec<Push>, Vec<Push>) = surface
                 .into_iter()
                 .partition(|push| push.normal.dot(deepest.normal) > SHARP);
-            let parts =
-                holding(&beside, now).map_or([Some(deepest.part), None, None], |(_, parts)| parts);
+            let parts = holding(&beside, now, among(&beside))
+                .map_or([Some(deepest.part), None, None], |(_, parts)| parts);
             contacts.push(OnMesh::Before(parts));
             pushes = left.into_iter().chain(others).collect();
             pushes.sort_by(|a, b| b.depth.total_cmp(&a.depth));
@@ -354,17 +352,17 @@ struct Edge<'a> {
 }
 
 /// At most three parts that push together.
-type Parts = [Option<Part>; 3];
+pub(super) type Parts = [Option<Part>; 3];
 
-/// Those that are one bent surface with the first, whose normals differ by less than 30° from one to the next, and the others; both in
-/// the order that they had.
-fn parted(pushes: Vec<Push>) -> (Vec<Push>, Vec<Push>) {
-    let mut is_joined = vec![false; pushes.len()];
-    let mut reached: Vec<usize> = Vec::new();
+/// The first and those of the faces `with`, and whose normals differ by less than 30° from these, from one to the next; and the
+/// others. Both in the order that they had.
+pub(super) fn parted(pushes: Vec<Push>, with: &BTreeSet<usize>) -> (Vec<Push>, Vec<Push>) {
+    let is_with = |push: &Push| matches!(push.part, Part::Face(face) if with.contains(&face));
+    let mut is_joined: Vec<bool> = pushes.iter().map(is_with).collect();
     if let Some(first) = is_joined.first_mut() {
         *first = true;
-        reached.push(0);
     }
+    let mut reached: Vec<usize> = (0..pushes.len()).filter(|&at| is_joined[at]).collect();
     while let Some(from) = reached.pop() {
         for to in 0..pushes.len() {
             if !is_joined[to] && pushes[to].normal.dot(pushes[from].normal) > SHARP {
@@ -379,9 +377,13 @@ fn parted(pushes: Vec<Push>) -> (Vec<Push>, Vec<Push>) {
         .partition(|_| joined.next().unwrap_or(false))
 }
 
-/// Length of the shortest way out of all parts, the deepest of which comes first, and those, at most three, on whose surfaces it
-/// ends: the same as now, if they still give that way. `None` if there is no way.
-fn holding(pushes: &[Push], now: &[OnMesh; MOST_CONTACTS]) -> Option<(f64, Parts)> {
+/// The shortest way out of all parts, the deepest of which comes first, and those, at most three, on whose surfaces it ends: the
+/// same as now, of which `depth` says how deep they are, if they still give that way. `None` if there is no way.
+pub(super) fn holding(
+    pushes: &[Push],
+    now: &[OnMesh; MOST_CONTACTS],
+    depth: impl Fn(Part) -> Option<Push>,
+) -> Option<(Vec3, Parts)> {
     let slack = ENDS * pushes.first()?.depth;
     let found = shortest(pushes, &[], slack)?;
     // At the tip of a cone any three of its faces give it.
@@ -389,11 +391,7 @@ fn holding(pushes: &[Push], now: &[OnMesh; MOST_CONTACTS]) -> Option<(f64, Parts
         let OnMesh::Before(parts) = at else {
             return None;
         };
-        let of: Option<Vec<Push>> = parts
-            .iter()
-            .flatten()
-            .map(|part| pushes.iter().find(|push| push.part == *part).copied())
-            .collect();
+        let of: Option<Vec<Push>> = parts.iter().flatten().map(|&part| depth(part)).collect();
         let way = on(&of?)?;
         ((way - found.way).norm() <= slack).then_some(*parts)
     });
@@ -406,7 +404,12 @@ fn holding(pushes: &[Push], now: &[OnMesh; MOST_CONTACTS]) -> Option<(f64, Parts
         }
         parts
     });
-    Some((found.way.norm(), parts))
+    Some((found.way, parts))
+}
+
+/// Of these, the one at this part.
+pub(super) fn among(pushes: &[Push]) -> impl Fn(Part) -> Option<Push> {
+    |part| pushes.iter().find(|push| push.part == part).copied()
 }
 
 /// A way, and the parts on whose surfaces it ends.
@@ -492,10 +495,11 @@ mod tests {
                 ]);
                 normal.dot(tip)
             });
-            let (surface, others) = parted(pushes.clone());
+            let (surface, others) = parted(pushes.clone(), &BTreeSet::new());
             assert_eq!((surface.len(), others.len()), (96, 0));
-            let (length, parts) = holding(&pushes, &[OnMesh::Nothing; MOST_CONTACTS]).unwrap();
-            assert!((length - tip.norm()).abs() < 1e-9 * tip.norm(), "{length}");
+            let (way, parts) =
+                holding(&pushes, &[OnMesh::Nothing; MOST_CONTACTS], among(&pushes)).unwrap();
+            assert!((way - tip).norm() < 1e-9 * tip.norm(), "{way:?}");
             // They stay those that hold while the sphere is pressed in a little deeper.
             let deeper = ring(96, from_axis, |about| {
                 let (sine, cosine) = about.sin_cos();
@@ -512,13 +516,16 @@ mod tests {
                 OnMesh::Nothing,
                 OnMesh::Nothing,
             ];
-            assert_eq!(holding(&deeper, &now).unwrap().1, parts);
+            assert_eq!(holding(&deeper, &now, among(&deeper)).unwrap().1, parts);
         }
     }
 
     #[test]
     fn there_is_no_way_out_of_a_tube() {
         let pushes = ring(24, 0.0, |_| 1e-4);
-        assert_eq!(holding(&pushes, &[OnMesh::Nothing; MOST_CONTACTS]), None);
+        assert_eq!(
+            holding(&pushes, &[OnMesh::Nothing; MOST_CONTACTS], among(&pushes)),
+            None
+        );
     }
 }

@@ -10,6 +10,11 @@ use crate::world::field::Field;
 use crate::world::scene::Vector;
 use crate::world::vector::Vec3;
 
+/// Cosine of the angle between normals from which on their faces are surfaces of their own: 30°.
+pub(super) const SHARP: f64 = 0.866_025_403_784_438_6;
+/// Sine of the angle below which an edge neither stands out nor is hollow.
+const FLAT: f64 = 1e-3;
+
 /// A triangle mesh that is not one.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("triangle {triangle} of the mesh: {reason}")]
@@ -25,6 +30,8 @@ pub struct InvalidMesh {
 pub(super) struct Edge {
     pub ends: [usize; 2],
     pub faces: Vec<usize>,
+    /// Whether it does not stand out and its faces differ by less than 30°.
+    pub is_bend: bool,
 }
 
 /// A surface of triangles; seen from outside, their corners run counter-clockwise.
@@ -42,6 +49,8 @@ pub struct TriangleMesh {
     /// A ball around each face: its centre and radius \[m\].
     balls: Vec<(Vec3, f64)>,
     side: f64,
+    /// Whether any of its edges is hollow and a bend.
+    pub(super) has_bends: bool,
     cells: HashMap<[i64; 3], Vec<usize>>,
     /// Points by which it touches other shapes than spheres, and how many of them share a law.
     points: Option<(Vec<Vec3>, usize)>,
@@ -115,6 +124,7 @@ impl TriangleMesh {
             faces_at: vec![Vec::new(); vertices.len()],
             balls: Vec::with_capacity(faces.len()),
             side: 1.0,
+            has_bends: false,
             cells: HashMap::new(),
             points: None,
             field: None,
@@ -153,6 +163,7 @@ impl TriangleMesh {
                     mesh.edges.push(Edge {
                         ends: [from, to],
                         faces: vec![number],
+                        is_bend: false,
                     });
                     continue;
                 }
@@ -162,6 +173,12 @@ impl TriangleMesh {
                         "an edge has a third face, or one the other way round",
                     ));
                 }
+                let normals = [edge.faces[0], number].map(|face| mesh.normals[face]);
+                let [start, end] = edge.ends.map(|end| mesh.vertices[end]);
+                let along = (end - start).direction().unwrap_or(Vec3::ZERO);
+                let hollow = normals[1].cross(normals[0]).dot(along);
+                edge.is_bend = hollow > -FLAT && normals[0].dot(normals[1]) > SHARP;
+                mesh.has_bends |= edge.is_bend && hollow > FLAT;
                 edge.faces.push(number);
             }
             mesh.edges_of.push(of_face);

@@ -1,0 +1,293 @@
+//! What is one bent surface all around a sphere, and what a sphere would meet on its way out of it.
+//!
+//! A sphere in a conical hole does not stand over all the faces that it overlaps, and on its way out of one it may run into
+//! another. So the faces that count are not those below it only. It is lifted along its way out; where it overlaps a
+//! face there over which it then stands, that face pushes, too. Both places are of one surface if one comes from face to face over
+//! edges that do not stand out and bend by less than 30 degrees, through nothing but faces that the sphere overlaps. So a face
+//! begins to push where the lifted sphere begins to touch it, and the force has no jump.
+
+use super::build::Mesh;
+use super::cluster::Push;
+use super::gather::{About, Gathered, MOST_TRIANGLES};
+use super::triangle::{Region, nearest};
+use crate::rigid::Vector3;
+
+/// One bent surface goes on through faces that a sphere of so many times the radius overlaps. Faces that bend by 30 degrees reach
+/// beyond a sphere that touches all of them by 4 % of its radius.
+const WIDE: f64 = 1.05;
+
+/// A sphere and the triangles about it.
+pub(super) struct Around<'a> {
+    pub mesh: &'a Mesh,
+    pub gathered: &'a mut Gathered,
+    /// Those about it where it is lifted, if they are others.
+    pub lifted: &'a mut Gathered,
+    /// In the mesh's axes, and in front of the surface `[m]`.
+    pub centre: &'a Vector3,
+    pub radius: f64,
+}
+
+/// Numbers of triangles about a sphere, as bits.
+#[derive(Clone, Copy, Default)]
+struct Numbers([u64; MOST_TRIANGLES / 64]);
+
+impl Numbers {
+    fn has(&self, number: usize) -> bool {
+        self.0[number / 64] >> (number % 64) & 1 == 1
+    }
+
+    fn insert(&mut self, number: usize) {
+        self.0[number / 64] |= 1 << (number % 64);
+    }
+
+    fn pop(&mut self) -> Option<usize> {
+        let (word, bits) = (0..).zip(&mut self.0).find(|(_, bits)| **bits != 0)?;
+        let bit = bits.trailing_zeros() as usize;
+        *bits &= *bits - 1;
+        Some(64 * word + bit)
+    }
+}
+
+impl Around<'_> {
+    /// Whether a triangle about the sphere goes on over a hollow edge: if not, there is no bent surface here.
+    pub fn is_hollow(&self) -> bool {
+        self.gathered.is_hollow()
+    }
+
+    /// The triangles about the sphere.
+    pub fn about(&mut self) -> About<'_> {
+        self.gathered.about(self.mesh, self.centre, self.radius)
+    }
+
+    /// The triangles about the sphere where its centre is `place`, as far as one bent surface may go on.
+    fn about_wide(&mut self, place: &Vector3) -> About<'_> {
+        let wider = (WIDE - 1.0) * self.radius;
+        if self.gathered.holds(place, wider) {
+            self.gathered.about(self.mesh, place, self.radius)
+        } else {
+            self.lifted.about(self.mesh, place, self.radius + wider)
+        }
+    }
+
+    /// Says of a triangle whether it is one bent surface with some of them.
+    pub fn reached(&mut self, from: impl Iterator<Item = u32>) -> impl Fn(u32) -> bool {
+        let (mesh, centre, radius) = (self.mesh, self.centre, self.radius);
+        let about = self.about_wide(centre);
+        let reached = reached(mesh, &about, from, centre, WIDE * radius);
+        move |triangle| {
+            about
+                .number(triangle)
+                .is_some_and(|number| reached.has(number))
+        }
+    }
+
+    /// The face that the sphere, lifted along a way `[m]`, overlaps most, by more than `slack` `[m]`: of those over which it then stands
+    /// and that are one bent surface with some triangles. Its depth is that before the sphere is lifted.
+    pub fn in_the_way(
+        &mut self,
+        from: impl Iterator<Item = u32> + Clone,
+        way: &Vector3,
+        slack: f64,
+    ) -> Option<Push> {
+        let (mesh, radius) = (self.mesh, self.radius);
+        let lifted = self.centre + way;
+        let about = self.about_wide(&lifted);
+        let mut joined = None;
+        let mut most: Option<Push> = None;
+        let mut least = slack;
+        for found in &about.near[..about.pushing] {
+            if found.distance - about.off > radius {
+                continue;
+            }
+            let normal = &mesh.topology.normals[found.triangle as usize];
+            let corners = mesh.corners(found.triangle);
+            let height = normal.dot(&(lifted - corners[0]));
+            let short = radius - height;
+            if short <= least || height <= 0.0 {
+                continue;
+            }
+            if from.clone().any(|triangle| triangle == found.triangle) {
+                continue; // it is out of this one but for round-off
+            }
+            let (_, region) = nearest(corners, &lifted);
+            if region != Region::Inside {
+                continue;
+            }
+            let joined = joined
+                .get_or_insert_with(|| reached(mesh, &about, from.clone(), &lifted, WIDE * radius));
+            let number = about.number(found.triangle);
+            if number.is_some_and(|number| joined.has(number)) {
+                least = short;
+                most = Some(Push {
+                    normal: *normal,
+                    depth: short + normal.dot(way),
+                    triangle: found.triangle,
+                    is_face: true,
+                });
+            }
+        }
+        most
+    }
+}
+
+/// The triangles about a sphere that one reaches from some of them over edges where the surface goes on, through those that the sphere
+/// overlaps where its centre is `place`.
+fn reached(
+    mesh: &Mesh,
+    about: &About,
+    from: impl Iterator<Item = u32>,
+    place: &Vector3,
+    radius: f64,
+) -> Numbers {
+    let off = (place - about.place).norm();
+    let overlaps = |number: usize| {
+        let near = &about.near[number];
+        let (least, most) = (near.distance - off, near.distance + off);
+        least < radius
+            && (most < radius || {
+                let (on_triangle, _) = nearest(mesh.corners(near.triangle), place);
+                (place - on_triangle).norm_squared() < radius * radius
+            })
+    };
+    let mut reached = Numbers::default();
+    let mut border = Numbers::default();
+    for number in from.filter_map(|triangle| about.number(triangle)) {
+        reached.insert(number);
+        border.insert(number);
+    }
+    while let Some(number) = border.pop() {
+        let triangle = about.near[number].triangle as usize;
+        let topology = &mesh.topology;
+        for (k, &other) in topology.neighbours[triangle].iter().enumerate() {
+            if !topology.bends[triangle].goes_on(k) {
+                continue;
+            }
+            if let Some(next) = about.number(other)
+                && !reached.has(next)
+                && overlaps(next)
+            {
+                reached.insert(next);
+                border.insert(next);
+            }
+        }
+    }
+    reached
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+    use std::sync::Arc;
+
+    use super::super::surface::{POINTS_PER_MESH, Surface};
+    use super::*;
+    use crate::rigid::{Rigid, Rotation};
+
+    const RADIUS: f64 = 0.003;
+
+    /// A conical hole of `count` sides that lean by `lean` degrees from its axis, z. Its tip is at 0, or it goes on as a bore from
+    /// `bore` upwards [m].
+    fn hole(count: u32, lean: f64, bore: f64) -> Arc<Mesh> {
+        let ring = |from_tip: f64, z: f64| {
+            let from_axis = from_tip * lean.to_radians().tan();
+            (0..count).map(move |number| {
+                let about = TAU * f64::from(number) / f64::from(count);
+                [from_axis * about.cos(), from_axis * about.sin(), z]
+            })
+        };
+        let next = |number: u32| (number + 1) % count;
+        let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+        if bore > 0.0 {
+            for (from_tip, z) in [(bore, bore - 0.02), (bore, bore), (0.02, 0.02)] {
+                vertices.extend(ring(from_tip, z));
+            }
+            for (first, number) in [0, count]
+                .into_iter()
+                .flat_map(|first| (0..count).map(move |n| (first, n)))
+            {
+                let [a, b] = [number, next(number)].map(|number| first + number);
+                faces.extend([[a, a + count, b + count], [a, b + count, b]]);
+            }
+        } else {
+            vertices.push([0.0; 3]);
+            vertices.extend(ring(0.02, 0.02));
+            faces.extend((0..count).map(|number| [0, 1 + number, 1 + next(number)]));
+        }
+        Arc::new(Mesh::new(&vertices, &faces).unwrap())
+    }
+
+    /// The sum of the ways by which the surface pushes a sphere [m], at each place of a way.
+    fn along(mesh: &Arc<Mesh>, way: impl Iterator<Item = Vector3>) -> Vec<(Vector3, Vector3)> {
+        let at = |position| Rigid {
+            position,
+            orientation: Rotation::identity(),
+            velocity: Vector3::zeros(),
+            spin: Vector3::zeros(),
+        };
+        let mut surface = Surface::new(mesh.clone(), [0, 1], Vector3::zeros(), RADIUS);
+        surface.look(&at(Vector3::z() * 0.012), &at(Vector3::zeros()));
+        way.map(|place| {
+            surface.look(&at(place), &at(Vector3::zeros()));
+            assert_eq!(surface.take_left_out(), 0);
+            let found = (0..POINTS_PER_MESH).filter_map(|point| surface.found(point));
+            let pushes = found.map(|found| found.normal * (RADIUS - found.distance));
+            (place, pushes.sum())
+        })
+        .collect()
+    }
+
+    /// The way out of a convex hollow changes by no more than the place does, and a closed path takes no work.
+    #[test]
+    fn the_force_in_a_conical_hole_has_no_jump() {
+        let holes = [12, 13, 24, 64].into_iter().flat_map(|count| {
+            let leans = [
+                (30.0, 0.0),
+                (45.0, 0.0),
+                (59.0, 0.0),
+                (45.0, 0.0003),
+                (59.0, 0.0001),
+            ];
+            leans.map(|(lean, bore)| (count, lean, bore))
+        });
+        for (count, lean, bore) in holes {
+            let mesh = hole(count, lean, bore);
+            let tip = RADIUS / lean.to_radians().sin();
+            let (mut jump, mut work, mut largest) = (0.0_f64, 0.0_f64, 0.0_f64);
+            for (below, beside, turn) in [
+                (3e-4, 0.0, 0.1_f64),
+                (2e-4, 1e-4, 1.3),
+                (-2e-4, 0.0, 0.7),
+                (8e-4, 2e-4, 2.9),
+            ] {
+                let (sine, cosine) = turn.sin_cos();
+                let line = (-200..=200).map(|k| {
+                    let x = 6e-6 * f64::from(k);
+                    Vector3::new(
+                        cosine * x - sine * beside,
+                        sine * x + cosine * beside,
+                        tip - below,
+                    )
+                });
+                for two in along(&mesh, line).windows(2) {
+                    let change = (two[1].1 - two[0].1).norm() - (two[1].0 - two[0].0).norm();
+                    jump = jump.max(change);
+                    largest = largest.max(two[0].1.norm());
+                }
+                let ring = (0..=2000).map(|k| {
+                    let about = TAU * f64::from(k) / 2000.0;
+                    let up = tip - below + 1e-4 * (2.0 * about + turn).sin();
+                    Vector3::new(4e-4 * about.cos() + 2.0 * beside, 6e-4 * about.sin(), up)
+                });
+                let closed: f64 = along(&mesh, ring)
+                    .windows(2)
+                    .map(|two| 0.5 * (two[0].1 + two[1].1).dot(&(two[1].0 - two[0].0)))
+                    .sum();
+                work = work.max(closed.abs());
+            }
+            println!(
+                "{count} sides at {lean} degrees, bore {bore}: jump {jump:.1e} of {largest:.1e} m, work {work:.1e} m2"
+            );
+            assert!(largest > 1e-3 && jump < 1e-14 && work < 5e-12);
+        }
+    }
+}
