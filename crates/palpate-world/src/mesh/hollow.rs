@@ -238,6 +238,7 @@ mod tests {
 
     /// The way out of a convex hollow changes by no more than the place does, and a closed path takes no work.
     #[test]
+    #[allow(clippy::print_stdout)] // what was measured
     fn the_force_in_a_conical_hole_has_no_jump() {
         let holes = [12, 13, 24, 64].into_iter().flat_map(|count| {
             let leans = [
