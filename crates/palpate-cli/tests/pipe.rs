@@ -300,7 +300,12 @@ fn a_header_gets_no_answer() {
 
 #[test]
 fn a_header_of_other_columns_is_not_guessed_at() {
-    for header in ["position_m,t_s", "t_s,position_m,force_n", "t_s"] {
+    for header in [
+        "position_m,t_s",
+        "t_s,position_m,force_n",
+        "t_s",
+        "position_in",
+    ] {
         let answer = Folder::new().palpate_reading(format!("{header}\n0,1\n"), WALL);
         assert_eq!(answer.code, 3, "{header}: {answer:?}");
         assert_eq!(answer.stdout, "", "{header}");

@@ -217,6 +217,11 @@ fn lines_of_other_columns_and_motions_no_hand_makes_end_the_pipe() {
             "has 3 columns, and a line is `thumb.x_m,thumb.y_m",
         ),
         (&in_millimetres, "--unit mm takes it so"),
+        // Each hand would get the force of the other.
+        (
+            "finger.x_m,finger.y_m,finger.z_m,thumb.x_m,thumb.y_m,thumb.z_m\n0.1,0,0.08,0,0,0.08\n",
+            "line 1: the first line names the columns `finger.x_m",
+        ),
     ] {
         let answer = folder().palpate_reading(input, "pipe ball.toml");
         assert_eq!(answer.code, 3, "{answer:?}");

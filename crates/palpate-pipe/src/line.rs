@@ -62,10 +62,8 @@ impl Format {
                 .into_iter()
                 .find(|unit| unit.position_column() == name)
         };
-        if !names
-            .iter()
-            .any(|name| *name == "t_s" || unit_of(name).is_some())
-        {
+        let are_names = names.iter().all(|name| is_named(name));
+        if !are_names || (names.len() == 1 && !text.contains('_')) {
             return Ok(None);
         }
         let (time, unit) = match names.as_slice() {
@@ -161,6 +159,14 @@ impl Format {
     }
 }
 
+/// Whether a field of the first line is the name of a column: it begins with a letter or a quote, and is neither a number, as `nan`
+/// is, nor a change.
+pub(crate) fn is_named(field: &str) -> bool {
+    field.starts_with(|first: char| first.is_alphabetic() || first == '"')
+        && field.parse::<f64>().is_err()
+        && !field.contains('=')
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -245,8 +251,20 @@ mod tests {
         assert_eq!(POSITIONS.with_header("t_s,position_m"), Ok(Some(TIMES)));
         assert_eq!(TIMES.with_header("t_s, position_m"), Ok(Some(TIMES)));
         assert!(TIMES.with_header("position_m").is_err());
-        for text in ["position_m,t_s", "t_s,position_m,force_n", "t_s"] {
+        // Another unit or another quantity would be taken for metres.
+        for text in [
+            "position_m,t_s",
+            "t_s,position_m,force_n",
+            "t_s",
+            "position_in",
+            "x_mm",
+            "time,position",
+        ] {
             assert!(POSITIONS.with_header(text).is_err(), "{text}");
+        }
+        // What a board says when it wakes up, and lines that were cut off, are no headers.
+        for text in ["ready", "nan", "inf,0", "", "1,x_m", "set mass_kg=1"] {
+            assert_eq!(POSITIONS.with_header(text), Ok(None), "{text}");
         }
     }
 }

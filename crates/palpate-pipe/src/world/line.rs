@@ -3,7 +3,7 @@
 use palpate_record::unit::LengthUnit;
 use palpate_world::{NOT_TURNED, Quaternion, Vector};
 
-use crate::line::Refusal;
+use crate::line::{Refusal, is_named};
 
 /// What the lines hold, as the flags say it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -65,10 +65,25 @@ impl WorldFormat {
         )
     }
 
-    /// Whether a line is the header of these columns.
-    #[must_use]
-    pub fn is_header(&self, text: &str) -> bool {
-        text.split(',').map(str::trim).eq(self.columns())
+    /// Whether the first line is the header of these columns.
+    ///
+    /// # Errors
+    /// A header of other columns, of another order or of another unit: every line after it would be taken for something else.
+    pub fn is_header(&self, text: &str) -> Result<bool, String> {
+        let names: Vec<&str> = text.split(',').map(str::trim).collect();
+        let columns = self.columns();
+        if names == columns {
+            return Ok(true);
+        }
+        if names.len() > 1 && names.iter().all(|name| is_named(name)) {
+            return Err(format!(
+                "the first line names the columns `{}`, and a line is `{}`, in this order: --unit says the unit, and --time \
+                 whether a time stands before the positions",
+                text.escape_debug(),
+                columns.join(",")
+            ));
+        }
+        Ok(false)
     }
 
     /// What a line says.
@@ -220,10 +235,36 @@ mod tests {
         let one = of(&["tool"], true);
         assert_eq!(one.columns(), ["t_s", "x_m", "y_m", "z_m"]);
         assert_eq!(one.forces(), ["fx_n", "fy_n", "fz_n"]);
-        assert!(one.is_header("t_s, x_m, y_m, z_m"));
-        assert!(!one.is_header("0,1,2,3"));
+        assert_eq!(one.is_header("t_s, x_m, y_m, z_m"), Ok(true));
+        for text in ["0,1,2,3", "nan,nan,nan", "ready", "", "x_m,1,2,3"] {
+            assert_eq!(one.is_header(text), Ok(false), "{text}");
+        }
         let two = of(&["thumb", "finger"], false);
         assert_eq!(two.forces()[3], "finger.fx_n");
+    }
+
+    #[test]
+    fn a_header_of_another_order_or_unit_is_refused_for_every_line_after_it_would_be_wrong() {
+        let two = of(&["left", "right"], false);
+        let [left, right] = ["left", "right"].map(|name| {
+            ["x", "y", "z"]
+                .map(|axis| format!("{name}.{axis}_m"))
+                .join(",")
+        });
+        assert_eq!(two.is_header(&format!("{left},{right}")), Ok(true));
+        for text in [
+            format!("{right},{left}"),
+            format!("{left},{right}").replace("_m", "_mm"),
+            format!("t_s,{left},{right}"),
+            left.clone(),
+            "x,y,z,x,y,z".to_owned(),
+        ] {
+            let why = two.is_header(&text).expect_err(&text);
+            assert!(
+                why.contains(&text) && why.contains("in this order"),
+                "{why}"
+            );
+        }
     }
 
     #[test]

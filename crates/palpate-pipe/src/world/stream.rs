@@ -295,7 +295,8 @@ impl Answering for WorldStream {
         {
             // What spreadsheets write before the first line.
             *first = first.trim_start_matches('\u{feff}');
-            if self.format.is_header(first) {
+            let header = self.format.is_header(first);
+            if header.map_err(|why| Stopped::at_line(number, &why))? {
                 return Ok(());
             }
         }
