@@ -412,3 +412,40 @@ def test_a_delay_that_is_told_costs_nothing(period: float, stiffness: float) -> 
             late = answer
         errors.append(table.judged(np.array(forces), ideal)[0])
     assert errors[0] < 2 and errors[1] > 50, errors
+
+
+def test_a_model_that_changes_under_a_contact_is_refused() -> None:
+    def of_time_step(model: Any) -> None:
+        model.opt.timestep = 0.002
+
+    def of_integrator(model: Any) -> None:
+        model.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER
+
+    def of_size(model: Any) -> None:
+        model.geom_size[0][0] *= 0.5
+
+    def of_place(model: Any) -> None:
+        model.geom_pos[0][2] += 0.01
+
+    for change in (of_time_step, of_integrator, of_size, of_place):
+        model, data = load(BLOCK)
+        contact = Contact(model, data, tool=0.01, bodies=["block"], stiffness=100.0, device_mass=0.2, period=0.004)
+        contact.step([0, 0, 0])
+        change(model)
+        with pytest.raises(ValueError, match="than when this Contact was made: make another Contact"):
+            contact.step([0, 0, 0])
+
+
+def test_tools_of_one_name_numbers_that_are_none_and_data_of_another_model_are_refused() -> None:
+    hand = '<body name="hand" mocap="true"><geom name="tool" size="0.01"/></body>'
+    model, data = load(BLOCK + hand)
+    good: dict[str, Any] = {"tool": 0.01, "bodies": ["block"], "stiffness": 100.0, "device_mass": 0.2}
+    for changed, said in [
+        ({"tool": ["tool", "tool"]}, "tool names 'tool' twice"),
+        ({"bodies": [1.5]}, "bodies has 1.5, but must have names or whole numbers"),
+        ({"bodies": [None]}, "bodies has None, but must have names or whole numbers"),
+    ]:
+        with pytest.raises(ValueError, match=said):
+            Contact(model, data, **{**good, **changed})
+    with pytest.raises(ValueError, match="data is of another model"):
+        Contact(model, load(BLOCK)[1], **good)

@@ -244,3 +244,31 @@ def test_what_cannot_be_touched_is_refused(client: int) -> None:
     pybullet.setPhysicsEngineParameter(numSubSteps=4, physicsClientId=client)
     with pytest.raises(ValueError, match="4 sub-steps"):
         Contact(client, bodies=[ball], **law)
+
+
+def test_a_body_that_sleeps_is_woken_by_a_push(client: int) -> None:
+    number = body(client, 0.1, shapeType=pybullet.GEOM_SPHERE, radius=0.03)
+    asleep = pybullet.ACTIVATION_STATE_ENABLE_SLEEPING + pybullet.ACTIVATION_STATE_SLEEP
+    pybullet.changeDynamics(number, -1, activationState=asleep, physicsClientId=client)
+    contact = Contact(client, tool=0.01, bodies=[number], stiffness=1000.0, device_mass=0.25, period=0.004, **FREE)
+    forces = [contact.step([min(-0.045 + 1e-4 * tick, -0.03), 0, 0])[0] for tick in range(300)]
+    # The ball is pushed away: a wall at its place would push with 10 N.
+    assert -5.0 < min(forces) < -0.1
+    place, _ = pybullet.getBasePositionAndOrientation(number, physicsClientId=client)
+    assert place[0] > 0.01
+
+
+def test_another_step_of_the_engine_than_at_the_start_is_refused(client: int) -> None:
+    number = body(client, 0.1, shapeType=pybullet.GEOM_SPHERE, radius=0.03)
+    contact = Contact(client, tool=0.01, bodies=[number], stiffness=1000.0, device_mass=0.25, period=0.004)
+    contact.step([0, 0, 0.1])
+    pybullet.setTimeStep(0.002, physicsClientId=client)
+    with pytest.raises(ValueError, match="the engine's step is 0.002 s, but was 0.001 s when this Contact was made"):
+        contact.step([0, 0, 0.1])
+
+
+def test_bodies_are_a_list_of_whole_numbers(client: int) -> None:
+    number = body(client, 0.1, shapeType=pybullet.GEOM_SPHERE, radius=0.03)
+    for wrong in (number, "ball", [number + 0.5], [None]):
+        with pytest.raises(ValueError, match="must be a list of the numbers of bodies"):
+            Contact(client, tool=0.01, bodies=wrong, stiffness=1000.0, device_mass=0.25)  # type: ignore[arg-type]

@@ -97,6 +97,8 @@ class Contact(EngineContact):
         force_limit: float = 20.0,
         soft_start: float = 0.2,
     ) -> Contact:
+        if data.signature != model.signature:
+            raise ValueError("data is of another model: give the data that was made of this one, mujoco.MjData(model)")
         h = float(model.opt.timestep)
         steps = 1 if period is None else _whole(period, h)
         several: list[Any] = [tool] if isinstance(tool, str) or np.ndim(tool) == 0 else [*tool]  # type: ignore[misc]
@@ -104,6 +106,8 @@ class Contact(EngineContact):
         tools: dict[str, float] = {}
         for number, (given, geom) in enumerate(zip(several, geoms)):
             name = given if isinstance(given, str) else "tool" if len(several) == 1 else f"tool {number}"
+            if name in tools:
+                raise ValueError(f"tool names {name!r} twice")
             tools[name] = float(model.geom_size[geom][0]) if geom is not None else float(given)
         if isinstance(bodies, (str, int)):
             raise ValueError(f"bodies is {bodies!r}, but must be a list, such as [{bodies!r}]")
@@ -136,6 +140,9 @@ class Contact(EngineContact):
         assert isinstance(made, Contact)
         made.model, made.data, made.steps = model, data, steps
         made._numbers = numbers
+        made._geoms = [geom for number in numbers for geom in _geoms(model, number)]
+        made._geoms += [geom for geom in geoms if geom is not None]
+        made._made_of = made._now_made_of()
         made._mocap = [None if geom is None else int(model.body_mocapid[model.geom_bodyid[geom]]) for geom in geoms]
         made._room(model)
         for geom in geoms:
@@ -144,6 +151,10 @@ class Contact(EngineContact):
         return made
 
     _numbers: list[int]
+    _geoms: list[int]
+    """What tools and bodies are made of."""
+    _made_of: list[NDArray[np.float64]]
+    """What the model said when this was made and must go on to say: step, integrator, and the shapes."""
     _mocap: list[int | None]
     _applied: NDArray[np.float64]
     """The wrenches that the engine was last told, a row for each body [N], [N m]."""
@@ -163,6 +174,11 @@ class Contact(EngineContact):
         self._rate = np.zeros((6, model.nv))
         self._answers = np.zeros((6, model.nv))
 
+    def _now_made_of(self) -> list[NDArray[np.float64]]:
+        model, geoms = self.model, self._geoms
+        stepping = np.array([float(model.opt.timestep), float(model.opt.integrator)])
+        return [stepping, model.geom_size[geoms], model.geom_pos[geoms], model.geom_quat[geoms], model.body_ipos[self._numbers]]
+
     def step(self, position: ArrayLike, elapsed: float | None = None) -> NDArray[np.float64]:
         """One period: takes a sample of the devices, steps the engine through the period, and gives the force on the
         device [N] to hold over it.
@@ -177,7 +193,7 @@ class Contact(EngineContact):
             `output.fault` says why; the engine is stepped all the same.
 
         Raises:
-            ValueError: Not three numbers for each device.
+            ValueError: As those of `sample`.
         """
         self.sample(position, elapsed)
         for _ in range(self.steps):
@@ -188,7 +204,17 @@ class Contact(EngineContact):
 
     def sample(self, position: ArrayLike, elapsed: float | None = None) -> None:
         """A period begins: takes a sample of all devices, as `step` does. Where the engine's time has gone back since the
-        last step, after `mj_resetData` for instance, this begins anew as `reset` does."""
+        last step, after `mj_resetData` for instance, this begins anew as `reset` does.
+
+        Raises:
+            ValueError: Not three numbers for each device, or the model has another time step, integrator or shapes than when this
+                was made.
+        """
+        if not all(map(np.array_equal, self._made_of, self._now_made_of())):
+            raise ValueError(
+                "the model has another time step, integrator, or size or place of a geom that is touched than when this Contact was "
+                "made: make another Contact"
+            )
         if self.data.time < self._time:
             self.reset()
         super().sample(position, elapsed)
@@ -290,6 +316,8 @@ def _number(model: mujoco.MjModel, of: str, name: str) -> int:
 def _body(model: mujoco.MjModel, body: str | int) -> int:
     if isinstance(body, str):
         return _number(model, "body", body)
+    if not isinstance(body, (int, np.integer)):
+        raise ValueError(f"bodies has {body!r}, but must have names or whole numbers")
     if not 0 <= body < model.nbody:
         raise ValueError(f"bodies has {body}, but the model's bodies are 0 to {model.nbody - 1}")
     return int(body)
@@ -306,15 +334,16 @@ def _tool_geom(model: mujoco.MjModel, name: str) -> int:
     return geom
 
 
-def _described(model: mujoco.MjModel, number: int) -> EngineBody:
-    name = _name(model, "body", number)
+def _geoms(model: mujoco.MjModel, number: int) -> list[int]:
+    """The geoms of a body that can collide."""
     first = int(model.body_geomadr[number])
     geoms = range(first, first + int(model.body_geomnum[number])) if first >= 0 else range(0)
-    shapes = []
-    for geom in geoms:
-        if not (model.geom_contype[geom] or model.geom_conaffinity[geom]):
-            continue
-        shapes.append(_shape(model, number, geom))
+    return [geom for geom in geoms if model.geom_contype[geom] or model.geom_conaffinity[geom]]
+
+
+def _described(model: mujoco.MjModel, number: int) -> EngineBody:
+    name = _name(model, "body", number)
+    shapes = [_shape(model, number, geom) for geom in _geoms(model, number)]
     if not shapes:
         raise ValueError(f"{name} has no geom that can collide, so that a tool cannot touch it")
     return EngineBody(name, shapes)

@@ -81,6 +81,8 @@ class Contact(EngineContact):
             raise ValueError(
                 f"period is {period} s, but must be a whole number of the engine's steps of {h} s: see pybullet.setTimeStep"
             )
+        if np.ndim(bodies) != 1 or not all(isinstance(body, (int, np.integer)) for body in bodies):
+            raise ValueError(f"bodies is {bodies!r}, but must be a list of the numbers of bodies, such as [1]")
         numbers = [int(body) for body in bodies]
         for number in numbers:
             if numbers.count(number) > 1:
@@ -99,11 +101,13 @@ class Contact(EngineContact):
             **others,
         )
         assert isinstance(made, Contact)
-        made.client, made.steps, made._numbers = client, steps, numbers
+        made.client, made.steps, made._numbers, made._h = client, steps, numbers, h
         made._start()
         return made
 
     _numbers: list[int]
+    _h: float
+    """The engine's step at the start [s]."""
     _wrenches: NDArray[np.float64]
     """What the engine was last told, a row for each body: force [N], torque about the centre of mass [N m]."""
     _others: list[tuple[NDArray[np.float64], NDArray[np.float64]] | None]
@@ -155,12 +159,18 @@ class Contact(EngineContact):
         if self._pushes:
             raise ValueError("push() comes once before each step of the engine, and pull() after it")
         h = _time_step(self.client)
+        if h != self._h:
+            raise ValueError(f"the engine's step is {h} s, but was {self._h} s when this Contact was made: make another Contact")
         looked = [self._look(place) for place in range(len(self._numbers))]
         self._wrenches[:] = self.meet(h, np.array([row for row, _, _ in looked]))
         for number, wrench, (row, _, mobility) in zip(self._numbers, self._wrenches, looked):
             if mobility.any():
                 force, torque, place = wrench[:3].tolist(), wrench[3:].tolist(), row[:3].tolist()
                 world = pybullet.WORLD_FRAME
+                if wrench.any():
+                    # A body that PyBullet has put to sleep takes no force: it would be felt as a wall.
+                    awake = pybullet.ACTIVATION_STATE_WAKE_UP
+                    pybullet.changeDynamics(number, _BASE, activationState=awake, physicsClientId=self.client)
                 pybullet.applyExternalForce(number, _BASE, force, place, world, physicsClientId=self.client)
                 pybullet.applyExternalTorque(number, _BASE, torque, world, physicsClientId=self.client)
         # What the wrenches make of the velocities; what the step makes of them beyond that is by everything else.
