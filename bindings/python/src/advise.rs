@@ -6,9 +6,11 @@ use palpate_scene::SetupError;
 use palpate_study::advise::{Advice, FAITHFUL_PERCENT, Question};
 use palpate_study::map::{Bounce, BounceError};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::calibration::{NamedText, parse};
 use crate::checked::{NOT_NEGATIVE, PERIODS, above_zero, within};
+use crate::fields::read;
 use crate::figures::drawn;
 use crate::interrupt::{Stop, interruptible};
 use crate::methods::chosen;
@@ -36,10 +38,10 @@ pub struct AdviseArguments {
 pub fn advise(
     py: Python<'_>,
     method: &Bound<'_, PyAny>,
-    arguments: AdviseArguments,
+    arguments: &Bound<'_, PyDict>,
 ) -> PyResult<(String, String)> {
     let methods = chosen(method)?;
-    let asked = Asked::of(&arguments)?;
+    let asked = Asked::of(&read(arguments)?)?;
     let advised = interruptible(py, move |stop| {
         let advice = asked.advice(&methods, stop)?;
         Ok((palpate_study::json(&advice), advice.to_string()))
@@ -52,10 +54,10 @@ pub fn advise(
 pub fn advice_figure(
     py: Python<'_>,
     method: &Bound<'_, PyAny>,
-    arguments: AdviseArguments,
+    arguments: &Bound<'_, PyDict>,
 ) -> PyResult<String> {
     let methods = chosen(method)?;
-    let asked = Asked::of(&arguments)?;
+    let asked = Asked::of(&read(arguments)?)?;
     let threads = threads()?;
     let figure = interruptible(py, move |stop| {
         let advice = asked.advice(&methods, stop)?;

@@ -8,8 +8,10 @@ use palpate_study::calibrated::{NotCalibrated, excite};
 use palpate_study::calibration::{CalibrationReport, GainFrom, Motion, shown};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::checked::finite;
+use crate::fields::read;
 use crate::figures::drawn;
 use crate::interrupt::interruptible;
 use crate::names::refused;
@@ -162,8 +164,9 @@ pub fn excite_scene(
 pub fn calibrate(
     py: Python<'_>,
     excitation: &Bound<'_, PyExcitation>,
-    beside: Beside,
+    beside: &Bound<'_, PyDict>,
 ) -> PyResult<Calibrated> {
+    let beside: Beside = read(beside)?;
     let excitation = excitation.get();
     let params = excitation.params;
     let motion = excitation.motion().clone();

@@ -11,10 +11,12 @@ use palpate_world::{
     ContactLaw, CoupledParams, Mesh, Quaternion, Sample, Shape, Tool, Vector, WorldError, WorldLoop,
 };
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::arrays;
 use crate::bounded;
 use crate::checked::above_zero;
+use crate::fields::read;
 use crate::names::refused;
 use crate::renderer::safety_params;
 use crate::world::rows;
@@ -149,7 +151,8 @@ pub fn body(row: &[f64]) -> BodyNow {
 impl EngineContact {
     /// Contacts that are described by a dictionary; the Python files have its keys.
     #[new]
-    fn new(given: Description) -> PyResult<Self> {
+    fn new(given: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let given: Description = read(given)?;
         let tools: Vec<_> = given
             .tools
             .iter()

@@ -8,6 +8,17 @@ use pyo3::types::PyDict;
 /// How an argument of a wrong type is told of by what reads a dictionary.
 const FAILED: &str = "failed to extract field ";
 
+/// What a dictionary of arguments says.
+///
+/// # Errors
+/// An argument of a wrong type, by its name.
+pub fn read<'py, T>(given: &Bound<'py, PyDict>) -> PyResult<T>
+where
+    T: for<'a> FromPyObject<'a, 'py, Error = PyErr>,
+{
+    given.extract().map_err(|error| named(given, error))
+}
+
 /// Says which argument of `given` is of a wrong type, with its value and what it must be.
 pub fn named(given: &Bound<'_, PyDict>, error: PyErr) -> PyErr {
     let py = given.py();

@@ -11,8 +11,10 @@ use palpate_record::map::{Format, Map, Row, merge};
 use palpate_study::map::report::{MapReport, Speed};
 use palpate_study::map::{Forces, MapParams, compute, receipt};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::checked::{FACTOR, NOT_NEGATIVE, PERIODS, within};
+use crate::fields::read;
 use crate::figures::drawn;
 use crate::interrupt::{Stop, interruptible};
 use crate::methods::chosen;
@@ -141,8 +143,12 @@ fn mapped(map: &Map, speed: Option<Speed>) -> Result<Mapped, String> {
 
 /// Computes a map.
 #[pyfunction]
-pub fn map(py: Python<'_>, method: &Bound<'_, PyAny>, arguments: MapArguments) -> PyResult<Mapped> {
-    let params = params(method, &arguments)?;
+pub fn map(
+    py: Python<'_>,
+    method: &Bound<'_, PyAny>,
+    arguments: &Bound<'_, PyDict>,
+) -> PyResult<Mapped> {
+    let params = params(method, &read(arguments)?)?;
     let found = interruptible(py, move |stop| {
         let threads = thread::available_parallelism().map_or(1, Into::into);
         let (map, speed) = part(&params, (1, 1), threads, stop)?;
@@ -159,11 +165,11 @@ type Part = (Vec<(String, String)>, Vec<String>);
 pub fn map_part(
     py: Python<'_>,
     method: &Bound<'_, PyAny>,
-    arguments: MapArguments,
+    arguments: &Bound<'_, PyDict>,
     number: usize,
     of: usize,
 ) -> PyResult<Part> {
-    let params = params(method, &arguments)?;
+    let params = params(method, &read(arguments)?)?;
     let (map, _) =
         interruptible(py, move |stop| part(&params, (number, of), 1, stop))?.map_err(refused)?;
     let lines = map.rows.iter().map(Row::to_line).collect();
@@ -172,8 +178,8 @@ pub fn map_part(
 
 /// Checks what a map follows from.
 #[pyfunction]
-pub fn map_check(method: &Bound<'_, PyAny>, arguments: MapArguments) -> PyResult<usize> {
-    Ok(params(method, &arguments)?.len())
+pub fn map_check(method: &Bound<'_, PyAny>, arguments: &Bound<'_, PyDict>) -> PyResult<usize> {
+    Ok(params(method, &read(arguments)?)?.len())
 }
 
 /// The columns of a line of a map.

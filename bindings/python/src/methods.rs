@@ -88,12 +88,21 @@ pub fn chosen_or_own(method: &Bound<'_, PyAny>) -> PyResult<Vec<Chosen>> {
         return Ok(vec![Chosen::Own(OwnMethod::of(method)?)]);
     }
     let mut methods: Vec<Chosen> = Vec::new();
-    for item in method.try_iter()? {
+    let no_method = |given: &Bound<'_, PyAny>| {
+        let given = given
+            .repr()
+            .map_or_else(|_| "something else".into(), |said| said.to_string());
+        PyTypeError::new_err(format!(
+            "method is {given}, but must be the name of a method, a function, or a list of these"
+        ))
+    };
+    for item in method.try_iter().map_err(|_| no_method(method))? {
         let item = item?;
         let method = if item.is_callable() {
             Chosen::Own(OwnMethod::of(&item)?)
         } else {
-            Chosen::BuiltIn(named(&item.extract::<String>()?)?)
+            let name: String = item.extract().map_err(|_| no_method(method))?;
+            Chosen::BuiltIn(named(&name)?)
         };
         if methods.iter().any(|other| other.name() == method.name()) {
             return Err(refused(format!("{} is named twice", method.name())));

@@ -1,9 +1,10 @@
 //! Scenes: from a file, from a text, or from tables that Python has made.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use palpate_scene::method::MethodName;
-use palpate_scene::{Measure, Scene, SceneErrors, SceneFile, SceneParameter, beside};
+use palpate_scene::{Measure, Scene, SceneError, SceneErrors, SceneFile, SceneParameter, beside};
 use palpate_sim::closed_loop::LoopError;
 use pyo3::exceptions::{PyOSError, PyTypeError};
 use pyo3::prelude::*;
@@ -102,10 +103,53 @@ impl PyScene {
     }
 }
 
-/// The messages alone: nobody has written the lines that they would point at.
+/// The messages, each behind the table and the key that it is of: nobody has written the lines that they would point at.
 pub fn messages(errors: &SceneErrors) -> String {
-    let messages: Vec<_> = errors.iter().map(|error| error.message.as_str()).collect();
-    messages.join("\n")
+    let messages = errors.iter().map(|error| match place(error) {
+        Some(place) if !error.message.starts_with(&place) => {
+            format!("{place}: {}", error.message)
+        }
+        _ => error.message.clone(),
+    });
+    messages.collect::<Vec<_>>().join("\n")
+}
+
+/// Where an error stands in the tables, as `body[0].shape.sphere.radius_m`; None of the whole.
+fn place(error: &SceneError) -> Option<String> {
+    if error.span.start == 0 {
+        return None;
+    }
+    let mut table = String::new();
+    // How many elements each array of tables has so far.
+    let mut counts: HashMap<&str, usize> = HashMap::new();
+    let mut key = None;
+    for line in error.source_text.lines().take(error.line) {
+        key = None;
+        if let Some(name) = line
+            .strip_prefix("[[")
+            .and_then(|line| line.strip_suffix("]]"))
+        {
+            let count = counts.entry(name).or_default();
+            table = format!("{name}[{count}]");
+            *count += 1;
+        } else if let Some(name) = line
+            .strip_prefix('[')
+            .and_then(|line| line.strip_suffix(']'))
+        {
+            // A table within the newest element of an array of tables.
+            table = match name.split_once('.') {
+                Some((first, rest)) if counts.contains_key(first) => {
+                    format!("{first}[{}].{rest}", counts[first] - 1)
+                }
+                _ => name.to_owned(),
+            };
+        } else {
+            key = line.split_once(" = ").map(|(key, _)| key);
+        }
+    }
+    let parts = [Some(table.as_str()).filter(|table| !table.is_empty()), key];
+    let place = parts.into_iter().flatten().collect::<Vec<_>>().join(".");
+    (!place.is_empty()).then_some(place)
 }
 
 /// The text of a scene file whose path is given, and what messages call it.
@@ -191,7 +235,12 @@ fn value(given: &Bound<'_, PyAny>, place: &str, depth: usize) -> PyResult<Value>
         return Ok(Value::String(text.to_str()?.to_owned()));
     }
     if given.is_instance_of::<PyInt>() {
-        return Ok(Value::Integer(given.extract()?));
+        let number: i64 = given.extract().map_err(|_| {
+            refused(format!(
+                "{place} is a whole number of more than 64 bits; give a float"
+            ))
+        })?;
+        return Ok(Value::Integer(number));
     }
     if let Ok(dictionary) = given.cast::<PyDict>() {
         return table(dictionary, place, depth);

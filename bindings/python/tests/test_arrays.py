@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import palpate
+from conftest import ROOT
 from palpate import devices, distributed
 
 FIG2 = "experiments/fig2.toml"
@@ -377,3 +378,16 @@ def test_a_step_of_an_engine_is_checked() -> None:
     # An engine whose state is no number says so that way.
     contact.meet(1e-3, np.full_like(rows, math.nan))
     assert contact.hold().tolist() == [0.0, 0.0, 0.0] and contact.output.fault is not None
+
+
+def test_an_argument_of_a_wrong_type_is_said_by_its_name() -> None:
+    scene = str(ROOT / "experiments/fig2.toml")
+    wrong: list[tuple[Callable[[], Any], str]] = [
+        (lambda: palpate.simulate(scene, method=3), "method is 3, but must be the name of a method, a function, or a list"),  # type: ignore[arg-type]
+        (lambda: palpate.compare([scene], method=[None]), r"method is \[None\], but must be the name of a method"),  # type: ignore[list-item]
+        (lambda: palpate.advise(device_mass="a", period=0.005), "device_mass is 'a': must be real number"),  # type: ignore[arg-type]
+        (lambda: palpate.map(["basic"], cells=2.5), "cells is 2.5: "),  # type: ignore[arg-type]
+    ]
+    for call, said in wrong:
+        with pytest.raises(TypeError, match=said):
+            call()

@@ -478,3 +478,15 @@ def guardians(parent: int) -> list[str]:
         if b"module.guard()" in words and f"PPid:\t{parent}\n" in status:
             found.append(entry.name)
     return found
+
+
+def test_what_is_no_device_and_no_renderer_is_said_by_its_name() -> None:
+    renderer = palpate.Renderer(stiffness=400.0, mass=0.1, period=0.002, device_mass=0.25)
+    pointer: Any = palpate.devices.Pointer
+    for device, rendered, what in [
+        (renderer, pointer(), "renderer is <palpate.devices.Pointer .* but must be a palpate.Renderer, a palpate.World or a"),
+        (pointer, renderer, "device is <class 'palpate.devices.Pointer'>, but must be one of palpate.devices"),
+        (None, renderer, "device is None, but must be one of palpate.devices"),
+    ]:
+        with pytest.raises(TypeError, match=what):
+            palpate.Loop(device, rendered)

@@ -96,7 +96,7 @@ def test_every_fault_is_said_by_its_key() -> None:
     said = str(raised.value).splitlines()
     assert "object.mass_kg is -1 kg, but must be finite and greater than 0" in said
     assert "object.stiffness_n_per_m is NaN N/m, but must be finite and greater than 0" in said
-    assert any(line.startswith("unknown key colour") for line in said), said
+    assert any(line.startswith("object.colour: unknown key colour") for line in said), said
     with pytest.raises(ValueError, match="the key position_m is missing"):
         light_block(object={"mass_kg": 1, "stiffness_n_per_m": 1})
     with pytest.raises(TypeError, match=r"scene.object.mass_kg is <object object at .*>, but must be a number"):

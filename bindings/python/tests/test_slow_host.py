@@ -150,6 +150,27 @@ def test_a_host_belongs_to_one_loop_and_says_so(tmp_path: Path) -> None:
             loop(device(), slow)
 
 
+def test_what_is_published_after_the_end_of_the_loop_is_an_error() -> None:
+    slow = host()
+    with loop(device(), slow):
+        until_taken(slow, lambda progress: slow.publish(progress, [], [floor()]))
+    with pytest.raises(RuntimeError, match="the Loop of the SlowHost has ended, and renders nothing more"):
+        slow.publish(slow.progress, [], [floor()])
+    # How far it came is still known.
+    assert slow.progress.tick > 0 and slow.progress.model_tick is not None
+
+
+def test_a_row_of_a_body_has_each_part_in_its_place() -> None:
+    three, turned = [0.0] * 3, [1.0, 0.0, 0.0, 0.0]
+    good: list[Any] = [three, turned, three, three, three, three, np.zeros((6, 6))]
+    assert body_row(*good).shape == (55,)
+    # 55 numbers too, each in the place of another.
+    with pytest.raises(ValueError, match="position has 4 numbers, but must have 3"):
+        body_row(turned, three, *good[2:])
+    with pytest.raises(ValueError, match="mobility has 25 numbers, but must have 36"):
+        body_row(*good[:-1], np.zeros((5, 5)))
+
+
 def test_what_is_wrong_is_said_by_name_and_nothing_of_it_is_published() -> None:
     for wrong, what in [
         ({"device_mass": -1.0}, "device_mass is -1, and has to be above 0"),
@@ -161,9 +182,17 @@ def test_what_is_wrong_is_said_by_name_and_nothing_of_it_is_published() -> None:
         ({"contacts": 0}, "contacts is 0, and has to be 1 to 64"),
         ({"stale_after": 0.001}, "stale_after is 0.001 s, and has to be 0.002 to 2 s"),
         ({"position": [0.0, 1.0]}, "position has 2 numbers, but must have three: x, y, z"),
+        ({"position": [0.0, 0.0, math.nan]}, r"position\[2\] is nan, but must be finite"),
         ({"period": math.nan}, "period is NaN, and has to be above 0"),
     ]:
         with pytest.raises(ValueError, match=what):
+            host(**wrong)
+    for wrong, what in [
+        ({"bodies": 1.5}, "bodies is 1.5, but must be a whole number"),
+        ({"contacts": "a"}, "contacts is 'a', but must be a whole number"),
+        ({"tool_radius": "a"}, "tool_radius is 'a': must be real number, not str"),
+    ]:
+        with pytest.raises(TypeError, match=what):
             host(**wrong)
     slow = host(bodies=1)
     with loop(device(), slow):
@@ -179,10 +208,15 @@ def test_what_is_wrong_is_said_by_name_and_nothing_of_it_is_published() -> None:
             ([row], [floor(on=1)], "contact 0: it is on body 1, and there are 1 bodies"),
             ([row], [None, floor(normal=(0.0, 0.0, 2.0))], "contact 1: normal has the length 2"),
             ([row], [floor(stiffness=-1.0)], "contact 0: stiffness is -1, and has to be above 0"),
-            ([row], [floor(place=(0.0, 0.0))], "place has 2 numbers, but must have three"),
+            ([row], [floor(stiffness="a")], "contact 0: stiffness is 'a', but must be a number"),
+            ([row], [floor(on=0.5)], "contact 0: on is 0.5, but must be the number of a body"),
         ]:
             with pytest.raises(ValueError, match=what):
                 slow.publish(slow.progress, bodies, contacts)
+        with pytest.raises(TypeError, match=r"contacts\[0\] is .* but must be a SlowContact or None, in a list"):
+            slow.publish(slow.progress, [row], floor())  # type: ignore[arg-type]
+        with pytest.raises(IndexError):
+            slow.progress.wrench_since(slow.progress, 1)
         ticks = slow.progress.tick
         until("ten more ticks", lambda: slow.progress.tick > ticks + 10)
         assert slow.progress.model_tick is None

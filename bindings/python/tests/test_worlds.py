@@ -294,3 +294,23 @@ def test_a_force_that_was_sent_is_finite() -> None:
     world.step([0, 0, 0.0])
     with pytest.raises(ValueError, match=r"force\[2\] is nan, but must be finite"):
         world.report_sent([0.0, 0.0, math.nan])
+
+
+def test_what_is_wrong_with_tables_is_said_with_its_place() -> None:
+    tables: dict[str, Any] = {
+        "loop": {"period_s": 0.001},
+        "devices": [{"name": "tool", "mass_kg": 0.2, "tool": {"sphere": {"radius_m": 0.01}}}],
+        "bodies": [
+            {"name": "ball", "mass_kg": 0.1, "shape": {"sphere": {"radius_m": 0.03}}},
+            {"name": "cube", "mass_kg": 0.1, "position_m": [0.1, 0, 0], "shape": {"sphere": {"radius_m": "0.03"}}},
+        ],
+        "contacts": [{"between": ["tool", "ball"], "stiffness_n_per_m": 2000.0}],
+    }
+    for changed, said in [
+        ({}, r'^body\[1\].shape.sphere.radius_m: invalid type: string "0.03", expected a number$'),
+        ({"bodies": [], "loop": {"period_s": "a"}}, r'^loop.period_s: invalid type: string "a", expected a number'),
+        ({"bodies": [], "loop": {}}, "^loop: the key period_s is missing"),
+        ({"contacts": [{"between": ["tool", "ball"], "stiffness_n_per_m": 10**30}]}, "stiffness_n_per_m is a whole number of more than 64 bits"),
+    ]:
+        with pytest.raises(ValueError, match=said):
+            palpate.World(**{**tables, **changed})

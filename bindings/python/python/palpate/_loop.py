@@ -200,6 +200,11 @@ class Loop(_palpate.Loop):
             "record": _file(record),
             "scene": None,
         }
+        if not isinstance(renderer, (Renderer, World, _palpate.SlowHost)):
+            raise TypeError(f"renderer is {renderer!r}, but must be a palpate.Renderer, a palpate.World or a palpate.engines.SlowHost")
+        for one in device.values() if isinstance(device, Mapping) else [device]:
+            if not isinstance(one, Device):
+                raise TypeError(f"device is {one!r}, but must be one of palpate.devices, such as palpate.devices.Pointer()")
         rendered: Any = renderer
         parameters: dict[str, Any] = {}
         if not isinstance(renderer, Renderer) and range is not None:

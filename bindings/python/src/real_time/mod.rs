@@ -150,8 +150,9 @@ impl RealTimeLoop {
             }
             None => (None, None),
         };
+        let heard = Arc::new(Heard::new(options.ring));
         if let (Some(own), Ok(host)) = (slow_host, rendered.cast::<SlowHost>()) {
-            host.get().belong(own)?;
+            host.get().belong(own, Arc::clone(&heard))?;
         }
         let (tap, listener) = tap(ROOM);
         let parameters = control.parameters();
@@ -162,7 +163,7 @@ impl RealTimeLoop {
         Ok(Self {
             parameters: Mutex::new(parameters),
             in_world: Mutex::new(in_world),
-            heard: Arc::new(Heard::new(options.ring)),
+            heard,
             held,
             process: std::process::id(),
             runs_on,

@@ -1,6 +1,6 @@
 //! `SlowHost`: what a slow host publishes to a loop in real time, and how far the loop says that it has come.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods as _};
 use palpate::Actuation;
@@ -11,10 +11,13 @@ use palpate_world::engine::local::{LocalContact, LocalParams, LocalRenderer, Mod
 use palpate_world::{ContactLaw, CoupledParams, Shape, Tool, WorldLoop};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::arrays;
 use crate::engine::{BODY, body, wrong};
+use crate::fields::read;
 use crate::names::refused;
+use crate::real_time::heard::Heard;
 
 /// The tool, room for models, and the loop, as the Python files hand them over.
 #[derive(Clone, Copy, FromPyObject)]
@@ -60,14 +63,21 @@ type ToldProgress = (
 pub struct SlowHost {
     given: Given,
     /// None before a loop is made with it.
-    end: Mutex<Option<palpate_rt::SlowHost>>,
+    end: Mutex<Option<End>>,
+}
+
+/// The host's end, and what its loop has told.
+struct End {
+    own: palpate_rt::SlowHost,
+    heard: Arc<Heard>,
 }
 
 #[pymethods]
 impl SlowHost {
     /// A host that is described by a dictionary; the Python file has its keys.
     #[new]
-    fn new(given: Given) -> PyResult<Self> {
+    fn new(given: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let given: Given = read(given)?;
         given.renderer([true; 3])?;
         if !(given.soft_start.is_finite() && given.soft_start >= 0.0) {
             return Err(refused(format!(
@@ -84,7 +94,7 @@ impl SlowHost {
     /// How far the loop has come, as of its last tick.
     fn progress_now(&self) -> PyResult<ToldProgress> {
         let mut end = self.end();
-        let progress = taken(&mut end)?.progress();
+        let progress = taken(&mut end)?.own.progress();
         let first = |vectors: &[Vector]| vectors.first().copied().unwrap_or_default();
         let bodies = progress.impulses.iter().zip(&progress.copies);
         Ok((
@@ -121,8 +131,13 @@ impl SlowHost {
         let contacts = contacts.into_iter().map(|contact| contact.map(local));
         let contacts: Vec<_> = contacts.collect();
         let mut end = self.end();
-        taken(&mut end)?
-            .publish(tick, &bodies, &contacts)
+        let End { own, heard } = taken(&mut end)?;
+        if heard.is_closed() {
+            return Err(PyRuntimeError::new_err(
+                "the Loop of the SlowHost has ended, and renders nothing more",
+            ));
+        }
+        own.publish(tick, &bodies, &contacts)
             .map_err(|faults| wrong(&faults))
     }
 
@@ -170,14 +185,14 @@ impl SlowHost {
 
     /// Gives this host to the loop that has the other end. A loop calls this when nothing else can fail: a loop that could not
     /// be made leaves the host free.
-    pub fn belong(&self, own: palpate_rt::SlowHost) -> PyResult<()> {
+    pub fn belong(&self, own: palpate_rt::SlowHost, heard: Arc<Heard>) -> PyResult<()> {
         let mut end = self.end();
         free(&end)?;
-        *end = Some(own);
+        *end = Some(End { own, heard });
         Ok(())
     }
 
-    fn end(&self) -> MutexGuard<'_, Option<palpate_rt::SlowHost>> {
+    fn end(&self) -> MutexGuard<'_, Option<End>> {
         self.end.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -218,7 +233,7 @@ impl Given {
     }
 }
 
-fn free(end: &Option<palpate_rt::SlowHost>) -> PyResult<()> {
+fn free(end: &Option<End>) -> PyResult<()> {
     if end.is_some() {
         return Err(PyRuntimeError::new_err(
             "the SlowHost belongs to another Loop; make another SlowHost",
@@ -231,7 +246,7 @@ fn finite(limit: f64) -> Option<f64> {
     (limit != f64::INFINITY).then_some(limit)
 }
 
-fn taken(end: &mut Option<palpate_rt::SlowHost>) -> PyResult<&mut palpate_rt::SlowHost> {
+fn taken(end: &mut Option<End>) -> PyResult<&mut End> {
     end.as_mut().ok_or_else(|| {
         PyRuntimeError::new_err("the SlowHost is in no Loop; make one with it first")
     })

@@ -303,6 +303,24 @@ def body_row(
         acceleration: Of the reference point by everything but the contacts [m/s^2].
         angular_acceleration: By everything but the contacts [rad/s^2].
         mobility: What a wrench does to these accelerations: 6 rows of 6, columns force [N] and torque [N m].
+
+    Raises:
+        ValueError: An argument with another number of numbers.
     """
-    parts = [position, orientation, velocity, angular_velocity, acceleration, angular_acceleration]
-    return np.concatenate([*map(np.ravel, parts), np.ravel(mobility)])
+    parts = [position, orientation, velocity, angular_velocity, acceleration, angular_acceleration, mobility]
+    made = [np.ravel(part) for part in parts]
+    for (name, count), part in zip(_BODY_PARTS, made):
+        if part.size != count:
+            raise ValueError(f"{name} has {part.size} numbers, but must have {count}")
+    return np.concatenate(made)
+
+
+_BODY_PARTS = (
+    ("position", 3),
+    ("orientation", 4),
+    ("velocity", 3),
+    ("angular_velocity", 3),
+    ("acceleration", 3),
+    ("angular_acceleration", 3),
+    ("mobility", 36),
+)

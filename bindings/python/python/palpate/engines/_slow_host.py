@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _palpate
-from .._arrays import numbers, row
+from .._arrays import known, numbers, row
 from .._world_values import Vector
 from ._contact import BODY_COLUMNS
 
@@ -45,13 +45,14 @@ class SlowContact(NamedTuple):
 
     def _told(self, number: int) -> tuple[Any, ...]:
         for name, body in (("on", self.on), ("body", self.body)):
-            if body is not None and body < 0:
-                raise ValueError(f"contact {number}: {name} is {body}, but must be the number of a body, from 0, or None")
+            if body is not None and (not isinstance(body, (int, np.integer)) or body < 0):
+                raise ValueError(f"contact {number}: {name} is {body!r}, but must be the number of a body, from 0, or None")
         bristle = self.stiffness if self.friction_stiffness is None else self.friction_stiffness
-        law = [float(number) for number in (self.stiffness, self.damping, self.friction, bristle)]
         of = f"contact {number}: "
-        surface = (_three(of + "place", self.place), _three(of + "normal", self.normal), float(self.curvature))
-        return (self.body, self.on), surface, (_three(of + "centre", self.centre), float(self.radius)), law
+        laws = (("stiffness", self.stiffness), ("damping", self.damping), ("friction", self.friction), ("friction_stiffness", bristle))
+        law = [_one(of + name, value) for name, value in laws]
+        surface = (_three(of + "place", self.place), _three(of + "normal", self.normal), _one(of + "curvature", self.curvature))
+        return (self.body, self.on), surface, (_three(of + "centre", self.centre), _one(of + "radius", self.radius)), law
 
 
 class BodyImpulse(NamedTuple):
@@ -93,9 +94,9 @@ class SlowProgress(NamedTuple):
         """The mean force [N] and torque about the reference point [N m] of the tool on a body from an earlier progress to this
         one, six numbers: what the host holds over its step. 0 where no time has passed."""
         time = self.time_since(earlier)
+        now, before = self.impulses[body], earlier.impulses[body]
         if time <= 0.0:
             return np.zeros(6)
-        now, before = self.impulses[body], earlier.impulses[body]
         return np.concatenate([now.linear - before.linear, now.angular - before.angular]) / time
 
 
@@ -161,8 +162,10 @@ class SlowHost(_palpate.SlowHost):
         if masses.shape not in [(), (3,)]:
             raise ValueError(f"device_mass has the shape {masses.shape}, but must be one number, or have (3,)")
         given["device_mass"] = np.broadcast_to(masses, (3,)).tolist()
-        given["position"] = _three("position", position)
+        given["position"] = _three("position", known("position", numbers("position", position)))
         for name, count in (("bodies", bodies), ("contacts", contacts)):
+            if not isinstance(count, (int, np.integer)):
+                raise TypeError(f"{name} is {count!r}, but must be a whole number")
             if count < 0:
                 raise ValueError(f"{name} is {count}, but must not be below 0")
         return super().__new__(cls, given)
@@ -205,8 +208,11 @@ class SlowHost(_palpate.SlowHost):
 
         Raises:
             ValueError: Everything that is wrong with them, by their numbers; the model before stays then.
-            RuntimeError: No loop was made with this host.
+            RuntimeError: No loop was made with this host, or its loop has ended.
         """
+        for number, contact in enumerate(contacts):
+            if contact is not None and not isinstance(contact, SlowContact):
+                raise TypeError(f"contacts[{number}] is {contact!r}, but must be a SlowContact or None, in a list")
         rows = [np.ravel(numbers("bodies", body)) for body in bodies]
         for number, given_row in enumerate(rows):
             if given_row.size != BODY_COLUMNS:
@@ -219,6 +225,13 @@ class SlowHost(_palpate.SlowHost):
 
     def __reduce__(self) -> NoReturn:
         raise TypeError("a SlowHost belongs to a Loop and is not pickled")
+
+
+def _one(name: str, given: float) -> float:
+    try:
+        return float(given)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} is {given!r}, but must be a number") from None
 
 
 def _three(name: str, given: ArrayLike) -> list[float]:
