@@ -1556,7 +1556,7 @@ typedef struct palpate_body_params {
    */
   struct palpate_pose pose;
   /*
-   Mass, above 0 [kg]. INFINITY, the default: a fixed body, which has no velocity and takes no force.
+   Mass, above 0 [kg]. INFINITY, the default: a fixed body, which takes no force; one with a velocity is refused.
    */
   double mass;
   /*

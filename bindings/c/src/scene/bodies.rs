@@ -74,7 +74,7 @@ pub unsafe extern "C" fn palpate_scene_add_body(
         let (params, shape) = unsafe { (sized::read(params)?, Shape::at(shape)?) };
         scene.free_name(name)?;
         let number = scene.scene.world.bodies.len();
-        let body = params.body(name, shape).balanced();
+        let body = params.body(name, shape)?.balanced();
         scene.scene.world.bodies.push(body);
         if let Err(refusal) = scene.check(|fault| fault.place == Place::Body(number)) {
             scene.scene.world.bodies.truncate(number);
@@ -130,8 +130,8 @@ pub unsafe extern "C" fn palpate_scene_set_body(
         let before = scene.scene.world.bodies[number].clone();
         let after = match shape {
             // Its shape is about its centre of mass already.
-            None => params.body(name, before.shape.clone()),
-            Some(shape) => params.body(name, shape).balanced(),
+            None => params.body(name, before.shape.clone())?,
+            Some(shape) => params.body(name, shape)?.balanced(),
         };
         scene.scene.world.bodies[number] = after;
         if let Err(refusal) = scene.check(|fault| fault.place == Place::Body(number)) {

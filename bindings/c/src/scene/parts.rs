@@ -2,6 +2,7 @@
 
 use palpate_world::{Body, Contact, ContactLaw, Free, Joint, JointKind, JointLaw, Motion, Shape};
 use std::borrow::ToOwned;
+use std::format;
 
 use super::params::check;
 use crate::choice;
@@ -18,7 +19,7 @@ pub struct BodyParams {
     pub struct_size: usize,
     /// Where it is at the start, and how it is turned: of a body that moves, its centre of mass. Default: the origin.
     pub pose: Pose,
-    /// Mass, above 0 [kg]. INFINITY, the default: a fixed body, which has no velocity and takes no force.
+    /// Mass, above 0 [kg]. INFINITY, the default: a fixed body, which takes no force; one with a velocity is refused.
     pub mass: f64,
     /// Moments of inertia about the centre of mass along its own axes [kg m^2]. All 0, the default: of its shape, filled evenly.
     pub inertia: [f64; 3],
@@ -53,9 +54,22 @@ impl Default for BodyParams {
 }
 
 impl BodyParams {
-    /// A body of that name and shape. What is wrong with its numbers says the check of a world.
-    pub(super) fn body(&self, name: &str, shape: Shape) -> Body {
+    /// A body of that name and shape. What else is wrong with its numbers says the check of a world.
+    ///
+    /// # Errors
+    /// A fixed body with a velocity: it would stand still and say nothing.
+    pub(super) fn body(&self, name: &str, shape: Shape) -> Result<Body, Refusal<'static>> {
         let motion = if self.mass == f64::INFINITY {
+            for (key, value) in [
+                ("velocity", self.velocity),
+                ("angular_velocity", self.angular_velocity),
+            ] {
+                if value != [0.0; 3] {
+                    return Err(Refusal::Numbers(format!(
+                        "body \"{name}\": {key} is {value:?}, and a fixed body (mass INFINITY) has none"
+                    )));
+                }
+            }
             Motion::Fixed
         } else {
             Motion::Free(Free {
@@ -71,7 +85,7 @@ impl BodyParams {
             position,
             orientation,
         } = self.pose;
-        body.at(position).turned(orientation)
+        Ok(body.at(position).turned(orientation))
     }
 }
 

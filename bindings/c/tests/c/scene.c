@@ -311,6 +311,13 @@ static void misuse(void) {
   REFUSED(palpate_scene_set_body(scene, "block", &body, NULL), PARAMETER, "mass is -1");
   OK(palpate_scene_body(scene, "block", &body));
   EXPECT(body.mass == 0.05);
+  /* It would stand still and say nothing. */
+  body.mass = INFINITY, body.velocity[0] = 1.0;
+  REFUSED(palpate_scene_set_body(scene, "block", &body, NULL), PARAMETER, "velocity is [1.0, 0.0, 0.0], and a fixed body");
+  body.velocity[0] = 0.0, body.angular_velocity[2] = 1.0, shape.radius = 0.01;
+  REFUSED(palpate_scene_add_body(scene, "new", &body, &shape), PARAMETER, "angular_velocity is [0.0, 0.0, 1.0]");
+  OK(palpate_scene_body(scene, "block", &body));
+  EXPECT(body.mass == 0.05);
   REFUSED(palpate_scene_body(scene, "nobody", &body), SCENE, "a body of the scene: block, table");
   REFUSED(palpate_scene_remove_body(scene, "tool"), SCENE, "a body of the scene");
 
