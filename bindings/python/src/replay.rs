@@ -14,6 +14,7 @@ use palpate_session::RecordedWorld;
 use palpate_sim::closed_loop::LoopError;
 use palpate_sim::hand_replay::{HandError, HandModel, REACH};
 use palpate_sim::replay::ReplayError;
+use palpate_testbed::reference::ReferenceError;
 use palpate_study::hand_replay::{HandReplayError, HandReplayStep};
 use palpate_study::recording::{
     NoScene, RecordingReplay, RecordingReplayError, ReplayOf, ReplayedRecording, StatedHand,
@@ -336,7 +337,10 @@ impl Replaying {
                 HandReplayError::Loop(method, LoopError::Setup(setup)) => {
                     self.wrong_replay(method, &ReplayError::Setup(setup))
                 }
-                HandReplayError::Loop(_, LoopError::Bench(error)) => wrong_on_bench(&error),
+                HandReplayError::Loop(
+                    _,
+                    LoopError::Bench(error) | LoopError::Ideal(ReferenceError::Scene(error)),
+                ) => wrong_on_bench(&error),
                 HandReplayError::Loop(_, error) => refused(format!("{name}: {error}")),
                 HandReplayError::OutOfReach { model, departure } => refused(format!(
                     "{name}: held by a hand of {} N/m and {} N s/m, the device would leave the recorded motion by \

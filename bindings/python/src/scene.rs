@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Measure, Scene, SceneError, SceneErrors, SceneFile, SceneParameter, beside};
 use palpate_sim::closed_loop::LoopError;
+use palpate_testbed::reference::ReferenceError;
 use pyo3::exceptions::{PyOSError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
@@ -42,11 +43,14 @@ impl PyScene {
         };
         let placed = match error {
             LoopError::Setup(setup) => self.file.locate(method, setup),
-            LoopError::TooFewCollisions { .. } | LoopError::TooLong(_) => at(of_window),
-            LoopError::Bench(bench) if bench.name == "collisions" => at(of_window),
-            LoopError::Bench(_) | LoopError::AnotherScene => {
-                self.file.as_a_whole(error.to_string())
-            }
+            LoopError::TooFewCollisions { .. }
+            | LoopError::TooLong(_)
+            | LoopError::Ideal(
+                ReferenceError::TooFewCollisions { .. } | ReferenceError::NoCollisions,
+            ) => at(of_window),
+            LoopError::Ideal(ReferenceError::Scene(_))
+            | LoopError::Bench(_)
+            | LoopError::AnotherScene => self.file.as_a_whole(error.to_string()),
         };
         if self.is_file {
             refused(placed)

@@ -2,6 +2,7 @@
 
 use palpate_scene::SetupError;
 use palpate_testbed::InvalidParameter;
+use palpate_testbed::reference::ReferenceError;
 
 use crate::run::MOST_PERIODS;
 
@@ -14,7 +15,10 @@ pub enum LoopError {
     /// The bench refuses a value.
     #[error(transparent)]
     Bench(#[from] InvalidParameter),
-    /// The ideal does not collide as often as the window asks.
+    /// No ideal can be integrated.
+    #[error(transparent)]
+    Ideal(#[from] ReferenceError),
+    /// The ideal in closed form does not collide as often as the window asks.
     #[error(
         "the window asks for {asked} collisions, but the ideal has only {found}; \
          state a duration instead"

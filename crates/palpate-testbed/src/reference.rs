@@ -11,6 +11,8 @@
 //! found by iteration. Whatever the step, the contact then creates and destroys no energy; the
 //! error is that of a second-order step, and halving the step tells how large it is.
 
+use thiserror::Error;
+
 use crate::InvalidParameter;
 use crate::device::Device;
 use crate::error::{finite, positive};
@@ -43,6 +45,27 @@ pub enum Stop {
     AfterCollisions(usize),
     /// For so many periods.
     AfterPeriods(usize),
+}
+
+/// Why a reference cannot be integrated.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum ReferenceError {
+    /// A value of the scene outside its range.
+    #[error(transparent)]
+    Scene(#[from] InvalidParameter),
+    /// The search was to stop after no collision at all.
+    #[error("collisions = 0 is not allowed; allowed: at least 1")]
+    NoCollisions,
+    /// The search found too few collisions.
+    #[error(
+        "collisions = {asked} is not allowed; allowed: as many as there are within {LONGEST_SEARCH} periods"
+    )]
+    TooFewCollisions {
+        /// Collisions asked for.
+        asked: usize,
+        /// Collisions that ended within the search.
+        found: usize,
+    },
 }
 
 /// The integrated ideal of a scene.
@@ -115,20 +138,22 @@ pub fn integrate<D: Device + Clone>(
     device: &D,
     scene: &ReferenceScene,
     stop: Stop,
-) -> Result<Reference, InvalidParameter> {
+) -> Result<Reference, ReferenceError> {
     scene.check()?;
     let mut run = Run::new(device.clone(), scene);
     let periods = match stop {
         Stop::AfterPeriods(periods) => periods,
         Stop::AfterCollisions(count) => {
-            InvalidParameter::unless(count > 0, "collisions", 0.0, "at least 1")?;
+            if count == 0 {
+                return Err(ReferenceError::NoCollisions);
+            }
             while run.ended < count {
-                InvalidParameter::unless(
-                    run.impulses.len() < LONGEST_SEARCH,
-                    "collisions",
-                    count as f64,
-                    "as many as there are within 2000 periods",
-                )?;
+                if run.impulses.len() >= LONGEST_SEARCH {
+                    return Err(ReferenceError::TooFewCollisions {
+                        asked: count,
+                        found: run.ended,
+                    });
+                }
                 run.period();
             }
             let end = run.collisions[count - 1].end.unwrap_or(0.0);

@@ -3,7 +3,7 @@
 
 use palpate_testbed::device::{Device, PointMass};
 use palpate_testbed::ideal::{Ideal, PointMassScene};
-use palpate_testbed::reference::{Reference, ReferenceScene, Stop, integrate};
+use palpate_testbed::reference::{Reference, ReferenceError, ReferenceScene, Stop, integrate};
 
 const SCENES: [(f64, f64, f64, f64, usize, f64); 4] = [
     // period, device mass, object mass, stiffness, collisions, gap
@@ -118,7 +118,7 @@ fn the_contact_creates_no_energy_however_long_the_step() {
 }
 
 #[test]
-fn what_cannot_be_integrated_is_refused_by_name() {
+fn what_cannot_be_integrated_is_refused_by_value() {
     let device = PointMass::new(0.25, -1.0).unwrap();
     let scene = ReferenceScene {
         stiffness: 100.0,
@@ -129,14 +129,26 @@ fn what_cannot_be_integrated_is_refused_by_name() {
         period: 0.02,
         steps_per_period: 20,
     };
-    let refused = |scene: ReferenceScene, stop| integrate(&device, &scene, stop).unwrap_err().name;
+    let refused = |scene: ReferenceScene, stop| integrate(&device, &scene, stop).unwrap_err();
     // The hand pulls away from the wall.
-    assert_eq!(refused(scene, Stop::AfterCollisions(1)), "collisions");
-    assert_eq!(refused(scene, Stop::AfterCollisions(0)), "collisions");
+    let too_few = refused(scene, Stop::AfterCollisions(1));
+    assert_eq!(
+        too_few,
+        ReferenceError::TooFewCollisions { asked: 1, found: 0 }
+    );
+    assert_eq!(
+        too_few.to_string(),
+        "collisions = 1 is not allowed; allowed: as many as there are within 2000 periods"
+    );
+    let none = refused(scene, Stop::AfterCollisions(0));
+    assert_eq!(none, ReferenceError::NoCollisions);
     let bad = |change: fn(&mut ReferenceScene)| {
         let mut scene = scene;
         change(&mut scene);
-        refused(scene, Stop::AfterPeriods(1))
+        match refused(scene, Stop::AfterPeriods(1)) {
+            ReferenceError::Scene(error) => error.name,
+            other => panic!("{other}"),
+        }
     };
     assert_eq!(bad(|s| s.stiffness = 0.0), "stiffness");
     assert_eq!(bad(|s| s.object_mass = -1.0), "object_mass");

@@ -13,6 +13,7 @@ use palpate_testbed::viscous_mass::ViscousMass;
 use super::bounce::{Bounce, BounceError};
 use super::growth::{BounceEnergy, GrowthMeter};
 use super::{ERROR_COLLISIONS, GROWTH_COLLISIONS, PHASE_RANGE, PHASES};
+use palpate_sim::closed_loop::LoopError;
 use palpate_sim::run::MOST_PERIODS;
 use palpate_sim::sampled_loop::device_of;
 use palpate_sim::ticks::{TickedDevice, TicksParams, Way};
@@ -70,7 +71,8 @@ fn integrated(
         steps_per_period: twenties * reference::POINTS_PER_PERIOD,
     };
     let device = device_of(&bounce.scene(0.0, 1), 1.0)?;
-    let ideal = reference::integrate(&device, &object, Stop::AfterPeriods(periods))?;
+    let ideal = reference::integrate(&device, &object, Stop::AfterPeriods(periods))
+        .map_err(LoopError::from)?;
     Ok(ideal.profile)
 }
 

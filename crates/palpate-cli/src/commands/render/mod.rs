@@ -12,6 +12,7 @@ use palpate_sim::closed_loop::LoopError;
 use palpate_sim::hand_replay::Recording as OfAHand;
 use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
 use palpate_sim::run::{MOST_PERIODS, Run};
+use palpate_testbed::reference::ReferenceError;
 
 use super::hand_replay::{Recorded, ReplayRuns, close_loop};
 use crate::arguments::{RenderArguments, ReplayKind};
@@ -177,7 +178,9 @@ fn in_trace(name: &str, period: f64, error: ReplayError) -> Failure {
 fn in_loop(name: &str, error: LoopError) -> Failure {
     match error {
         LoopError::Setup(error) => wrong_setup(&error),
-        LoopError::Bench(error) => wrong_on_bench(&error),
+        LoopError::Bench(error) | LoopError::Ideal(ReferenceError::Scene(error)) => {
+            wrong_on_bench(&error)
+        }
         other => Failure::input(format!("{name}: {other}")),
     }
 }

@@ -12,6 +12,7 @@ use palpate_scene::{SceneFile, SetupError};
 use palpate_session::RecordedWorld;
 use palpate_sim::closed_loop::LoopError;
 use palpate_sim::replay::ReplayError;
+use palpate_testbed::reference::ReferenceError;
 
 use super::hand_replay::{tell_step, warn_beyond_reach, wrong_hand};
 use super::simulate::in_file;
@@ -87,7 +88,9 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     };
     let in_loop = |method, error| match error {
         LoopError::Setup(setup) => failure(method, ReplayError::Setup(setup)),
-        LoopError::Bench(error) => wrong_on_bench(&error),
+        LoopError::Bench(error) | LoopError::Ideal(ReferenceError::Scene(error)) => {
+            wrong_on_bench(&error)
+        }
         other => Failure::input(format_args!("{name}: {other}")),
     };
     let replay = RecordingReplay {

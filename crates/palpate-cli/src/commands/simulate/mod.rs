@@ -12,6 +12,7 @@ use palpate_scene::{
     Intention, Measure, Scene, SceneError, SceneFile, SceneParameter, SetupError, beside,
 };
 use palpate_sim::closed_loop::{Bench, LoopError};
+use palpate_testbed::reference::ReferenceError;
 
 use crate::arguments::{Flags, SimulateArguments, TimingFlags};
 use crate::failure::{Failure, tell};
@@ -180,22 +181,25 @@ pub(super) fn explain(
         }
         // The file is sound by itself, or reading it would have failed; what follows may come
         // from the flags, and then no line of the file is to blame.
-        LoopError::TooFewCollisions { .. } | LoopError::TooLong(_) | LoopError::Bench(_)
+        LoopError::TooFewCollisions { .. }
+        | LoopError::TooLong(_)
+        | LoopError::Ideal(_)
+        | LoopError::Bench(_)
             if flags.change_a_scene() =>
         {
             Failure::Arguments(format!("with these flags, {error}"))
         }
-        LoopError::TooFewCollisions { .. } => in_window(file, SceneParameter::Collisions, &error),
+        LoopError::TooFewCollisions { .. }
+        | LoopError::Ideal(
+            ReferenceError::TooFewCollisions { .. } | ReferenceError::NoCollisions,
+        ) => in_window(file, SceneParameter::Collisions, &error),
         LoopError::TooLong(_) => match file.scene.measure {
             Measure::Collisions(_) => in_window(file, SceneParameter::Collisions, &error),
             Measure::Duration(_) => in_window(file, SceneParameter::Duration, &error),
         },
-        LoopError::Bench(bench) if bench.name == "collisions" => {
-            in_window(file, SceneParameter::Collisions, &error)
-        }
-        LoopError::Bench(_) | LoopError::AnotherScene => {
-            in_file(file.as_a_whole(error.to_string()))
-        }
+        LoopError::Ideal(ReferenceError::Scene(_))
+        | LoopError::Bench(_)
+        | LoopError::AnotherScene => in_file(file.as_a_whole(error.to_string())),
     }
 }
 
