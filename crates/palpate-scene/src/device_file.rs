@@ -5,7 +5,8 @@ use std::ops::Range;
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::pantograph::kinematics::{Assembly, Origin};
 use palpate_testbed::pantograph::{
-    Actuation, Geometry, Link, Pantograph, PantographParams, Pid, SafetyBox,
+    Actuation, Geometry, Link, Pantograph, PantographParameter as Parameter, PantographParams, Pid,
+    SafetyBox,
 };
 use serde::de::{Error as _, Expected, IgnoredAny, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
@@ -173,8 +174,8 @@ impl RawBox {
 
 /// The links of both arms; where the file is silent they are uniform rods.
 fn links(
-    places: &mut Places<&'static str>,
-    names: [&'static str; 3],
+    places: &mut Places<Parameter>,
+    names: [Parameter; 3],
     raw: RawLinks,
     length: f64,
 ) -> [Link; 2] {
@@ -218,11 +219,11 @@ impl Linkage {
                 in_plain_words(error.message()),
             )
         })?;
-        let mut places = Places::<&'static str>::default();
+        let mut places = Places::<Parameter>::default();
         let geometry = Geometry {
-            proximal: places.take("proximal", raw.geometry.proximal_m),
-            distal: places.take("distal", raw.geometry.distal_m),
-            base: places.take("base", raw.geometry.base_m),
+            proximal: places.take(Parameter::Proximal, raw.geometry.proximal_m),
+            distal: places.take(Parameter::Distal, raw.geometry.distal_m),
+            base: places.take(Parameter::Base, raw.geometry.base_m),
             assembly: match raw.geometry.assembly {
                 RawAssembly::Far => Assembly::Far,
                 RawAssembly::Near => Assembly::Near,
@@ -235,60 +236,76 @@ impl Linkage {
         let params = PantographParams {
             geometry,
             home: places
-                .take("home", raw.home.angles_deg)
+                .take(Parameter::Home, raw.home.angles_deg)
                 .0
                 .map(f64::to_radians),
             proximal: links(
                 &mut places,
-                ["proximal mass", "proximal centre", "proximal inertia"],
+                [
+                    Parameter::ProximalMass,
+                    Parameter::ProximalCentre,
+                    Parameter::ProximalInertia,
+                ],
                 raw.proximal,
                 geometry.proximal,
             ),
             distal: links(
                 &mut places,
-                ["distal mass", "distal centre", "distal inertia"],
+                [
+                    Parameter::DistalMass,
+                    Parameter::DistalCentre,
+                    Parameter::DistalInertia,
+                ],
                 raw.distal,
                 geometry.distal,
             ),
-            rotor_inertia: places.take("rotor_inertia", raw.motors.rotor_inertia_kg_m2),
-            end_point_mass: places.take("end_point_mass", raw.end_point.mass_kg),
+            rotor_inertia: places.take(Parameter::RotorInertia, raw.motors.rotor_inertia_kg_m2),
+            end_point_mass: places.take(Parameter::EndPointMass, raw.end_point.mass_kg),
             viscous_friction: places.take_or(
-                "viscous_friction",
+                Parameter::ViscousFriction,
                 raw.friction.viscous_n_m_s_per_rad,
                 0.0,
             ),
-            coulomb_friction: places.take_or("coulomb_friction", raw.friction.coulomb_n_m, 0.0),
-            max_torque: places.take_or("max_torque", raw.motors.torque_limit_n_m, f64::INFINITY),
+            coulomb_friction: places.take_or(
+                Parameter::CoulombFriction,
+                raw.friction.coulomb_n_m,
+                0.0,
+            ),
+            max_torque: places.take_or(
+                Parameter::MaxTorque,
+                raw.motors.torque_limit_n_m,
+                f64::INFINITY,
+            ),
             counts_per_rev: raw
                 .motors
                 .counts_per_rev
-                .map(|counts| places.take("counts_per_rev", counts)),
+                .map(|counts| places.take(Parameter::CountsPerRev, counts)),
             actuation: match raw.motors.actuation {
                 RawActuation::Ideal => Actuation::Ideal,
                 RawActuation::TruePose => Actuation::MotorsAtTruePose,
                 RawActuation::MeasuredPose => Actuation::MotorsAtMeasuredPose,
             },
             gravity: places
-                .take_or("gravity", raw.gravity_m_per_s2, Pair([0.0, 0.0]))
+                .take_or(Parameter::Gravity, raw.gravity_m_per_s2, Pair([0.0, 0.0]))
                 .0,
         };
         let hold_x = raw.hold_x.map(|pid| Pid {
             target: 0.0,
-            proportional: places.take("proportional", pid.proportional_n_per_m),
-            integral: places.take("integral", pid.integral_n_per_m_s),
-            derivative: places.take("derivative", pid.derivative_n_s_per_m),
-            max_force: places.take("max_force", pid.limit_n),
+            proportional: places.take(Parameter::Proportional, pid.proportional_n_per_m),
+            integral: places.take(Parameter::Integral, pid.integral_n_per_m_s),
+            derivative: places.take(Parameter::Derivative, pid.derivative_n_s_per_m),
+            max_force: places.take(Parameter::MaxForce, pid.limit_n),
         });
         let safety_box = raw
             .safety_box
             .map(RawBox::read)
             .transpose()
             .map_err(|(span, message)| fault(span, message))?;
-        let out_of_range = |error: InvalidParameter| {
+        let out_of_range = |error: InvalidParameter<Parameter>| {
             let (place, key) = key_of(error.name);
-            let span = places.0.get(place).cloned().unwrap_or(0..0);
+            let span = places.0.get(&place).cloned().unwrap_or(0..0);
             // Angles are written in degrees.
-            let value = if place == "home" {
+            let value = if place == Parameter::Home {
                 String::new()
             } else {
                 format!(" is {}, but", error.value)
@@ -310,41 +327,44 @@ impl Linkage {
 }
 
 /// Where the bench's parameter stands in a file, and what it is called there.
-fn key_of(parameter: &str) -> (&str, &str) {
-    // A rotor's inertia may be 0 if its link turns with it.
-    let parameter = match parameter {
-        "rotor_inertia + inertia" => {
+fn key_of(parameter: Parameter) -> (Parameter, &'static str) {
+    let key = match parameter {
+        // A rotor's inertia may be 0 if its link turns with it.
+        Parameter::TurningInertia => {
             return (
-                "rotor_inertia",
+                Parameter::RotorInertia,
                 "rotor_inertia_kg_m2 together with the inertia of the proximal link",
             );
         }
-        other => other,
+        Parameter::Proximal => "proximal_m",
+        Parameter::Distal => "distal_m",
+        Parameter::Base => "base_m",
+        Parameter::Home => "angles_deg",
+        Parameter::ProximalMass => "mass_kg",
+        Parameter::ProximalCentre => "centre",
+        Parameter::ProximalInertia => "inertia_kg_m2",
+        Parameter::DistalMass => "mass_kg",
+        Parameter::DistalCentre => "centre",
+        Parameter::DistalInertia => "inertia_kg_m2",
+        Parameter::RotorInertia => "rotor_inertia_kg_m2",
+        Parameter::EndPointMass => "mass_kg",
+        Parameter::ViscousFriction => "viscous_n_m_s_per_rad",
+        Parameter::CoulombFriction => "coulomb_n_m",
+        Parameter::MaxTorque => "torque_limit_n_m",
+        Parameter::CountsPerRev => "counts_per_rev",
+        Parameter::Gravity => "gravity_m_per_s2",
+        Parameter::Proportional => "proportional_n_per_m",
+        Parameter::Integral => "integral_n_per_m_s",
+        Parameter::Derivative => "derivative_n_s_per_m",
+        Parameter::MaxForce => "limit_n",
+        // No key of a file gives these.
+        Parameter::Angles
+        | Parameter::Rates
+        | Parameter::UserForce
+        | Parameter::SafetyBox
+        | Parameter::Target => parameter.name(),
     };
-    const KEYS: [(&str, &str); 20] = [
-        ("proximal", "proximal_m"),
-        ("distal", "distal_m"),
-        ("base", "base_m"),
-        ("home", "angles_deg"),
-        ("proximal mass", "mass_kg"),
-        ("proximal centre", "centre"),
-        ("proximal inertia", "inertia_kg_m2"),
-        ("distal mass", "mass_kg"),
-        ("distal centre", "centre"),
-        ("distal inertia", "inertia_kg_m2"),
-        ("rotor_inertia", "rotor_inertia_kg_m2"),
-        ("end_point_mass", "mass_kg"),
-        ("viscous_friction", "viscous_n_m_s_per_rad"),
-        ("coulomb_friction", "coulomb_n_m"),
-        ("max_torque", "torque_limit_n_m"),
-        ("gravity", "gravity_m_per_s2"),
-        ("proportional", "proportional_n_per_m"),
-        ("integral", "integral_n_per_m_s"),
-        ("derivative", "derivative_n_s_per_m"),
-        ("max_force", "limit_n"),
-    ];
-    let key = KEYS.iter().find(|(name, _)| *name == parameter);
-    (parameter, key.map_or(parameter, |(_, key)| key))
+    (parameter, key)
 }
 
 /// Every key of a file that has been read, with the names of its tables, and its value.

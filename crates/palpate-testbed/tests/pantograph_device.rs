@@ -3,7 +3,9 @@
 mod pantographs;
 
 use palpate_testbed::device::Device;
-use palpate_testbed::pantograph::{Actuation, Pantograph, PantographParams, Pid, SafetyBox};
+use palpate_testbed::pantograph::{
+    Actuation, Pantograph, PantographParameter, PantographParams, Pid, SafetyBox,
+};
 
 fn deg(angles: [f64; 2]) -> [f64; 2] {
     angles.map(f64::to_radians)
@@ -366,11 +368,11 @@ fn a_rejected_parameter_is_named() {
     bad[3].counts_per_rev = Some(0.0);
     bad[4].coulomb_friction = f64::INFINITY;
     for (params, name) in bad.into_iter().zip([
-        "home",
-        "distal mass",
-        "max_torque",
-        "counts_per_rev",
-        "coulomb_friction",
+        PantographParameter::Home,
+        PantographParameter::DistalMass,
+        PantographParameter::MaxTorque,
+        PantographParameter::CountsPerRev,
+        PantographParameter::CoulombFriction,
     ]) {
         assert_eq!(Pantograph::new(params).unwrap_err().name, name);
     }
@@ -378,7 +380,9 @@ fn a_rejected_parameter_is_named() {
         home: [1.0, 1.0],
         ..pantographs::haply(2)
     };
-    assert_eq!(Pantograph::new(gen2).unwrap_err().name, "home");
+    let error = Pantograph::new(gen2).unwrap_err();
+    assert_eq!(error.name, PantographParameter::Home);
+    assert_eq!(error.name.to_string(), "home");
     let device = Pantograph::new(good).unwrap();
     let upside_down = SafetyBox {
         x: [0.1, -0.1],

@@ -3,7 +3,7 @@
 mod pantographs;
 
 use palpate_testbed::pantograph::kinematics::{Assembly, ELBOWS_OUT, NoPose, Origin};
-use palpate_testbed::pantograph::{Geometry, Pantograph};
+use palpate_testbed::pantograph::{Geometry, Pantograph, PantographParameter};
 
 fn deg(angles: [f64; 2]) -> [f64; 2] {
     angles.map(f64::to_radians)
@@ -244,7 +244,10 @@ fn a_pose_that_does_not_exist_says_why() {
         gen3().inverse([0.0, 0.0], ELBOWS_OUT),
         Err(NoPose::Singular)
     );
-    assert_eq!(Geometry::new(0.07, -1.0, 0.0).unwrap_err().name, "distal");
+    assert_eq!(
+        Geometry::new(0.07, -1.0, 0.0).unwrap_err().name,
+        PantographParameter::Distal
+    );
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use super::dynamics::Dynamics;
 use super::kinematics::{ArmPose, dot};
 use super::motion::{Motion, State};
+use super::parameter::PantographParameter as Parameter;
 use super::params::{Actuation, PantographParams};
 use crate::InvalidParameter;
 use crate::device::Device;
@@ -107,9 +108,9 @@ impl Pantograph {
     /// # Errors
     ///
     /// A parameter is outside its range, or the home pose does not exist or is singular.
-    pub fn new(params: PantographParams) -> Result<Self, InvalidParameter> {
+    pub fn new(params: PantographParams) -> Result<Self, InvalidParameter<Parameter>> {
         let params = params.checked()?;
-        let pose = regular_pose(&params, params.home, "home")?;
+        let pose = regular_pose(&params, params.home, Parameter::Home)?;
         Ok(Self {
             params,
             dynamics: Dynamics::new(&params),
@@ -138,10 +139,14 @@ impl Pantograph {
     /// # Errors
     ///
     /// The pose does not exist or is singular, or a rate is not finite.
-    pub fn starting_at(self, angles: [f64; 2], rates: [f64; 2]) -> Result<Self, InvalidParameter> {
-        let pose = regular_pose(&self.params, angles, "angles")?;
+    pub fn starting_at(
+        self,
+        angles: [f64; 2],
+        rates: [f64; 2],
+    ) -> Result<Self, InvalidParameter<Parameter>> {
+        let pose = regular_pose(&self.params, angles, Parameter::Angles)?;
         for rate in rates {
-            finite("rates", rate, "finite [rad/s]")?;
+            finite(Parameter::Rates, rate, "finite [rad/s]")?;
         }
         Ok(Self {
             state: State {
@@ -162,9 +167,9 @@ impl Pantograph {
     /// # Errors
     ///
     /// A component is not finite.
-    pub fn with_user_force(mut self, force: [f64; 2]) -> Result<Self, InvalidParameter> {
+    pub fn with_user_force(mut self, force: [f64; 2]) -> Result<Self, InvalidParameter<Parameter>> {
         for component in force {
-            finite("user_force", component, "finite [N]")?;
+            finite(Parameter::UserForce, component, "finite [N]")?;
         }
         self.user_force = force;
         Ok(self)
@@ -178,9 +183,12 @@ impl Pantograph {
     /// # Errors
     ///
     /// A component is not finite.
-    pub fn with_user_force_by_motors(mut self, force: [f64; 2]) -> Result<Self, InvalidParameter> {
+    pub fn with_user_force_by_motors(
+        mut self,
+        force: [f64; 2],
+    ) -> Result<Self, InvalidParameter<Parameter>> {
         for component in force {
-            finite("user_force", component, "finite [N]")?;
+            finite(Parameter::UserForce, component, "finite [N]")?;
         }
         self.motor_user_force = force;
         Ok(self)
@@ -191,12 +199,12 @@ impl Pantograph {
     /// # Errors
     ///
     /// The target or a gain is not finite, or the limit is not finite and positive.
-    pub fn with_pid(mut self, pid: Pid) -> Result<Self, InvalidParameter> {
-        finite("target", pid.target, "finite [m]")?;
-        finite("proportional", pid.proportional, "finite [N/m]")?;
-        finite("integral", pid.integral, "finite [N/(m s)]")?;
-        finite("derivative", pid.derivative, "finite [N s/m]")?;
-        positive("max_force", pid.max_force, "finite and above 0 N")?;
+    pub fn with_pid(mut self, pid: Pid) -> Result<Self, InvalidParameter<Parameter>> {
+        finite(Parameter::Target, pid.target, "finite [m]")?;
+        finite(Parameter::Proportional, pid.proportional, "finite [N/m]")?;
+        finite(Parameter::Integral, pid.integral, "finite [N/(m s)]")?;
+        finite(Parameter::Derivative, pid.derivative, "finite [N s/m]")?;
+        positive(Parameter::MaxForce, pid.max_force, "finite and above 0 N")?;
         self.pid = Some(pid);
         Ok(self)
     }
@@ -206,9 +214,17 @@ impl Pantograph {
     /// # Errors
     ///
     /// A bound is a NaN, or a lower bound is not below its upper bound.
-    pub fn with_safety_box(mut self, safety_box: SafetyBox) -> Result<Self, InvalidParameter> {
+    pub fn with_safety_box(
+        mut self,
+        safety_box: SafetyBox,
+    ) -> Result<Self, InvalidParameter<Parameter>> {
         for [low, high] in [safety_box.x, safety_box.y] {
-            InvalidParameter::unless(low < high, "safety_box", low, "below its upper bound [m]")?;
+            InvalidParameter::unless(
+                low < high,
+                Parameter::SafetyBox,
+                low,
+                "below its upper bound [m]",
+            )?;
         }
         self.safety_box = Some(safety_box);
         Ok(self)
@@ -474,8 +490,8 @@ impl Device for Pantograph {
 fn regular_pose(
     params: &PantographParams,
     angles: [f64; 2],
-    name: &'static str,
-) -> Result<ArmPose, InvalidParameter> {
+    name: Parameter,
+) -> Result<ArmPose, InvalidParameter<Parameter>> {
     params
         .geometry
         .forward(angles)

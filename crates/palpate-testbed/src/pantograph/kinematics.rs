@@ -13,6 +13,7 @@
 
 use thiserror::Error;
 
+use super::parameter::PantographParameter as Parameter;
 use crate::InvalidParameter;
 use crate::error::positive;
 
@@ -115,7 +116,7 @@ impl Geometry {
     /// # Errors
     ///
     /// A link's length is not finite and positive, or `base` is not finite and at least 0.
-    pub fn new(proximal: f64, distal: f64, base: f64) -> Result<Self, InvalidParameter> {
+    pub fn new(proximal: f64, distal: f64, base: f64) -> Result<Self, InvalidParameter<Parameter>> {
         Self {
             proximal,
             distal,
@@ -131,13 +132,13 @@ impl Geometry {
     /// # Errors
     ///
     /// As for [`Geometry::new`].
-    pub fn checked(self) -> Result<Self, InvalidParameter> {
-        positive("proximal", self.proximal, "finite and above 0 m")?;
-        positive("distal", self.distal, "finite and above 0 m")?;
+    pub fn checked(self) -> Result<Self, InvalidParameter<Parameter>> {
+        positive(Parameter::Proximal, self.proximal, "finite and above 0 m")?;
+        positive(Parameter::Distal, self.distal, "finite and above 0 m")?;
         let base = self.base;
         InvalidParameter::unless(
             base.is_finite() && base >= 0.0,
-            "base",
+            Parameter::Base,
             base,
             "finite and at least 0 m",
         )?;

@@ -11,9 +11,11 @@ mod device;
 mod dynamics;
 pub mod kinematics;
 mod motion;
+mod parameter;
 mod params;
 
 pub use device::{Pantograph, Pid, SafetyBox};
 pub use dynamics::Dynamics;
 pub use kinematics::{ArmPose, Geometry};
+pub use parameter::PantographParameter;
 pub use params::{Actuation, Link, PantographParams};

@@ -1,6 +1,7 @@
 //! What a pantograph is made of.
 
 use super::kinematics::Geometry;
+use super::parameter::PantographParameter as Parameter;
 use crate::InvalidParameter;
 use crate::error::{finite, positive};
 
@@ -77,19 +78,27 @@ impl PantographParams {
     ///
     /// The first number that is not allowed. A mass, an inertia or a friction may be zero, but
     /// some inertia must turn with each motor.
-    pub fn checked(self) -> Result<Self, InvalidParameter> {
+    pub fn checked(self) -> Result<Self, InvalidParameter<Parameter>> {
         self.geometry.checked()?;
         for angle in self.home {
-            finite("home", angle, "finite [rad]")?;
+            finite(Parameter::Home, angle, "finite [rad]")?;
         }
         for (links, [mass, centre, inertia]) in [
             (
                 self.proximal,
-                ["proximal mass", "proximal centre", "proximal inertia"],
+                [
+                    Parameter::ProximalMass,
+                    Parameter::ProximalCentre,
+                    Parameter::ProximalInertia,
+                ],
             ),
             (
                 self.distal,
-                ["distal mass", "distal centre", "distal inertia"],
+                [
+                    Parameter::DistalMass,
+                    Parameter::DistalCentre,
+                    Parameter::DistalInertia,
+                ],
             ),
         ] {
             for link in links {
@@ -99,44 +108,44 @@ impl PantographParams {
             }
         }
         at_least_zero(
-            "rotor_inertia",
+            Parameter::RotorInertia,
             self.rotor_inertia,
             "finite and at least 0 kg m²",
         )?;
         for link in self.proximal {
             let turning = self.rotor_inertia + link.inertia;
             positive(
-                "rotor_inertia + inertia",
+                Parameter::TurningInertia,
                 turning,
                 "above 0 kg m² for each motor",
             )?;
         }
         at_least_zero(
-            "end_point_mass",
+            Parameter::EndPointMass,
             self.end_point_mass,
             "finite and at least 0 kg",
         )?;
         at_least_zero(
-            "viscous_friction",
+            Parameter::ViscousFriction,
             self.viscous_friction,
             "finite and at least 0 N m s/rad",
         )?;
         at_least_zero(
-            "coulomb_friction",
+            Parameter::CoulombFriction,
             self.coulomb_friction,
             "finite and at least 0 N m",
         )?;
         InvalidParameter::unless(
             self.max_torque > 0.0,
-            "max_torque",
+            Parameter::MaxTorque,
             self.max_torque,
             "above 0 N m; infinite for no limit",
         )?;
         if let Some(counts) = self.counts_per_rev {
-            positive("counts_per_rev", counts, "finite and above 0")?;
+            positive(Parameter::CountsPerRev, counts, "finite and above 0")?;
         }
         for g in self.gravity {
-            finite("gravity", g, "finite [m/s²]")?;
+            finite(Parameter::Gravity, g, "finite [m/s²]")?;
         }
         Ok(self)
     }
@@ -153,9 +162,9 @@ impl PantographParams {
 }
 
 fn at_least_zero(
-    name: &'static str,
+    name: Parameter,
     value: f64,
     allowed: &'static str,
-) -> Result<f64, InvalidParameter> {
+) -> Result<f64, InvalidParameter<Parameter>> {
     InvalidParameter::unless(value.is_finite() && value >= 0.0, name, value, allowed)
 }
