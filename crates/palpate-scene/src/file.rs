@@ -49,6 +49,9 @@ struct MethodPlaces {
     settings: HashMap<String, (Range<usize>, Range<usize>)>,
 }
 
+/// The key of the version.
+const VERSION_KEY: &str = "scene_format";
+
 /// The version alone: a file of another version may have keys this one does not know.
 #[derive(Deserialize)]
 struct RawVersion {
@@ -326,8 +329,9 @@ impl Reading<'_> {
             return None;
         }
         let left = recover::read::<RawScene>(self.source);
-        for (span, mut message) in left.faults {
-            if message == "the key scene_format is missing" {
+        let without_version = left.missing.get(VERSION_KEY);
+        for (number, (span, mut message)) in left.faults.into_iter().enumerate() {
+            if without_version == Some(&number) {
                 message += "; a scene of one contact has scene_format = 1, and a world of several bodies format = 2";
             }
             self.fault((span, message));

@@ -1,6 +1,6 @@
 //! Reading on after a fault, so that all faults of a file are found at once.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use serde::de::DeserializeOwned;
@@ -8,7 +8,7 @@ use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
 use super::fault::in_plain_words;
-use super::toml_reader::{NOTHING_CHOSEN, ReadError, from_table};
+use super::toml_reader::{Missing, ReadError, from_table};
 
 /// A fault's bytes and what is wrong.
 pub(super) type Fault = (Range<usize>, String);
@@ -19,6 +19,8 @@ pub(super) struct Recovered<T> {
     pub read: Option<T>,
     /// Every fault of its keys and types.
     pub faults: Vec<Fault>,
+    /// The fault of each key that is missing, by its place among the faults.
+    pub missing: HashMap<&'static str, usize>,
     /// The tables that something was taken out of; the file itself is the empty name.
     pub damaged: HashSet<String>,
     /// The keys that were taken out, with those of their tables.
@@ -38,18 +40,21 @@ pub(super) fn read<T: DeserializeOwned>(source: &str) -> Recovered<T> {
             return Recovered {
                 read: None,
                 faults: vec![fault(&error.into())],
+                missing: HashMap::new(),
                 damaged: HashSet::new(),
                 removed: HashSet::new(),
             };
         }
     };
     let (mut damaged, mut removed) = (HashSet::new(), HashSet::new());
+    let mut missing = HashMap::new();
     loop {
         let error = match from_table::<T>(&left) {
             Ok(read) => {
                 return Recovered {
                     read: Some(read),
                     faults,
+                    missing,
                     damaged,
                     removed,
                 };
@@ -62,16 +67,18 @@ pub(super) fn read<T: DeserializeOwned>(source: &str) -> Recovered<T> {
             exactly.or_else(|| take_out(left.get_mut(), &meets))
         });
         // A table lacks what was taken out of it, or what an unknown key was meant to be.
-        let is_missing = ["missing field", NOTHING_CHOSEN]
-            .iter()
-            .any(|lack| error.message().starts_with(lack));
+        let is_missing = error.missing().is_some();
         if !(is_missing && damaged.contains(entry.as_deref().unwrap_or_default())) {
+            if let Some(Missing::Key(key)) = error.missing() {
+                missing.entry(key).or_insert(faults.len());
+            }
             faults.push(fault(&error));
         }
         let Some(key) = entry else {
             return Recovered {
                 read: None,
                 faults,
+                missing,
                 damaged,
                 removed,
             };

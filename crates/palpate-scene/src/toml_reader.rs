@@ -18,21 +18,47 @@ use toml::de::{DeString, DeTable, DeValue};
 
 /// What is wrong with a table, and where: the span is that of the innermost value that is wrong.
 #[derive(Debug)]
-pub(super) struct ReadError(Box<(String, Option<Range<usize>>)>);
+pub(super) struct ReadError(Box<Wrong>);
+
+#[derive(Debug)]
+struct Wrong {
+    message: String,
+    span: Option<Range<usize>>,
+    missing: Option<Missing>,
+}
+
+/// What a table lacks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Missing {
+    /// The key of this name.
+    Key(&'static str),
+    /// The one key by which something is chosen.
+    Choice,
+}
 
 impl ReadError {
     /// Its bytes in the text.
     pub fn span(&self) -> Option<Range<usize>> {
-        self.0.1.clone()
+        self.0.span.clone()
     }
 
     /// What is wrong, in the words of serde.
     pub fn message(&self) -> &str {
-        &self.0.0
+        &self.0.message
+    }
+
+    /// What is missing, if that is what is wrong.
+    pub fn missing(&self) -> Option<Missing> {
+        self.0.missing
     }
 
     fn at(mut self, span: &Range<usize>) -> Self {
-        self.0.1.get_or_insert_with(|| span.clone());
+        self.0.span.get_or_insert_with(|| span.clone());
+        self
+    }
+
+    fn lacks(mut self, missing: Missing) -> Self {
+        self.0.missing = Some(missing);
         self
     }
 }
@@ -47,18 +73,27 @@ impl std::error::Error for ReadError {}
 
 impl de::Error for ReadError {
     fn custom<T: fmt::Display>(message: T) -> Self {
-        Self(Box::new((message.to_string(), None)))
+        Self(Box::new(Wrong {
+            message: message.to_string(),
+            span: None,
+            missing: None,
+        }))
+    }
+
+    fn missing_field(field: &'static str) -> Self {
+        Self::custom(format_args!("missing field `{field}`")).lacks(Missing::Key(field))
     }
 }
 
 impl From<toml::de::Error> for ReadError {
     fn from(error: toml::de::Error) -> Self {
-        Self(Box::new((error.message().to_owned(), error.span())))
+        Self(Box::new(Wrong {
+            message: error.message().to_owned(),
+            span: error.span(),
+            missing: None,
+        }))
     }
 }
-
-/// What is wrong with a table that should have one key, and has none.
-pub(super) const NOTHING_CHOSEN: &str = "there is no key, and exactly one is expected";
 
 /// Reads the text of a file.
 pub(super) fn from_text<T: DeserializeOwned>(source: &str) -> Result<T, ReadError> {
@@ -249,18 +284,23 @@ impl<'t> Deserializer<'t> for Item<'t> {
                         name: Item::name(name),
                         content: Some(Item::value(content)),
                     }),
-                    (None, _) => Err(NOTHING_CHOSEN),
-                    _ => Err("there is more than one key, and exactly one is expected"),
+                    (None, _) => {
+                        let error: ReadError =
+                            de::Error::custom("there is no key, and exactly one is expected");
+                        Err(error.lacks(Missing::Choice))
+                    }
+                    _ => Err(de::Error::custom(
+                        "there is more than one key, and exactly one is expected",
+                    )),
                 }
             }
             (None, What::Name(_) | What::Value(DeValue::String(_))) => Ok(Variant {
                 name: self,
                 content: None,
             }),
-            _ => Err("wanted string or table"),
+            _ => Err(de::Error::custom("wanted string or table")),
         };
         variant
-            .map_err(de::Error::custom)
             .and_then(|variant| visitor.visit_enum(variant))
             .map_err(|error: ReadError| error.at(&span))
     }
