@@ -8,37 +8,41 @@ use crate::number;
 /// A quantity that a line can say.
 #[derive(Clone, Copy, Debug)]
 pub enum AnswerColumn {
-    /// A column of a row of a recording.
-    OfRow(&'static recording::Column),
+    /// A column of a row of a recording, by what it may be called without the unit.
+    OfRow(&'static recording::Column, &'static str),
     /// Limits that changed the force.
     Limited,
     /// What was wrong with the line.
     Fault,
 }
 
-/// The columns of a row of a recording that a pipe has, in the order in which it tells of them.
-const OF_ROW: [&str; 15] = [
-    "force_on_device_n",
-    "force_on_object_n",
-    "t_s",
-    "device_position_m",
-    "object_position_m",
-    "object_velocity_m_per_s",
-    "penetration_m",
-    "placement_shift_m",
-    "phase",
-    "stored_energy_j",
-    "port_work_j",
-    "virtual_force_work_j",
-    "outside_work_j",
-    "leak_original_j",
-    "leak_held_j",
+/// The columns of a row of a recording that a pipe has, in the order in which it tells of them. Beside each stands what
+/// a pipe calls it, where that is not its name without the unit: what a pipe is for, and what its input calls so.
+const OF_ROW: [(&str, Option<&str>); 15] = [
+    ("force_on_device_n", Some("force")),
+    ("force_on_object_n", None),
+    ("t_s", Some("time")),
+    ("device_position_m", None),
+    ("object_position_m", None),
+    ("object_velocity_m_per_s", None),
+    ("penetration_m", None),
+    ("placement_shift_m", None),
+    ("phase", None),
+    ("stored_energy_j", None),
+    ("port_work_j", None),
+    ("virtual_force_work_j", None),
+    ("outside_work_j", None),
+    ("leak_original_j", None),
+    ("leak_held_j", None),
 ];
 
 impl AnswerColumn {
     /// Every column.
     pub fn all() -> impl Iterator<Item = Self> {
-        let named = |name| recording::Column::named(name).map(Self::OfRow);
+        let named = |(name, own): (_, Option<_>)| {
+            let column = recording::Column::named(name)?;
+            Some(Self::OfRow(column, own.unwrap_or(column.short_name())))
+        };
         let own = [Self::Limited, Self::Fault];
         OF_ROW.into_iter().filter_map(named).chain(own)
     }
@@ -46,7 +50,7 @@ impl AnswerColumn {
     /// Its name with the unit, which is that of recordings and run files.
     fn header(self) -> &'static str {
         match self {
-            Self::OfRow(column) => column.name,
+            Self::OfRow(column, _) => column.name,
             Self::Limited => "limited",
             Self::Fault => "fault",
         }
@@ -56,10 +60,7 @@ impl AnswerColumn {
     #[must_use]
     pub fn short_name(self) -> &'static str {
         match self {
-            // What a pipe is for, and what its input calls so.
-            Self::OfRow(column) if column.name == "force_on_device_n" => "force",
-            Self::OfRow(column) if column.name == "t_s" => "time",
-            Self::OfRow(column) => column.short_name(),
+            Self::OfRow(_, name) => name,
             own => own.header(),
         }
     }
@@ -155,7 +156,7 @@ impl Columns {
                 line.push(',');
             }
             match column {
-                AnswerColumn::OfRow(column) => match column.value(&row.values) {
+                AnswerColumn::OfRow(column, _) => match column.value(&row.values) {
                     Value::Number(number) if number.is_nan() => line.push_str("nan"),
                     Value::Number(number) => number::push(line, number),
                     Value::Phase(_) if row.ended => line.push_str("ended"),

@@ -157,6 +157,12 @@ pub fn timing(all: &[TimingCard], figures: &mut Figures) -> Result<String, SizeE
         ("tick time", |of| &of.tick_s),
         ("device's answer", |of| &of.round_trip_s),
     ];
+    // Of the first three, which have a histogram.
+    let captions = [
+        "Period: from a sample to the next.",
+        "Lateness: of a sample after its planned instant; early ones count at the left.",
+        "Tick time: from a sample to its command.",
+    ];
     for of in all {
         let scene = of.scene.as_deref().unwrap_or("a scene that is not in it");
         let _ = writeln!(
@@ -189,27 +195,16 @@ pub fn timing(all: &[TimingCard], figures: &mut Figures) -> Result<String, SizeE
         &rows,
     ));
     text.push_str("<div class=\"three\">\n");
-    for (name, distribution) in &quantities[..3] {
+    for ((name, distribution), caption) in quantities.iter().zip(captions) {
         let of: Vec<(String, &Distribution)> = all
             .iter()
             .filter_map(|of| Some((of.recording.clone(), distribution(of).as_ref()?)))
             .collect();
         if !of.is_empty() {
-            text.push_str(&figure(&figures.histogram(name, &of)?, &caption(name)));
+            text.push_str(&figure(&figures.histogram(name, &of)?, caption));
         }
     }
     Ok(text + "</div>\n")
-}
-
-fn caption(name: &str) -> String {
-    match name {
-        "period" => "Period: from a sample to the next.",
-        "lateness" => {
-            "Lateness: of a sample after its planned instant; early ones count at the left."
-        }
-        _ => "Tick time: from a sample to its command.",
-    }
-    .to_owned()
 }
 
 /// What a device file says, and how it was found.

@@ -165,6 +165,7 @@ impl Turns for Running {
                 return;
             }
         };
+        let changes_state = !matches!(request, ClientRequest::Hand(_));
         let (about, done) = match request {
             ClientRequest::Hand(target) => ("hand", self.lead(client, target)),
             ClientRequest::Tool { .. } => (
@@ -185,7 +186,7 @@ impl Turns for Running {
             let refused = ServerMessage::Refused { about, text: &text };
             self.hub.tell(client, refused.text());
         }
-        self.is_state_due |= about != "hand";
+        self.is_state_due |= changes_state;
         // Else it comes with the next frame, the newest for all.
         if self.is_state_due && self.states.take(Instant::now()) {
             self.tell_state();

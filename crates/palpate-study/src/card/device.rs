@@ -61,12 +61,14 @@ impl<'a> Receipt<'a> {
         self.device.get("name")?.as_str()
     }
 
-    fn number(&self, key: &str) -> Option<NumberCard> {
-        let value = self.device.get(key)?;
+    /// What the receipt calls `from`, as the number `key` of the card: receipts and device files call the quantum by
+    /// two names.
+    fn number(&self, from: &str, key: &'static str) -> Option<NumberCard> {
+        let value = self.device.get(from)?;
         let value = value
             .as_float()
             .or_else(|| value.as_integer().map(|whole| whole as f64))?;
-        self.said(key_of_receipt(key), value, "the device, in")
+        self.said(key, value, "the device, in")
     }
 
     fn said(&self, key: &'static str, value: f64, what: &str) -> Option<NumberCard> {
@@ -76,15 +78,6 @@ impl<'a> Receipt<'a> {
             standard_deviation: None,
             source: format!("{what} {}", self.recording.path().display()),
         })
-    }
-}
-
-/// Receipts and device files call the quantum by two names.
-fn key_of_receipt(key: &str) -> &'static str {
-    match key {
-        "encoder_quantum_m" => Quantity::SensorQuantum.key(),
-        "effective_mass_kg" => Quantity::DeviceMass.key(),
-        _ => "largest_force_n",
     }
 }
 
@@ -165,14 +158,14 @@ impl DeviceCard {
             })
         }));
         put(of_file(Quantity::SensorQuantum)
-            .or_else(|| first?.number("encoder_quantum_m"))
+            .or_else(|| first?.number("encoder_quantum_m", Quantity::SensorQuantum.key()))
             .or_else(|| {
                 simulated(Quantity::SensorQuantum.key(), |device| {
                     device.encoder_quantum()
                 })
             }));
         put(of_file(Quantity::Resonance));
-        put(first.and_then(|receipt| receipt.number("largest_force_n")));
+        put(first.and_then(|receipt| receipt.number("largest_force_n", "largest_force_n")));
         let holds = first.and_then(|receipt| receipt.device.get("holds_last_force")?.as_bool());
         Ok(Self {
             name,

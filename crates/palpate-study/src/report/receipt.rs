@@ -99,10 +99,11 @@ pub fn plant_receipt(scene: &Scene) -> Vec<(String, String)> {
         ("device_viscous_n_s_per_m", device.viscous_friction()),
         ("device_coulomb_n", device.coulomb_friction()),
         ("hand_force_n", scene.device.hand_force()),
-        ("object_radius_m", scene.object_radius),
     ];
     // A radius of 0 is none.
-    numbers.retain(|&(name, value)| name != "object_radius_m" || value != 0.0);
+    if scene.object_radius != 0.0 {
+        numbers.push(("object_radius_m", scene.object_radius));
+    }
     numbers.extend(
         device
             .largest_force()

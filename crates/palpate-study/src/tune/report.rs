@@ -4,8 +4,8 @@ use std::fmt;
 
 use comfy_table::{Cell, CellAlignment};
 use palpate_scene::Scene;
-use palpate_scene::method::{MethodName, Setting};
-use serde::Serialize;
+use palpate_scene::method::{MethodName, Setting, SettingKey};
+use serde::{Serialize, Serializer};
 
 use super::{HEIGHT_RANGE, HEIGHTS, Objective, Spread, TunedPoint, best};
 use crate::text::{ABSOLUTE_LEAK, E, digits, legend, lines, number, percent, plain_table, wrapped};
@@ -25,7 +25,9 @@ pub struct TuneReport {
     /// Name of the method.
     pub method: &'static str,
     /// The scene key of what was tried.
-    pub setting: &'static str,
+    #[serde(serialize_with = "as_text")]
+    #[cfg_attr(feature = "schema", schemars(with = "String"))]
+    pub setting: SettingKey,
     /// Number of start heights.
     pub start_heights: usize,
     /// Largest change of the gap, as a share of the scene's.
@@ -116,7 +118,7 @@ impl TuneReport {
             format: FORMAT,
             title: scene.title.clone(),
             method: method.name(),
-            setting: setting.key.as_str(),
+            setting: setting.key,
             start_heights: HEIGHTS,
             height_range: HEIGHT_RANGE,
             least: objective.name(),
@@ -139,11 +141,16 @@ impl TuneReport {
     }
 }
 
+fn as_text<S: Serializer>(key: &SettingKey, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(key.as_str())
+}
+
 /// A scene key in words, without its unit.
-fn words(key: &str) -> &'static str {
-    match key {
-        "damping_cap_n_s_per_m" => "damping cap",
-        _ => "damping",
+fn words(key: SettingKey) -> &'static str {
+    if key == SettingKey::DAMPING_CAP {
+        "damping cap"
+    } else {
+        "damping"
     }
 }
 
