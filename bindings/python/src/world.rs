@@ -8,7 +8,7 @@ use palpate_rt::BoundedWorld;
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_world::{
-    Effort, NOT_TURNED, Place, Quaternion, Sample, Tool, Vector, WorldError, WorldState,
+    Effort, NOT_TURNED, WorldPart, Quaternion, Sample, Tool, Vector, WorldError, WorldState,
 };
 use pyo3::prelude::*;
 
@@ -102,8 +102,8 @@ pub fn wrong(file: &WorldFile, is_file: bool, faults: &[WorldError]) -> PyErr {
     let Some(first) = faults.first() else {
         return refused("the world cannot be rendered");
     };
-    if is_file && first.place != Place::Method {
-        return refused(file.at(first.place, first.field, first.to_string()));
+    if is_file && first.part != WorldPart::Method {
+        return refused(file.at(first.part, first.field, first.to_string()));
     }
     let lines: Vec<_> = faults.iter().map(ToString::to_string).collect();
     refused(lines.join("\n"))

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use palpate_scene::world::{WorldFile, WorldScene, usual_guard};
-use palpate_world::{Place, WorldError, WorldGuard};
+use palpate_world::{WorldError, WorldField, WorldGuard, WorldPart};
 
 use crate::arguments::{Flags, Given};
 use crate::failure::Failure;
@@ -75,9 +75,13 @@ pub fn known(method: &str) -> &'static str {
 pub fn wrong_world(flags: &Flags, file: &WorldFile, faults: &[WorldError]) -> Failure {
     let first = &faults[0];
     for (field, flag, value) in [
-        ("guard.largest_speed", "--guard-speed", flags.guard_speed),
         (
-            "guard.allowance",
+            WorldField::GuardLargestSpeed,
+            "--guard-speed",
+            flags.guard_speed,
+        ),
+        (
+            WorldField::GuardAllowance,
             "--guard-allowance",
             flags.guard_allowance,
         ),
@@ -86,9 +90,9 @@ pub fn wrong_world(flags: &Flags, file: &WorldFile, faults: &[WorldError]) -> Fa
             return Failure::Arguments(format!("{flag}: {}", first.message));
         }
     }
-    if flags.method.is_some() && first.place == Place::Method {
+    if flags.method.is_some() && first.part == WorldPart::Method {
         return Failure::Arguments(format!("--method: {}", first.message));
     }
-    let error = file.at(first.place, first.field, first.to_string());
+    let error = file.at(first.part, first.field, first.to_string());
     Failure::input_at(&error, &error.file, &error.source_text, error.span.clone())
 }

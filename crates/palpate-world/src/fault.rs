@@ -4,6 +4,8 @@ use std::fmt;
 
 use palpate::Range;
 
+use crate::world_field::WorldField;
+
 /// The largest number, of either sign, that a quantity of a world may have, in whatever unit. The squares and the
 /// products of larger ones may not be finite.
 pub const LARGEST: f64 = 1e12;
@@ -13,7 +15,7 @@ pub const LEAST: f64 = 1e-20;
 /// What is wrong with the `value` of a quantity of a world that has to lie in `range`; `None` where nothing is. The quantity
 /// is called `name` there.
 #[must_use]
-pub fn out_of_range(name: &str, value: f64, range: Range) -> Option<String> {
+pub fn out_of_range(name: impl fmt::Display, value: f64, range: Range) -> Option<String> {
     let least = if range == Range::Positive { LEAST } else { 0.0 };
     let allowed = if value.is_infinite() {
         "finite".into()
@@ -44,9 +46,9 @@ pub fn out_of_range(name: &str, value: f64, range: Range) -> Option<String> {
     Some(format!("{name} is {shown}, and has to be {allowed}"))
 }
 
-/// Where in a world a fault is.
+/// A part of a world, in which a fault is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Place {
+pub enum WorldPart {
     /// The world as a whole.
     World,
     /// The tool of this number, from 0.
@@ -68,9 +70,9 @@ pub enum Place {
 #[error("{subject}: {message}")]
 pub struct WorldError {
     /// Which part of the world.
-    pub place: Place,
-    /// The field of that part, as it is called in this crate, for instance `mass`; empty for the part as a whole.
-    pub field: &'static str,
+    pub part: WorldPart,
+    /// The field of that part.
+    pub field: WorldField,
     /// The part in words, for instance `body "ball"`.
     pub subject: String,
     /// What is wrong, with the value, and what is allowed.
@@ -80,13 +82,13 @@ pub struct WorldError {
 impl WorldError {
     /// A fault of a part, with a message that says what is allowed.
     pub fn new(
-        place: Place,
-        field: &'static str,
+        part: WorldPart,
+        field: WorldField,
         subject: impl Into<String>,
         message: impl fmt::Display,
     ) -> Self {
         Self {
-            place,
+            part,
             field,
             subject: subject.into(),
             message: message.to_string(),

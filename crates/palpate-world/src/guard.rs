@@ -22,7 +22,7 @@ use crate::books::Books;
 use crate::commands::Commands;
 use crate::fault::out_of_range;
 use crate::rigid::Vector3;
-use crate::{Place, Vector, WorldError};
+use crate::{Vector, WorldError, WorldField, WorldPart};
 
 /// Whether the energy given out is bounded, and how.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -73,25 +73,25 @@ impl WorldGuard {
             return faults;
         };
         let mut fault = |field, message: String| {
-            faults.push(WorldError::new(Place::Loop, field, "the loop", message));
+            faults.push(WorldError::new(WorldPart::Loop, field, "the loop", message));
         };
         let above_zero = [
-            ("guard.largest_speed", params.largest_speed),
-            ("guard.largest_turning", params.largest_turning),
+            (WorldField::GuardLargestSpeed, params.largest_speed),
+            (WorldField::GuardLargestTurning, params.largest_turning),
         ];
         for (field, value) in above_zero {
             if let Some(message) = out_of_range(field, value, Range::Positive) {
                 fault(field, message);
             }
         }
-        let field = "guard.allowance";
+        let field = WorldField::GuardAllowance;
         if let Some(message) = out_of_range(field, params.allowance, Range::NotNegative) {
             fault(field, message);
         }
         if params.late > MOST_LATE {
             let late = params.late;
             let message = format!("guard.late is {late}, and has to be at most {MOST_LATE}");
-            fault("guard.late", message);
+            fault(WorldField::GuardLate, message);
         }
         faults
     }

@@ -43,12 +43,13 @@ mod tracking;
 mod turning;
 mod turning_observer;
 mod world;
+mod world_field;
 
 pub use body::{Body, Free, Motion, Tool};
 pub use books::{BodyBook, Books, ContactBook, DeviceBook, Gone, JointBook};
 pub use change::Succession;
 pub use contact::{Contact, ContactLaw, Party};
-pub use fault::{LARGEST, LEAST, Place, WorldError, out_of_range};
+pub use fault::{LARGEST, LEAST, WorldError, WorldPart, out_of_range};
 pub use guard::{MOST_LATE, WorldGuard, WorldGuardParams};
 pub use hull::{Hull, HullError};
 pub use interval::{Effort, SubSteps};
@@ -68,6 +69,7 @@ pub use sample::{Limited, Output, Sample, WorldFault};
 pub use shape::{Shape, SphereAt};
 pub use state::{BodyState, ContactState, ToolState, WorldState};
 pub use world::World;
+pub use world_field::WorldField;
 
 /// Three numbers along the axes of the world's frame, for instance a position `[m]` or a force `[N]`.
 pub type Vector = [f64; 3];

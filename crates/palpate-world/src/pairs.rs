@@ -10,7 +10,7 @@ use crate::mesh::{POINTS_PER_MESH, Surface};
 use crate::nearby::{Nearby, Patch};
 use crate::rigid::{Mobility, Rigid, Vector3};
 use crate::solid::Solid;
-use crate::{Mesh, Motion, Place, PointShell, Shape, World, WorldError};
+use crate::{Mesh, Motion, PointShell, Shape, World, WorldError, WorldField, WorldPart};
 
 /// Most points of contact that a world may have, those of [large](PointShell::MOST_ALWAYS) shells apart: a tick looks at all of them
 /// in every sub-step. Of the points of large shells it looks at as many again, those that are near.
@@ -95,7 +95,7 @@ impl Point {
 struct Candidate<'a> {
     name: &'a str,
     shape: &'a Shape,
-    place: Place,
+    place: WorldPart,
     is_tool: bool,
     is_free: bool,
 }
@@ -135,14 +135,14 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
     let tools = world.tools.iter().enumerate().map(|(i, tool)| Candidate {
         name: &tool.name,
         shape: &tool.shape,
-        place: Place::Tool(i),
+        place: WorldPart::Tool(i),
         is_tool: true,
         is_free: false,
     });
     let bodies = world.bodies.iter().enumerate().map(|(i, body)| Candidate {
         name: &body.name,
         shape: &body.shape,
-        place: Place::Body(i),
+        place: WorldPart::Body(i),
         is_tool: false,
         is_free: matches!(body.motion, Motion::Free(_)),
     });
@@ -221,7 +221,7 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                 }
                 None => faults.push(WorldError::new(
                     one.place,
-                    "shape",
+                    WorldField::Shape,
                     format!("{:?} and {:?}", one.name, other.name),
                     format!(
                         "there is no contact of {} with {} yet: they can touch along an edge or rim where no corner or \
@@ -242,7 +242,12 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                 "there are {count} points{which} at which its tools and bodies may touch, and at most {most} are allowed; \
                  give laws to fewer pairs"
             );
-            faults.push(WorldError::new(Place::World, "contacts", "the world", why));
+            faults.push(WorldError::new(
+                WorldPart::World,
+                WorldField::Contacts,
+                "the world",
+                why,
+            ));
         }
     };
     at_most(points.len() - in_patches, "", MOST_POINTS);
@@ -298,7 +303,7 @@ fn no_corners(shape: &Candidate<'_>, other: &Candidate<'_>, reason: NoHull) -> W
         }
     };
     let subject = format!("{:?} and {:?}", shape.name, other.name);
-    WorldError::new(shape.place, "shape", subject, why)
+    WorldError::new(shape.place, WorldField::Shape, subject, why)
 }
 
 /// What a sphere is, or several are; `None` of any other shape.

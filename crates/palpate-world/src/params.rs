@@ -3,7 +3,7 @@
 use palpate::{Actuation, Range};
 
 use crate::fault::out_of_range;
-use crate::{Place, SubSteps, WorldError, WorldGuard};
+use crate::{SubSteps, WorldError, WorldField, WorldGuard, WorldPart};
 
 /// The loop in which a world is rendered: the same for every tool.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,30 +83,30 @@ impl WorldLoop {
     pub(crate) fn faults(&self, tools: usize) -> Vec<WorldError> {
         let mut faults = Vec::new();
         let mut fault = |field, message: String| {
-            faults.push(WorldError::new(Place::Loop, field, "the loop", message));
+            faults.push(WorldError::new(WorldPart::Loop, field, "the loop", message));
         };
-        let mut above_zero = |field: &'static str, value: f64| {
+        let mut above_zero = |field: WorldField, value: f64| {
             if let Some(message) = out_of_range(field, value, Range::Positive) {
                 fault(field, message);
             }
         };
-        above_zero("period", self.period);
+        above_zero(WorldField::Period, self.period);
         if let Some(limit) = self.speed_limit {
-            above_zero("speed_limit", limit);
+            above_zero(WorldField::SpeedLimit, limit);
         }
         for &limit in &self.force_limits {
-            above_zero("force_limits", limit);
+            above_zero(WorldField::ForceLimits, limit);
         }
         for &limit in &self.torque_limits {
-            above_zero("torque_limits", limit);
+            above_zero(WorldField::TorqueLimits, limit);
         }
         if let Some(limit) = self.turning_limit {
-            above_zero("turning_limit", limit);
+            above_zero(WorldField::TurningLimit, limit);
         }
-        above_zero("phase", self.sub_steps.phase);
+        above_zero(WorldField::Phase, self.sub_steps.phase);
         let limits = [
-            ("force_limits", "force", self.force_limits.len()),
-            ("torque_limits", "torque", self.torque_limits.len()),
+            (WorldField::ForceLimits, "force", self.force_limits.len()),
+            (WorldField::TorqueLimits, "torque", self.torque_limits.len()),
         ];
         for (field, kind, given) in limits {
             if given != 0 && given != tools {
@@ -122,7 +122,7 @@ impl WorldLoop {
             && !(gap >= self.period && gap.is_finite())
         {
             fault(
-                "largest_gap",
+                WorldField::LargestGap,
                 format!("largest_gap is {gap} s, and has to be at least one period"),
             );
         }
@@ -131,7 +131,7 @@ impl WorldLoop {
         } = self.sub_steps;
         if !(1 <= least && least <= most && most <= MOST_SUB_STEPS) {
             fault(
-                "sub_steps",
+                WorldField::SubSteps,
                 format!(
                     "sub_steps are {least} to {most}; they have to be at least 1 and at most {MOST_SUB_STEPS}, in \
                      this order"
@@ -140,13 +140,13 @@ impl WorldLoop {
         }
         if !(1..=MOST_SUB_STEPS).contains(&finer) {
             fault(
-                "sub_steps",
+                WorldField::SubSteps,
                 format!("finer is {finer}, and has to be 1 to {MOST_SUB_STEPS}"),
             );
         }
         faults.extend(self.guard.faults());
         let mut fault = |field, message: String| {
-            faults.push(WorldError::new(Place::Loop, field, "the loop", message));
+            faults.push(WorldError::new(WorldPart::Loop, field, "the loop", message));
         };
         let timed = palpate::LoopParams {
             actuation: self.actuation,
@@ -154,7 +154,7 @@ impl WorldLoop {
         };
         if self.period > 0.0 {
             for error in timed.faults() {
-                fault("actuation", error.to_string());
+                fault(WorldField::Actuation, error.to_string());
             }
         }
         faults

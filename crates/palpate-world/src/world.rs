@@ -7,8 +7,8 @@ use palpate::Range;
 use crate::fault::out_of_range;
 use crate::rigid::{Matrix3, Vector3};
 use crate::{
-    Body, Contact, ContactLaw, Free, Joint, JointKind, Motion, Party, Place, Shape, Tool, Vector,
-    WorldError,
+    Body, Contact, ContactLaw, Free, Joint, JointKind, Motion, Party, Shape, Tool, Vector,
+    WorldError, WorldField, WorldPart,
 };
 
 /// What there is: tools, bodies, and the laws of their contacts.
@@ -62,12 +62,17 @@ impl World {
         let mut faults = Vec::new();
         if self.tools.is_empty() {
             let message = "there is no tool; a world needs one for each device";
-            faults.push(WorldError::new(Place::World, "tools", "the world", message));
+            faults.push(WorldError::new(
+                WorldPart::World,
+                WorldField::Tools,
+                "the world",
+                message,
+            ));
         }
         let mut names = HashSet::new();
         for (number, tool) in self.tools.iter().enumerate() {
             let subject = format!("tool {:?}", tool.name);
-            let mut of = Faults::new(&mut faults, Place::Tool(number), &subject);
+            let mut of = Faults::new(&mut faults, WorldPart::Tool(number), &subject);
             of.name(&tool.name, &mut names);
             of.shape(&tool.shape, true, false);
             of.tool(&tool.shape);
@@ -78,17 +83,17 @@ impl World {
                     "the device has none of its own axes; give it at least one. A device of a loop that lacks an axis of the \
                      world needs own axes of which that is one"
                 };
-                of.fault("axes", message.into());
+                of.fault(WorldField::Axes, message.into());
             }
             if !tool.gives_torque && !tool.turns {
                 let message = "gives_torque is false, and is read only of a tool that turns; let it turn, or leave this out";
-                of.fault("gives_torque", message.into());
+                of.fault(WorldField::GivesTorque, message.into());
             }
             if let Some(off) = tool.own_axes.map(off_right_angles)
                 && off > MOST_OFF_RIGHT_ANGLES
             {
                 of.fault(
-                    "own_axes",
+                    WorldField::OwnAxes,
                     format!(
                         "own_axes are {:?}, off unit vectors at right angles by {off:e}; at most {MOST_OFF_RIGHT_ANGLES:e} is allowed",
                         tool.own_axes.unwrap_or_default()
@@ -98,11 +103,11 @@ impl World {
         }
         for (number, body) in self.bodies.iter().enumerate() {
             let subject = format!("body {:?}", body.name);
-            let mut of = Faults::new(&mut faults, Place::Body(number), &subject);
+            let mut of = Faults::new(&mut faults, WorldPart::Body(number), &subject);
             of.name(&body.name, &mut names);
             of.shape(&body.shape, false, body.motion == Motion::Fixed);
-            of.finite("position", &body.position);
-            of.unit("orientation", &body.orientation);
+            of.finite(WorldField::Position, &body.position);
+            of.unit(WorldField::Orientation, &body.orientation);
             if let Motion::Free(free) = &body.motion {
                 of.free(free);
                 of.inertia(free, &body.shape);
@@ -111,28 +116,28 @@ impl World {
         for (number, contact) in self.contacts.iter().enumerate() {
             let [one, other] = contact.between.each_ref().map(Party::as_str);
             let subject = format!("contact between {one:?} and {other:?}");
-            let mut of = Faults::new(&mut faults, Place::Contact(number), &subject);
+            let mut of = Faults::new(&mut faults, WorldPart::Contact(number), &subject);
             for party in &contact.between {
                 if let Party::Named(name) = party
                     && !names.contains(name.as_str())
                 {
                     of.fault(
-                        "between",
+                        WorldField::Between,
                         format!("{name:?} is neither a tool nor a body of this world"),
                     );
                 }
             }
             of.pair(&contact.between, &self.tools);
             let law = &contact.law;
-            of.above_zero("stiffness", law.stiffness);
-            of.at_least_zero("damping", law.damping);
-            of.at_least_zero("friction", law.friction);
-            of.above_zero("friction_stiffness", law.friction_stiffness);
+            of.above_zero(WorldField::Stiffness, law.stiffness);
+            of.at_least_zero(WorldField::Damping, law.damping);
+            of.at_least_zero(WorldField::Friction, law.friction);
+            of.above_zero(WorldField::FrictionStiffness, law.friction_stiffness);
         }
         for (number, joint) in self.joints.iter().enumerate() {
             let against = joint.against.as_deref().unwrap_or("world");
             let subject = format!("joint of {:?} and {against:?}", joint.body);
-            let mut of = Faults::new(&mut faults, Place::Joint(number), &subject);
+            let mut of = Faults::new(&mut faults, WorldPart::Joint(number), &subject);
             of.joint(joint, &self.bodies);
         }
         if faults.is_empty() {
@@ -152,12 +157,12 @@ pub(crate) fn is_unit(values: &[f64]) -> bool {
 /// The faults of one part of a world.
 pub(crate) struct Faults<'a> {
     all: &'a mut Vec<WorldError>,
-    place: Place,
+    place: WorldPart,
     subject: &'a str,
 }
 
 impl<'a> Faults<'a> {
-    pub(crate) fn new(all: &'a mut Vec<WorldError>, place: Place, subject: &'a str) -> Self {
+    pub(crate) fn new(all: &'a mut Vec<WorldError>, place: WorldPart, subject: &'a str) -> Self {
         Self {
             all,
             place,
@@ -165,34 +170,37 @@ impl<'a> Faults<'a> {
         }
     }
 
-    pub(crate) fn fault(&mut self, field: &'static str, message: String) {
+    pub(crate) fn fault(&mut self, field: WorldField, message: String) {
         let error = WorldError::new(self.place, field, self.subject, message);
         self.all.push(error);
     }
 
     fn name<'n>(&mut self, name: &'n str, taken: &mut HashSet<&'n str>) {
         if name.is_empty() || name == "*" {
-            self.fault("name", format!("{name:?} is no name"));
+            self.fault(WorldField::Name, format!("{name:?} is no name"));
         } else if !taken.insert(name) {
-            self.fault("name", "the name is taken by another tool or body".into());
+            self.fault(
+                WorldField::Name,
+                "the name is taken by another tool or body".into(),
+            );
         }
     }
 
-    fn within(&mut self, field: &'static str, value: f64, range: Range) {
+    fn within(&mut self, field: WorldField, value: f64, range: Range) {
         if let Some(message) = out_of_range(field, value, range) {
             self.fault(field, message);
         }
     }
 
-    fn above_zero(&mut self, field: &'static str, value: f64) {
+    fn above_zero(&mut self, field: WorldField, value: f64) {
         self.within(field, value, Range::Positive);
     }
 
-    fn at_least_zero(&mut self, field: &'static str, value: f64) {
+    fn at_least_zero(&mut self, field: WorldField, value: f64) {
         self.within(field, value, Range::NotNegative);
     }
 
-    pub(crate) fn finite(&mut self, field: &'static str, values: &[f64]) {
+    pub(crate) fn finite(&mut self, field: WorldField, values: &[f64]) {
         let mut faults = values
             .iter()
             .filter_map(|value| out_of_range(field, *value, Range::Finite));
@@ -208,16 +216,19 @@ impl<'a> Faults<'a> {
         };
         let is_tool = |name: &String| tools.iter().any(|tool| tool.name == *name);
         if one == other {
-            self.fault("between", format!("{one:?} cannot touch itself; name two"));
+            self.fault(
+                WorldField::Between,
+                format!("{one:?} cannot touch itself; name two"),
+            );
         } else if is_tool(one) && is_tool(other) {
             self.fault(
-                "between",
+                WorldField::Between,
                 "two tools do not touch each other; name a tool and a body, or two bodies".into(),
             );
         }
     }
 
-    pub(crate) fn unit(&mut self, field: &'static str, values: &[f64]) {
+    pub(crate) fn unit(&mut self, field: WorldField, values: &[f64]) {
         let length = values.iter().map(|value| value * value).sum::<f64>().sqrt();
         let is_unit = is_unit(values);
         if !(length > 0.0 && length.is_finite()) {
@@ -232,33 +243,41 @@ impl<'a> Faults<'a> {
 
     fn shape(&mut self, shape: &Shape, may_be_a_point: bool, fixed: bool) {
         match *shape {
-            Shape::Sphere { radius } if may_be_a_point => self.at_least_zero("radius", radius),
-            Shape::Sphere { radius } => self.above_zero("radius", radius),
+            Shape::Sphere { radius } if may_be_a_point => {
+                self.at_least_zero(WorldField::Radius, radius)
+            }
+            Shape::Sphere { radius } => self.above_zero(WorldField::Radius, radius),
             Shape::HalfSpace { normal, offset } => {
                 if !fixed {
-                    self.fault("shape", "a half-space has to be a fixed body".into());
+                    self.fault(
+                        WorldField::Shape,
+                        "a half-space has to be a fixed body".into(),
+                    );
                 }
-                self.unit("normal", &normal);
-                self.finite("offset", &[offset]);
+                self.unit(WorldField::Normal, &normal);
+                self.finite(WorldField::Offset, &[offset]);
             }
             Shape::Mesh(_) | Shape::Hull(_) => {}
             Shape::Spheres { ref spheres } => {
                 if !may_be_a_point {
                     let message =
                         "several spheres are the shape of a tool, and a body is one shape";
-                    self.fault("shape", message.into());
+                    self.fault(WorldField::Shape, message.into());
                 }
                 if spheres.is_empty() {
-                    self.fault("spheres", "there is no sphere; give at least one".into());
+                    self.fault(
+                        WorldField::Spheres,
+                        "there is no sphere; give at least one".into(),
+                    );
                 }
                 for sphere in spheres {
-                    self.finite("centre", &sphere.centre);
-                    self.at_least_zero("radius", sphere.radius);
+                    self.finite(WorldField::Centre, &sphere.centre);
+                    self.at_least_zero(WorldField::Radius, sphere.radius);
                 }
             }
             Shape::Box { half_extents } => {
                 for half in half_extents {
-                    self.above_zero("half_extents", half);
+                    self.above_zero(WorldField::HalfExtents, half);
                 }
             }
             Shape::Capsule {
@@ -269,8 +288,8 @@ impl<'a> Faults<'a> {
                 radius,
                 half_length,
             } => {
-                self.above_zero("radius", radius);
-                self.above_zero("half_length", half_length);
+                self.above_zero(WorldField::Radius, radius);
+                self.above_zero(WorldField::HalfLength, half_length);
             }
         }
     }
@@ -283,38 +302,44 @@ impl<'a> Faults<'a> {
         {
             match bodies.iter().find(|body| body.name == *name) {
                 Some(body) => moves |= body.motion != Motion::Fixed,
-                None => self.fault("between", format!("{name:?} is no body of this world")),
+                None => self.fault(
+                    WorldField::Between,
+                    format!("{name:?} is no body of this world"),
+                ),
             }
         }
         if joint.against.as_ref() == Some(&joint.body) {
-            self.fault("between", "a body has no joint with itself".into());
+            self.fault(
+                WorldField::Between,
+                "a body has no joint with itself".into(),
+            );
         } else if !moves {
             self.fault(
-                "between",
+                WorldField::Between,
                 "one of the two has to be a body that moves".into(),
             );
         }
-        self.finite("point", &joint.point);
-        self.unit("axis", &joint.axis);
+        self.finite(WorldField::Point, &joint.point);
+        self.unit(WorldField::Axis, &joint.axis);
         let law = &joint.law;
-        self.above_zero("stiffness", law.stiffness);
-        self.at_least_zero("damping", law.damping);
-        self.above_zero("span", law.span);
-        self.at_least_zero("spring", law.spring);
-        self.finite("rest", &[law.rest]);
-        self.at_least_zero("along_damping", law.along_damping);
+        self.above_zero(WorldField::Stiffness, law.stiffness);
+        self.at_least_zero(WorldField::Damping, law.damping);
+        self.above_zero(WorldField::Span, law.span);
+        self.at_least_zero(WorldField::Spring, law.spring);
+        self.finite(WorldField::Rest, &[law.rest]);
+        self.at_least_zero(WorldField::AlongDamping, law.along_damping);
         if let Some(limits) = law.limits {
             let [low, high] = limits;
-            self.finite("limits", &limits);
+            self.finite(WorldField::Limits, &limits);
             if low > high {
                 let message = format!("limits are {low} and {high}: the first is the lower one");
-                self.fault("limits", message);
+                self.fault(WorldField::Limits, message);
             }
             if joint.kind == JointKind::Hinge && (low < -MOST_TURN || high > MOST_TURN) {
                 let message = format!(
                     "limits are {low} and {high}, and a hinge has stops between -{MOST_TURN} and {MOST_TURN} rad"
                 );
-                self.fault("limits", message);
+                self.fault(WorldField::Limits, message);
             }
         }
     }
@@ -325,7 +350,7 @@ impl<'a> Faults<'a> {
             Shape::Sphere { .. } | Shape::Spheres { .. } | Shape::Box { .. } | Shape::Capsule { .. } => {}
             Shape::Mesh(mesh) if mesh.shell().is_some() => {}
             _ => self.fault(
-                "shape",
+                WorldField::Shape,
                 "a tool has to be a sphere, of radius 0 or more, several spheres, a box, a capsule or a mesh with a shell of \
                  points"
                     .into(),
@@ -356,18 +381,18 @@ impl<'a> Faults<'a> {
                 of.centre
             ),
         };
-        self.fault("inertia", message);
+        self.fault(WorldField::Inertia, message);
     }
 
     fn free(&mut self, free: &Free) {
-        self.above_zero("mass", free.mass);
+        self.above_zero(WorldField::Mass, free.mass);
         if let Some([a, b, c]) = free.inertia
             && a.min(b).min(c) > 0.0
         {
             let (sum, most) = (a + b + c, a.max(b).max(c));
             if most > (sum - most) * (1.0 + MOMENT_SLACK) {
                 self.fault(
-                    "inertia",
+                    WorldField::Inertia,
                     format!(
                         "inertia has a moment of {most}, and no mass has one that is larger than the sum of the other two, {}",
                         sum - most
@@ -376,12 +401,12 @@ impl<'a> Faults<'a> {
             }
         }
         for moment in free.inertia.iter().flatten() {
-            self.above_zero("inertia", *moment);
+            self.above_zero(WorldField::Inertia, *moment);
         }
-        let vectors: [(&'static str, &Vector); 3] = [
-            ("velocity", &free.velocity),
-            ("angular_velocity", &free.angular_velocity),
-            ("force", &free.force),
+        let vectors: [(WorldField, &Vector); 3] = [
+            (WorldField::Velocity, &free.velocity),
+            (WorldField::AngularVelocity, &free.angular_velocity),
+            (WorldField::Force, &free.force),
         ];
         for (field, vector) in vectors {
             self.finite(field, vector);

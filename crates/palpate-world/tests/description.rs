@@ -1,7 +1,9 @@
 //! What a world says of itself: which law holds for a pair, and what is wrong with it.
 #![allow(missing_docs)]
 
-use palpate_world::{Body, Contact, ContactLaw, Free, Motion, Party, Place, Shape, Tool, World};
+use palpate_world::{
+    Body, Contact, ContactLaw, Free, Motion, Party, Shape, Tool, World, WorldPart,
+};
 
 const BALL: Shape = Shape::Sphere { radius: 0.03 };
 
@@ -56,31 +58,31 @@ fn every_fault_of_a_world_is_said_with_its_place() {
     let faults = world.check().unwrap_err();
     let said: Vec<_> = faults
         .iter()
-        .map(|fault| (fault.place, fault.field, fault.to_string()))
+        .map(|fault| (fault.part, fault.field.name(), fault.to_string()))
         .collect();
     let expected = [
         (
-            Place::Body(0),
+            WorldPart::Body(0),
             "mass",
             "body \"ball\": mass is 0, and has to be above 0",
         ),
         (
-            Place::Body(1),
+            WorldPart::Body(1),
             "name",
             "body \"tool\": the name is taken by another tool or body",
         ),
         (
-            Place::Contact(0),
+            WorldPart::Contact(0),
             "between",
             "contact between \"bal\" and \"*\": \"bal\" is neither a tool nor a body of this world",
         ),
         (
-            Place::Contact(0),
+            WorldPart::Contact(0),
             "stiffness",
             "contact between \"bal\" and \"*\": stiffness is -5, and has to be above 0",
         ),
         (
-            Place::Contact(0),
+            WorldPart::Contact(0),
             "friction_stiffness",
             "contact between \"bal\" and \"*\": friction_stiffness is -5, and has to be above 0",
         ),

@@ -3,9 +3,9 @@
 
 use palpate::Actuation;
 use palpate_world::{
-    BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Motion, Party, Place, Prior,
-    Shape, SubSteps, Tool, World, WorldError, WorldGuard, WorldGuardParams, WorldLoop, WorldMethod,
-    WorldRenderer,
+    BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Motion, Party, Prior, Shape,
+    SubSteps, Tool, World, WorldError, WorldGuard, WorldGuardParams, WorldLoop, WorldMethod,
+    WorldPart, WorldRenderer,
 };
 
 fn a_world() -> World {
@@ -76,7 +76,7 @@ fn a_tool_that_is_a_cylinder_and_more_points_than_fit_are_refused() {
         half_length: 0.01,
     };
     let refused = faults(&world, WorldLoop::new(0.001), BasicParams::default());
-    assert_eq!(refused[0].place, Place::Tool(0));
+    assert_eq!(refused[0].part, WorldPart::Tool(0));
     assert!(
         refused[0]
             .to_string()
@@ -86,7 +86,7 @@ fn a_tool_that_is_a_cylinder_and_more_points_than_fit_are_refused() {
         spheres: Vec::new(),
     };
     let refused = faults(&world, WorldLoop::new(0.001), BasicParams::default());
-    assert_eq!(refused[0].field, "spheres");
+    assert_eq!(refused[0].field.name(), "spheres");
 
     let mut world = a_world();
     let ball = Shape::Sphere { radius: 0.01 };
@@ -138,7 +138,7 @@ fn every_parameter_of_loop_and_method_outside_its_range_is_said() {
     };
     let said: Vec<_> = faults(&world, in_loop, method)
         .iter()
-        .map(|fault| fault.field)
+        .map(|fault| fault.field.name())
         .collect();
     let expected = [
         "period",
@@ -162,7 +162,7 @@ fn an_actuation_outside_its_range_is_refused() {
     let actuation = Actuation::after(0.1).with_gain(0.0);
     let in_loop = WorldLoop::new(0.001).with_actuation(actuation);
     let refused = faults(&a_world(), in_loop, BasicParams::default());
-    let fields: Vec<_> = refused.iter().map(|fault| fault.field).collect();
+    let fields: Vec<_> = refused.iter().map(|fault| fault.field.name()).collect();
     assert_eq!(fields, ["actuation"; 2], "{refused:?}");
 }
 
@@ -177,7 +177,7 @@ fn a_tool_that_turns_needs_an_inertia() {
         vec![[1e-4, f64::INFINITY, 1e-4]],
     ] {
         let refused = faults(&world, WorldLoop::new(0.001), told(inertia));
-        assert_eq!(refused[0].field, "device_inertia", "{refused:?}");
+        assert_eq!(refused[0].field.name(), "device_inertia", "{refused:?}");
     }
     let coupled = told(vec![[1e-4; 3]]);
     assert!(WorldRenderer::new(&world, WorldLoop::new(0.001), coupled).is_ok());
@@ -189,7 +189,10 @@ fn a_device_has_at_least_one_axis() {
     world.tools[0].axes = [false; 3];
     let faults = faults(&world, WorldLoop::new(0.001), BasicParams::default());
     assert_eq!(faults.len(), 1, "{faults:?}");
-    assert_eq!((faults[0].place, faults[0].field), (Place::Tool(0), "axes"));
+    assert_eq!(
+        (faults[0].part, faults[0].field.name()),
+        (WorldPart::Tool(0), "axes")
+    );
     assert_eq!(
         faults[0].to_string(),
         "tool \"tool\": the device has no axis of the world; give it at least one of x, y and z"

@@ -4,7 +4,7 @@ use core::ffi::c_char;
 use std::borrow::ToOwned;
 use std::format;
 
-use palpate_world::{Party, Place, Tool};
+use palpate_world::{Party, WorldPart, Tool};
 
 use super::{BodyParams, DeviceParams, Scene, Shape, at, named, wrong};
 use crate::edge::status;
@@ -43,7 +43,7 @@ pub unsafe extern "C" fn palpate_scene_add_device(
         let number = scene.scene.world.tools.len();
         scene.scene.world.tools.push(tool);
         // Only now is it known whether the tool can be.
-        if let Err(refusal) = scene.check(|fault| fault.place == Place::Tool(number)) {
+        if let Err(refusal) = scene.check(|fault| fault.part == WorldPart::Tool(number)) {
             scene.scene.world.tools.truncate(number);
             return Err(refusal);
         }
@@ -76,7 +76,7 @@ pub unsafe extern "C" fn palpate_scene_add_body(
         let number = scene.scene.world.bodies.len();
         let body = params.body(name, shape)?.balanced();
         scene.scene.world.bodies.push(body);
-        if let Err(refusal) = scene.check(|fault| fault.place == Place::Body(number)) {
+        if let Err(refusal) = scene.check(|fault| fault.part == WorldPart::Body(number)) {
             scene.scene.world.bodies.truncate(number);
             return Err(refusal);
         }
@@ -134,7 +134,7 @@ pub unsafe extern "C" fn palpate_scene_set_body(
             Some(shape) => params.body(name, shape)?.balanced(),
         };
         scene.scene.world.bodies[number] = after;
-        if let Err(refusal) = scene.check(|fault| fault.place == Place::Body(number)) {
+        if let Err(refusal) = scene.check(|fault| fault.part == WorldPart::Body(number)) {
             scene.scene.world.bodies[number] = before;
             return Err(refusal);
         }

@@ -4,7 +4,7 @@ use core::ffi::c_char;
 use std::borrow::ToOwned;
 use std::format;
 
-use palpate_world::{Contact, Party, Place};
+use palpate_world::{Contact, Party, WorldPart};
 
 use super::{JointParams, Law, Scene, at, named, wrong};
 use crate::edge::status;
@@ -58,7 +58,7 @@ pub unsafe extern "C" fn palpate_scene_set_law(
         contacts.retain(|contact| !is_between(contact, &between));
         let number = contacts.len();
         contacts.push(Contact { between, law });
-        if let Err(refusal) = scene.check(|fault| fault.place == Place::Contact(number)) {
+        if let Err(refusal) = scene.check(|fault| fault.part == WorldPart::Contact(number)) {
             scene.scene.world.contacts = before;
             return Err(refusal);
         }
@@ -136,7 +136,7 @@ pub unsafe extern "C" fn palpate_scene_add_joint(
         let joint = unsafe { sized::read(params) }?.joint(body, against)?;
         let number = scene.scene.world.joints.len();
         scene.scene.world.joints.push(joint);
-        if let Err(refusal) = scene.check(|fault| fault.place == Place::Joint(number)) {
+        if let Err(refusal) = scene.check(|fault| fault.part == WorldPart::Joint(number)) {
             scene.scene.world.joints.truncate(number);
             return Err(refusal);
         }
@@ -163,7 +163,7 @@ pub unsafe extern "C" fn palpate_scene_set_joint(
         let before = scene.joint(joint)?.clone();
         let after = params.joint(&before.body, before.against.as_deref())?;
         scene.scene.world.joints[joint] = after;
-        if let Err(refusal) = scene.check(|fault| fault.place == Place::Joint(joint)) {
+        if let Err(refusal) = scene.check(|fault| fault.part == WorldPart::Joint(joint)) {
             scene.scene.world.joints[joint] = before;
             return Err(refusal);
         }

@@ -24,7 +24,7 @@ use std::vec::Vec;
 use palpate_scene::world::{
     Coupling, WorldActuator, WorldFile, WorldRender, WorldScene, WorldTiming,
 };
-use palpate_world::{World, WorldError, WorldGuard};
+use palpate_world::{World, WorldError, WorldField, WorldGuard};
 
 use crate::edge::status;
 use crate::status::{Refusal, Status};
@@ -237,7 +237,7 @@ impl Scene {
         let own: Vec<_> = faults.into_iter().filter(is).collect();
         if own.is_empty() {
             Ok(())
-        } else if own.iter().any(|fault| fault.field == "between") {
+        } else if own.iter().any(|fault| fault.field == WorldField::Between) {
             Err(wrong(in_words(&own)))
         } else {
             Err(Refusal::Numbers(in_words(&own)))

@@ -5,7 +5,7 @@ use std::format;
 use std::string::ToString;
 
 use palpate_rt::WorldRows;
-use palpate_world::BodyState as Core;
+use palpate_world::{BodyState as Core, WorldField};
 
 use super::{BodyState, Pose, World, names_of_bodies};
 use crate::edge::status;
@@ -92,7 +92,7 @@ pub unsafe extern "C" fn palpate_world_place(
         world.bounded.place(body, &to).map_err(|fault| {
             let mut velocities = to.velocity.iter().chain(&to.angular_velocity);
             // Of numbers that can be, only a fixed body refuses a velocity.
-            if fault.field == "velocity" && velocities.all(|number| number.is_finite()) {
+            if fault.field == WorldField::Velocity && velocities.all(|number| number.is_finite()) {
                 Refusal::WorldChange(fault.to_string())
             } else {
                 Refusal::Numbers(fault.to_string())

@@ -165,11 +165,11 @@ impl World {
         let limits = asked.limits(&mut scene.render);
         let method = asked.method.as_ref().unwrap_or(&scene.render.method);
         let renderer = scene.renderer(method).map_err(|faults| {
-            let is_all = |place| faults.iter().all(|fault| fault.place == place);
+            let is_all = |place| faults.iter().all(|fault| fault.part == place);
             let words = in_words(&faults);
-            if asked.method.is_some() && is_all(palpate_world::Place::Method) {
+            if asked.method.is_some() && is_all(palpate_world::WorldPart::Method) {
                 Refusal::WorldMethod(words)
-            } else if asked.has_limits() && is_all(palpate_world::Place::Loop) {
+            } else if asked.has_limits() && is_all(palpate_world::WorldPart::Loop) {
                 Refusal::Numbers(words)
             } else {
                 Refusal::Scene(words)
@@ -214,9 +214,9 @@ fn in_words(file: &WorldFile, faults: &[WorldError], is_method_given: bool) -> S
     let lines: Vec<String> = faults
         .iter()
         .map(|fault| {
-            let is_of_file = fault.place != palpate_world::Place::Method || !is_method_given;
+            let is_of_file = fault.part != palpate_world::WorldPart::Method || !is_method_given;
             if is_of_file {
-                file.at(fault.place, fault.field, fault.to_string())
+                file.at(fault.part, fault.field, fault.to_string())
                     .to_string()
             } else {
                 format!("method: {}", fault.message)

@@ -1,7 +1,7 @@
 //! Devices as a file gives them.
 
 use palpate::Range;
-use palpate_world::{NOT_TURNED, Place, Quaternion, Tool, Vector};
+use palpate_world::{NOT_TURNED, Quaternion, Tool, Vector, WorldField, WorldPart};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -45,7 +45,7 @@ const MOST_BEYOND: f64 = 1e-6;
 
 impl Reading {
     pub(super) fn device(&mut self, index: usize, raw: Spanned<RawDevice>) -> (Tool, WorldDevice) {
-        let place = Place::Tool(index);
+        let place = WorldPart::Tool(index);
         let span = raw.span();
         self.places.part(place, span.clone());
         let mut raw = raw.into_inner();
@@ -65,7 +65,7 @@ impl Reading {
                 Tremor::default()
             }
         };
-        let turning = self.turning(place, &mut raw, tremor_torque, tremor.frequency_hz);
+        let turning = self.turning(&mut raw, tremor_torque, tremor.frequency_hz);
         if raw
             .name
             .get_ref()
@@ -74,9 +74,9 @@ impl Reading {
             let message = "a device's name begins names of columns, so it has no comma, quotation mark or control character";
             self.fault(raw.name.span(), message);
         }
-        let name = self.places.take(place, "name", raw.name);
+        let name = self.places.take(place, WorldField::Name, raw.name);
         let axes = raw.axes.take().map_or(DeviceAxes::WORLD, |axes| {
-            self.places.take(place, "axes", axes)
+            self.places.take(place, WorldField::Axes, axes)
         });
         let known = self.has_its_axes(index).then_some(axes.has);
         let tool = Tool {
@@ -206,7 +206,6 @@ impl Reading {
     /// How a device of six axes turns: one that has an inertia.
     fn turning(
         &mut self,
-        place: Place,
         raw: &mut RawDevice,
         tremor: Option<Spanned<f64>>,
         frequency_hz: f64,
@@ -266,7 +265,7 @@ impl Reading {
         let stiffness = at_least_0("hand_rotational_stiffness_n_m_per_rad", stiffness);
         let damping = at_least_0("hand_rotational_damping_n_m_s_per_rad", damping);
         let quantum = at_least_0("quantum_rad", quantum);
-        let orientation = self.orientation(place, "orientation", orientation, NOT_TURNED);
+        let orientation = self.orientation("orientation", orientation, NOT_TURNED);
         Some(DeviceTurning {
             inertia: inertia.into_inner(),
             orientation,
@@ -277,7 +276,7 @@ impl Reading {
                 torque: self.vector("hand_torque_n_m", torque, [0.0; 3]),
                 stiffness,
                 damping,
-                rest: self.orientation(place, "hand_rest_orientation", rest, orientation),
+                rest: self.orientation("hand_rest_orientation", rest, orientation),
                 tremor: Tremor {
                     amplitude: tremor,
                     frequency_hz,
@@ -289,7 +288,6 @@ impl Reading {
     /// A quaternion of any length above 0, brought to length 1.
     fn orientation(
         &mut self,
-        place: Place,
         key: &'static str,
         value: Option<Spanned<Quaternion>>,
         default: Quaternion,
@@ -298,7 +296,7 @@ impl Reading {
             return default;
         };
         let span = value.span();
-        let given = self.places.take(place, key, value);
+        let given = value.into_inner();
         let length = given.iter().map(|part| part * part).sum::<f64>().sqrt();
         let has_direction = length > 0.0 && length.is_finite();
         if !has_direction {

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use palpate::Range;
 use palpate_world::{
-    Body, Contact, ContactLaw, Free, Motion, NOT_TURNED, Place, Quaternion, Shape, Vector, World,
-    WorldGuard, out_of_range,
+    Body, Contact, ContactLaw, Free, Motion, NOT_TURNED, Quaternion, Shape, Vector, World,
+    WorldField, WorldGuard, WorldPart, out_of_range,
 };
 use serde::Deserialize;
 use toml::Spanned;
@@ -208,7 +208,7 @@ impl WorldFile {
 
     /// A fault at a field of a part of the world.
     #[must_use]
-    pub fn at(&self, place: Place, field: &'static str, message: String) -> SceneError {
+    pub fn at(&self, place: WorldPart, field: WorldField, message: String) -> SceneError {
         let span = self.places.of(place, field);
         SceneError::at(&self.name, &self.source, span, message)
     }
@@ -241,8 +241,11 @@ impl Reading {
             );
             self.fault(raw.format.span(), message);
         }
-        self.places
-            .take(Place::Loop, "period", raw.r#loop.period_s.clone());
+        self.places.take(
+            WorldPart::Loop,
+            WorldField::Period,
+            raw.r#loop.period_s.clone(),
+        );
         let period = self.number("period_s", raw.r#loop.period_s.clone(), Range::Positive);
         let timed = [
             &raw.told.delay_s,
@@ -253,7 +256,8 @@ impl Reading {
             &raw.r#loop.gain,
         ];
         if let Some(delay) = timed.into_iter().flatten().next() {
-            self.places.take(Place::Loop, "actuation", delay.clone());
+            self.places
+                .take(WorldPart::Loop, WorldField::Actuation, delay.clone());
         }
         let RawLoop {
             delay_s,
@@ -304,7 +308,7 @@ impl Reading {
             world.check().err()
         };
         for error in errors.into_iter().flatten() {
-            let span = self.places.of(error.place, error.field);
+            let span = self.places.of(error.part, error.field);
             // A number that was wrong by itself has been said with its key.
             if !self.faults.iter().any(|(other, _)| *other == span) {
                 self.fault(span, error.to_string());
@@ -348,10 +352,12 @@ impl Reading {
         actuator: WorldActuator,
     ) -> WorldRender {
         if let Some(mass) = &raw.device_mass_kg {
-            self.places.take(Place::Method, "device_mass", mass.clone());
+            self.places
+                .take(WorldPart::Method, WorldField::DeviceMass, mass.clone());
         }
         if let Some(damping) = &raw.damping_n_s_per_m {
-            self.places.take(Place::Method, "damping", damping.clone());
+            self.places
+                .take(WorldPart::Method, WorldField::Damping, damping.clone());
         }
         // Of each device along the axes that it has.
         let told_mass = raw.device_mass_kg.as_ref();
@@ -380,8 +386,11 @@ impl Reading {
             }
         }
         let told_inertia = raw.device_inertia_kg_m2.map(|inertia| {
-            self.places
-                .take(Place::Method, "device_inertia", inertia.clone());
+            self.places.take(
+                WorldPart::Method,
+                WorldField::DeviceInertia,
+                inertia.clone(),
+            );
             let key = "device_inertia_kg_m2";
             self.numbers(key, inertia.span(), inertia.get_ref(), Range::Positive);
             inertia.into_inner()
@@ -393,7 +402,10 @@ impl Reading {
         WorldRender {
             method: raw.method.map_or_else(
                 || "coupled".into(),
-                |method| self.places.take(Place::Method, "method", method),
+                |method| {
+                    self.places
+                        .take(WorldPart::Method, WorldField::Method, method)
+                },
             ),
             device_mass: masses,
             damping: raw
@@ -434,12 +446,12 @@ impl Reading {
     }
 
     /// The shape of what has this name.
-    pub(super) fn shape(&mut self, place: Place, name: &str, raw: Spanned<RawShape>) -> Shape {
-        self.places.take(place, "shape", raw.clone());
+    pub(super) fn shape(&mut self, place: WorldPart, name: &str, raw: Spanned<RawShape>) -> Shape {
+        self.places.take(place, WorldField::Shape, raw.clone());
         for (key, length) in raw.get_ref().lengths() {
             // A tool may be a point, or have points.
             let range = match (place, raw.get_ref()) {
-                (Place::Tool(_), RawShape::Sphere { .. } | RawShape::Spheres(_)) => {
+                (WorldPart::Tool(_), RawShape::Sphere { .. } | RawShape::Spheres(_)) => {
                     Range::NotNegative
                 }
                 _ => Range::Positive,
@@ -447,13 +459,13 @@ impl Reading {
             self.numbers(key, raw.span(), &[length], range);
         }
         let fields = [
-            "radius",
-            "half_extents",
-            "half_length",
-            "normal",
-            "offset",
-            "spheres",
-            "centre",
+            WorldField::Radius,
+            WorldField::HalfExtents,
+            WorldField::HalfLength,
+            WorldField::Normal,
+            WorldField::Offset,
+            WorldField::Spheres,
+            WorldField::Centre,
         ];
         for field in fields {
             self.places.take(place, field, raw.clone());
@@ -468,8 +480,8 @@ impl Reading {
             Err(message) => {
                 // A shape that a key was taken out of has been said to be at fault.
                 let table = match place {
-                    Place::Tool(number) => format!("device.{number}.tool"),
-                    Place::Body(number) => format!("body.{number}.shape"),
+                    WorldPart::Tool(number) => format!("device.{number}.tool"),
+                    WorldPart::Body(number) => format!("body.{number}.shape"),
                     _ => String::new(),
                 };
                 if !self
@@ -486,7 +498,7 @@ impl Reading {
     }
 
     fn body(&mut self, index: usize, raw: Spanned<RawBody>) -> Body {
-        let place = Place::Body(index);
+        let place = WorldPart::Body(index);
         let span = raw.span();
         self.places.part(place, span.clone());
         let raw = raw.into_inner();
@@ -508,10 +520,10 @@ impl Reading {
         let motion = match (raw.fixed, raw.mass_kg) {
             (false, Some(mass)) => {
                 let free = Free {
-                    mass: self.places.take(place, "mass", mass),
+                    mass: self.places.take(place, WorldField::Mass, mass),
                     inertia: raw
                         .inertia_kg_m2
-                        .map(|inertia| self.places.take(place, "inertia", inertia)),
+                        .map(|inertia| self.places.take(place, WorldField::Inertia, inertia)),
                     velocity: self.vector("velocity_m_per_s", raw.velocity_m_per_s, [0.0; 3]),
                     angular_velocity: self.vector(
                         "angular_velocity_rad_per_s",
@@ -544,10 +556,12 @@ impl Reading {
             }
         };
         let orientation = raw.orientation.map_or(NOT_TURNED, |orientation| {
-            let orientation = self.places.take(place, "orientation", orientation);
+            let orientation = self
+                .places
+                .take(place, WorldField::Orientation, orientation);
             unit(orientation)
         });
-        let name = self.places.take(place, "name", raw.name);
+        let name = self.places.take(place, WorldField::Name, raw.name);
         Body {
             shape: self.shape(place, &name, raw.shape),
             name,
@@ -560,11 +574,13 @@ impl Reading {
     }
 
     fn contact(&mut self, index: usize, raw: Spanned<RawContact>) -> Contact {
-        let place = Place::Contact(index);
+        let place = WorldPart::Contact(index);
         self.places.part(place, raw.span());
         let raw = raw.into_inner();
-        let Pair(between) = self.places.take(place, "between", raw.between);
-        let stiffness = self.places.take(place, "stiffness", raw.stiffness_n_per_m);
+        let Pair(between) = self.places.take(place, WorldField::Between, raw.between);
+        let stiffness = self
+            .places
+            .take(place, WorldField::Stiffness, raw.stiffness_n_per_m);
         // What is wrong with the stiffness is said once.
         let is_wrong = out_of_range("", stiffness, Range::Positive).is_some();
         let usual = if is_wrong { 1.0 } else { stiffness };
@@ -575,9 +591,13 @@ impl Reading {
             between,
             law: ContactLaw {
                 stiffness,
-                damping: or("damping", raw.damping_n_s_per_m, 0.0),
-                friction: or("friction", raw.friction, 0.0),
-                friction_stiffness: or("friction_stiffness", raw.friction_stiffness_n_per_m, usual),
+                damping: or(WorldField::Damping, raw.damping_n_s_per_m, 0.0),
+                friction: or(WorldField::Friction, raw.friction, 0.0),
+                friction_stiffness: or(
+                    WorldField::FrictionStiffness,
+                    raw.friction_stiffness_n_per_m,
+                    usual,
+                ),
             },
         }
     }

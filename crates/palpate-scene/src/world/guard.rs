@@ -1,7 +1,7 @@
 //! The bound on the energy that the forces of a world give out, as a file says it.
 
 use palpate::Range;
-use palpate_world::{Place, WorldGuard, WorldGuardParams};
+use palpate_world::{WorldField, WorldGuard, WorldGuardParams, WorldPart};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -52,34 +52,35 @@ impl Reading {
         let mut or = |key: &str, field, value: Option<Spanned<f64>>, otherwise, least| {
             value.map_or(otherwise, |value| {
                 let checked = self.number(key, value.clone(), least);
-                self.places.take(Place::Loop, field, value);
+                self.places.take(WorldPart::Loop, field, value);
                 checked
             })
         };
         let params = WorldGuardParams {
             largest_speed: or(
                 "speed_m_per_s",
-                "guard.largest_speed",
+                WorldField::GuardLargestSpeed,
                 raw.speed_m_per_s,
                 usual.largest_speed,
                 Range::Positive,
             ),
             largest_turning: or(
                 "turning_rad_per_s",
-                "guard.largest_turning",
+                WorldField::GuardLargestTurning,
                 raw.turning_rad_per_s,
                 usual.largest_turning,
                 Range::Positive,
             ),
             allowance: or(
                 "allowance_j",
-                "guard.allowance",
+                WorldField::GuardAllowance,
                 raw.allowance_j,
                 usual.allowance,
                 Range::NotNegative,
             ),
             late: raw.late_samples.map_or(usual.late, |late| {
-                self.places.take(Place::Loop, "guard.late", late)
+                self.places
+                    .take(WorldPart::Loop, WorldField::GuardLate, late)
             }),
         };
         raw.mode.of_world(params)

@@ -1,6 +1,6 @@
 //! The joints of a world.
 
-use palpate_world::{Body, Joint, JointKind, JointLaw, Place, Vector};
+use palpate_world::{Body, Joint, JointKind, JointLaw, Vector, WorldField, WorldPart};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -39,7 +39,7 @@ pub(super) struct RawJoint {
 
 impl Reading {
     pub(super) fn joint(&mut self, index: usize, raw: Spanned<RawJoint>, bodies: &[Body]) -> Joint {
-        let place = Place::Joint(index);
+        let place = WorldPart::Joint(index);
         self.places.part(place, raw.span());
         let raw = raw.into_inner();
         let (kind, word) = match raw.kind {
@@ -47,7 +47,7 @@ impl Reading {
             RawKind::Slider => (JointKind::Slider, "slider"),
         };
         let span = raw.between.span();
-        let [body, against] = self.places.take(place, "between", raw.between);
+        let [body, against] = self.places.take(place, WorldField::Between, raw.between);
         if body == WORLD {
             let message = "the first of the two is a body that moves; \"world\" may be the second";
             self.fault(span, message);
@@ -64,40 +64,46 @@ impl Reading {
         let law = JointLaw {
             spring: of_kind
                 .one(
-                    "spring",
+                    WorldField::Spring,
                     ["spring_n_per_m", "spring_n_m_per_rad"],
                     [raw.spring_n_per_m, raw.spring_n_m_per_rad],
                 )
                 .unwrap_or(0.0),
             rest: of_kind
-                .one("rest", ["rest_m", "rest_rad"], [raw.rest_m, raw.rest_rad])
+                .one(
+                    WorldField::Rest,
+                    ["rest_m", "rest_rad"],
+                    [raw.rest_m, raw.rest_rad],
+                )
                 .unwrap_or(0.0),
             along_damping: of_kind
                 .one(
-                    "along_damping",
+                    WorldField::AlongDamping,
                     ["along_damping_n_s_per_m", "along_damping_n_m_s_per_rad"],
                     [raw.along_damping_n_s_per_m, raw.along_damping_n_m_s_per_rad],
                 )
                 .unwrap_or(0.0),
             limits: of_kind.one(
-                "limits",
+                WorldField::Limits,
                 ["limits_m", "limits_rad"],
                 [raw.limits_m, raw.limits_rad],
             ),
-            stiffness: self.places.take(place, "stiffness", raw.stiffness_n_per_m),
-            damping: raw
-                .damping_n_s_per_m
-                .map_or(0.0, |damping| self.places.take(place, "damping", damping)),
-            span: self.places.take(place, "span", raw.span_m),
+            stiffness: self
+                .places
+                .take(place, WorldField::Stiffness, raw.stiffness_n_per_m),
+            damping: raw.damping_n_s_per_m.map_or(0.0, |damping| {
+                self.places.take(place, WorldField::Damping, damping)
+            }),
+            span: self.places.take(place, WorldField::Span, raw.span_m),
         };
         let middle = bodies.iter().find(|other| other.name == body);
         Joint {
             point: raw
                 .point_m
                 .map_or(middle.map_or([0.0; 3], |body| body.position), |point| {
-                    self.places.take(place, "point", point)
+                    self.places.take(place, WorldField::Point, point)
                 }),
-            axis: unit(self.places.take(place, "axis", raw.axis)),
+            axis: unit(self.places.take(place, WorldField::Axis, raw.axis)),
             against: (against != WORLD).then_some(against),
             body,
             kind,
@@ -109,7 +115,7 @@ impl Reading {
 /// Keys of which a slider has one and a hinge the other.
 struct OfKind<'a> {
     reading: &'a mut Reading,
-    place: Place,
+    place: WorldPart,
     word: &'static str,
     is_hinge: bool,
 }
@@ -118,7 +124,7 @@ impl OfKind<'_> {
     /// The value that is of this kind, in the order slider, hinge; the other one is a fault.
     fn one<T>(
         &mut self,
-        field: &'static str,
+        field: WorldField,
         keys: [&str; 2],
         values: [Option<Spanned<T>>; 2],
     ) -> Option<T> {

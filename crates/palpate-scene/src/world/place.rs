@@ -3,30 +3,30 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use palpate_world::Place;
+use palpate_world::{WorldField, WorldPart};
 use toml::Spanned;
 
 /// Where each field of each part of a world stands.
 #[derive(Clone, Debug, Default)]
 pub(super) struct WorldPlaces {
-    parts: HashMap<Place, Range<usize>>,
-    fields: HashMap<(Place, &'static str), Range<usize>>,
+    parts: HashMap<WorldPart, Range<usize>>,
+    fields: HashMap<(WorldPart, WorldField), Range<usize>>,
 }
 
 impl WorldPlaces {
     /// A part begins here.
-    pub fn part(&mut self, place: Place, span: Range<usize>) {
+    pub fn part(&mut self, place: WorldPart, span: Range<usize>) {
         self.parts.insert(place, span);
     }
 
     /// Takes a value and remembers where it stands.
-    pub fn take<T>(&mut self, place: Place, field: &'static str, value: Spanned<T>) -> T {
+    pub fn take<T>(&mut self, place: WorldPart, field: WorldField, value: Spanned<T>) -> T {
         self.fields.insert((place, field), value.span());
         value.into_inner()
     }
 
     /// The place of a field, else of its part, else the beginning of the file.
-    pub fn of(&self, place: Place, field: &'static str) -> Range<usize> {
+    pub fn of(&self, place: WorldPart, field: WorldField) -> Range<usize> {
         let field = self.fields.get(&(place, field));
         let found = field.or_else(|| self.parts.get(&place));
         found.cloned().unwrap_or(0..0)

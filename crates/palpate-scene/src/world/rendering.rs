@@ -2,8 +2,8 @@
 
 use palpate::Actuation;
 use palpate_world::{
-    BasicParams, CoupledParams, GodObjectParams, Place, Tool, VirtualCouplingParams, WorldError,
-    WorldGuard, WorldLoop, WorldMethod, WorldRenderer,
+    BasicParams, CoupledParams, GodObjectParams, Tool, VirtualCouplingParams, WorldError,
+    WorldField, WorldGuard, WorldLoop, WorldMethod, WorldPart, WorldRenderer,
 };
 
 use super::{Coupling, WorldActuator, WorldRender, WorldScene};
@@ -250,5 +250,5 @@ impl WorldScene {
 }
 
 fn fault(message: &str) -> WorldError {
-    WorldError::new(Place::Method, "method", "the method", message)
+    WorldError::new(WorldPart::Method, WorldField::Method, "the method", message)
 }

@@ -381,7 +381,7 @@ fn a_guard_is_read_and_its_faults_are_said() {
     let late = with("{ mode = \"limit\", late_samples = 9 }");
     let file = WorldFile::parse("ball.toml", &late).unwrap();
     let faults = file.scene.renderer("coupled").unwrap_err();
-    let error = file.at(faults[0].place, faults[0].field, faults[0].to_string());
+    let error = file.at(faults[0].part, faults[0].field, faults[0].to_string());
     assert!(error.to_string().contains("at most 8"), "{error}");
     assert_eq!(&late[error.span.clone()], "9");
 }

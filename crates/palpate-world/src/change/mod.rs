@@ -7,7 +7,7 @@ use crate::body::rotation;
 use crate::moving::Touch;
 use crate::state::{BodyState, WorldState, body_state};
 use crate::world::{Faults, is_unit};
-use crate::{Motion, Place, World, WorldError, WorldRenderer};
+use crate::{Motion, World, WorldError, WorldField, WorldPart, WorldRenderer};
 
 use going_on::New;
 pub use succession::Succession;
@@ -92,11 +92,16 @@ impl WorldRenderer {
 
     /// Whether a body can be there. Words are only made of what is wrong, since they allocate.
     fn can_place(&self, body: usize, to: &BodyState) -> Result<(), WorldError> {
-        let place = Place::Body(body);
+        let place = WorldPart::Body(body);
         let Some(described) = self.world.bodies.get(body) else {
             let count = self.world.bodies.len();
             let message = format!("there is no body {body}; the world has {count}");
-            return Err(WorldError::new(place, "body", "the world", message));
+            return Err(WorldError::new(
+                place,
+                WorldField::Body,
+                "the world",
+                message,
+            ));
         };
         let BodyState {
             position,
@@ -112,13 +117,13 @@ impl WorldRenderer {
         }
         let (mut faults, subject) = (Vec::new(), format!("body {:?}", described.name));
         let mut checks = Faults::new(&mut faults, place, &subject);
-        checks.finite("position", position);
-        checks.unit("orientation", orientation);
-        checks.finite("velocity", velocity);
-        checks.finite("angular_velocity", angular_velocity);
+        checks.finite(WorldField::Position, position);
+        checks.unit(WorldField::Orientation, orientation);
+        checks.finite(WorldField::Velocity, velocity);
+        checks.finite(WorldField::AngularVelocity, angular_velocity);
         if is_still {
             let message = "a fixed body has no velocity: give it 0, or make it a body that moves";
-            checks.fault("velocity", message.into());
+            checks.fault(WorldField::Velocity, message.into());
         }
         faults.into_iter().next().map_or(Ok(()), Err)
     }
@@ -133,8 +138,8 @@ impl WorldRenderer {
                 before.len()
             );
             return Err(vec![WorldError::new(
-                Place::World,
-                "tools",
+                WorldPart::World,
+                WorldField::Tools,
                 "the world",
                 message,
             )]);
@@ -156,8 +161,8 @@ impl WorldRenderer {
                     (true, false) => "is turned by its hand",
                 };
                 WorldError::new(
-                    Place::Tool(number),
-                    "tools",
+                    WorldPart::Tool(number),
+                    WorldField::Tools,
                     format!("tool {:?}", tool.name),
                     format!(
                         "it was {:?}, which moves along {} and {turns}; the tools of a world that runs stay, but \

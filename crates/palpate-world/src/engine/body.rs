@@ -1,8 +1,8 @@
 //! What is told of an engine's bodies: once, and at each of its steps.
 
 use crate::{
-    Body, Contact, ContactLaw, Motion, Party, Place, Quaternion, Shape, Tool, Vector, World,
-    WorldError,
+    Body, Contact, ContactLaw, Motion, Party, Quaternion, Shape, Tool, Vector, World, WorldError,
+    WorldField, WorldPart,
 };
 
 /// A body of another engine that tools may touch.
@@ -104,11 +104,11 @@ pub struct BodyWrench {
 impl EngineBody {
     /// Everything that is wrong with the body of this number, by the rules of a [`World`].
     pub(super) fn faults(&self, number: usize, tools: &[Tool]) -> Vec<WorldError> {
-        let place = Place::Body(number);
+        let place = WorldPart::Body(number);
         let subject = format!("body {:?}", self.name);
         if self.shapes.is_empty() {
             let message = "it has no shape that a tool could touch";
-            return vec![WorldError::new(place, "shape", subject, message)];
+            return vec![WorldError::new(place, WorldField::Shape, subject, message)];
         }
         let mut faults = Vec::new();
         for placed in &self.shapes {
@@ -125,9 +125,9 @@ impl EngineBody {
                 }],
             };
             for fault in alone.check().err().into_iter().flatten() {
-                let is_of_body = matches!(fault.place, Place::Body(_) | Place::Contact(_));
+                let is_of_body = matches!(fault.part, WorldPart::Body(_) | WorldPart::Contact(_));
                 let of_this = WorldError {
-                    place,
+                    part: place,
                     subject: subject.clone(),
                     ..fault
                 };

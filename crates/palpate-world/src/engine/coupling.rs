@@ -14,8 +14,8 @@ use crate::part::{Drive, Part};
 use crate::rigid::{Mobility, Rigid, Rotation, Vector3};
 use crate::tracking::Tracking;
 use crate::{
-    ContactBook, CoupledParams, Effort, Limited, Mode, Place, Sample, Tool, ToolState, Vector,
-    WorldError, WorldGuard, WorldLoop,
+    ContactBook, CoupledParams, Effort, Limited, Mode, Sample, Tool, ToolState, Vector, WorldError,
+    WorldField, WorldGuard, WorldLoop, WorldPart,
 };
 
 /// Devices that are coupled to images of bodies, in one loop.
@@ -39,7 +39,12 @@ impl Coupling {
             let message = format!(
                 "guard is asked for, and {bodies} bodies have no books that it could reckon with"
             );
-            faults.push(WorldError::new(Place::Loop, "guard", "the loop", message));
+            faults.push(WorldError::new(
+                WorldPart::Loop,
+                WorldField::Guard,
+                "the loop",
+                message,
+            ));
         }
         match params.check(tools) {
             Ok(coupled) if faults.is_empty() => Ok(Self { in_loop, coupled }),

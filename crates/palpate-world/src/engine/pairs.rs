@@ -8,7 +8,7 @@ use super::body::EngineBody;
 use crate::law::PointLaw;
 use crate::rigid::{Rigid, Rotation, Vector3};
 use crate::solid::{Nearest, Solid};
-use crate::{MOST_POINTS, Mesh, Place, Shape, Tool, WorldError};
+use crate::{MOST_POINTS, Mesh, Shape, Tool, WorldError, WorldField, WorldPart};
 
 /// A convex surface that a sphere touches at one point.
 #[derive(Clone, Debug)]
@@ -159,8 +159,8 @@ pub(super) fn of_spheres(tools: &[Tool]) -> (Vec<f64>, Vec<WorldError>) {
         let subject = || format!("tool {:?}", tool.name);
         let Shape::Sphere { radius } = tool.shape else {
             faults.push(WorldError::new(
-                Place::Tool(number),
-                "shape",
+                WorldPart::Tool(number),
+                WorldField::Shape,
                 subject(),
                 "a tool that touches the bodies of another engine has to be a sphere, of radius 0 or more",
             ));
@@ -169,8 +169,8 @@ pub(super) fn of_spheres(tools: &[Tool]) -> (Vec<f64>, Vec<WorldError>) {
         radii.push(radius);
         if tool.turns {
             faults.push(WorldError::new(
-                Place::Tool(number),
-                "turns",
+                WorldPart::Tool(number),
+                WorldField::Turns,
                 subject(),
                 "a tool that touches the bodies of another engine does not turn so far: give it a device of three axes",
             ));
@@ -194,8 +194,8 @@ pub(super) fn pairs(tools: &[Tool], bodies: &[EngineBody]) -> (Vec<Pair>, Vec<Wo
                     Err(message) => {
                         let subject = format!("body {:?}", described.name);
                         faults.push(WorldError::new(
-                            Place::Body(body),
-                            "shape",
+                            WorldPart::Body(body),
+                            WorldField::Shape,
                             subject,
                             message,
                         ));
@@ -223,16 +223,16 @@ pub(super) fn pairs(tools: &[Tool], bodies: &[EngineBody]) -> (Vec<Pair>, Vec<Wo
     if bodies.is_empty() {
         let message = "there is no body of the engine to touch";
         faults.push(WorldError::new(
-            Place::World,
-            "bodies",
+            WorldPart::World,
+            WorldField::Bodies,
             "the engine",
             message,
         ));
     }
     if pairs.len() > MOST_POINTS {
         faults.push(WorldError::new(
-            Place::World,
-            "bodies",
+            WorldPart::World,
+            WorldField::Bodies,
             "the engine",
             format!(
                 "its bodies have {} shapes for all tools together, and at most {MOST_POINTS} are allowed",

@@ -9,7 +9,7 @@ use crate::part::Drive;
 use crate::rigid::{Rotation, Vector3};
 use crate::state::{Progress, quaternion, show_contacts};
 use crate::turning::TurningDrive;
-use crate::{Effort, Place, Vector, WorldError, WorldRenderer};
+use crate::{Effort, Vector, WorldError, WorldField, WorldPart, WorldRenderer};
 
 /// Parameters of basic rendering.
 ///
@@ -29,14 +29,19 @@ impl BasicParams {
     pub(super) fn check(self, tools: usize) -> Result<Basic, Vec<WorldError>> {
         let mut faults = Vec::new();
         let lists = [
-            ("damping", &self.damping),
-            ("rotational_damping", &self.rotational_damping),
+            (WorldField::Damping, &self.damping),
+            (WorldField::RotationalDamping, &self.rotational_damping),
         ];
         for (field, list) in lists {
             faults.extend(one_per_tool(field, list.len(), tools).err());
             for damping in list {
                 if let Some(message) = out_of_range(field, *damping, Range::NotNegative) {
-                    faults.push(WorldError::new(Place::Method, field, "the method", message));
+                    faults.push(WorldError::new(
+                        WorldPart::Method,
+                        field,
+                        "the method",
+                        message,
+                    ));
                 }
             }
         }

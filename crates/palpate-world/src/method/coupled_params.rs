@@ -9,7 +9,7 @@ use crate::linkage::Linkage;
 use crate::observer::{AxisPrior, Prior};
 use crate::rigid::Vector3;
 use crate::turning_observer::TurningPrior;
-use crate::{Place, Tool, Vector, WorldError};
+use crate::{Tool, Vector, WorldError, WorldField, WorldPart};
 
 /// Parameters of coupled rendering.
 ///
@@ -103,12 +103,17 @@ impl CoupledParams {
     pub(crate) fn check(self, all: &[Tool]) -> Result<Coupled, Vec<WorldError>> {
         let tools = all.len();
         let mut faults = Vec::new();
-        let mut fault = |field: &'static str, message: String| {
-            faults.push(WorldError::new(Place::Method, field, "the method", message));
+        let mut fault = |field: WorldField, message: String| {
+            faults.push(WorldError::new(
+                WorldPart::Method,
+                field,
+                "the method",
+                message,
+            ));
         };
         if self.device_mass.len() != tools {
             fault(
-                "device_mass",
+                WorldField::DeviceMass,
                 format!(
                     "device_mass has {} entries for {tools} tools; give one for each",
                     self.device_mass.len()
@@ -119,14 +124,14 @@ impl CoupledParams {
             let is_mass = *mass > 0.0;
             if !is_mass {
                 fault(
-                    "device_mass",
+                    WorldField::DeviceMass,
                     format!("device_mass is {mass}, and has to be above 0, or infinite"),
                 );
             }
         }
         if all.iter().any(|tool| tool.turns) && self.device_inertia.len() != tools {
             fault(
-                "device_inertia",
+                WorldField::DeviceInertia,
                 format!(
                     "device_inertia has {} entries for {tools} tools, of which one turns; give three moments for each",
                     self.device_inertia.len()
@@ -138,7 +143,7 @@ impl CoupledParams {
             for moment in moments {
                 if tool.turns && !is_immovable && !(*moment > 0.0 && moment.is_finite()) {
                     fault(
-                        "device_inertia",
+                        WorldField::DeviceInertia,
                         format!(
                             "device_inertia is {moment}, and has to be above 0 and finite, or infinite about all three axes"
                         ),
@@ -147,9 +152,9 @@ impl CoupledParams {
             }
         }
         let positive = [
-            ("offset_limit", self.offset_limit),
-            ("velocity_return", self.velocity_return),
-            ("turn_limit", self.turn_limit),
+            (WorldField::OffsetLimit, self.offset_limit),
+            (WorldField::VelocityReturn, self.velocity_return),
+            (WorldField::TurnLimit, self.turn_limit),
         ];
         for (field, value) in positive {
             let is_positive = value > 0.0;
@@ -169,19 +174,19 @@ impl CoupledParams {
             angular_jerk,
         } = self.prior;
         let not_negative = [
-            ("encoder_quantum", self.encoder_quantum),
-            ("angle_quantum", self.angle_quantum),
-            ("offset_return", self.offset_return),
-            ("turn_return", self.turn_return),
-            ("prior.velocity", velocity),
-            ("prior.acceleration", acceleration),
-            ("prior.mobility", mobility),
-            ("prior.damping_rate", damping_rate),
-            ("prior.spring_rate", spring_rate),
-            ("prior.jerk", jerk),
-            ("prior.angular_velocity", angular_velocity),
-            ("prior.angular_acceleration", angular_acceleration),
-            ("prior.angular_jerk", angular_jerk),
+            (WorldField::EncoderQuantum, self.encoder_quantum),
+            (WorldField::AngleQuantum, self.angle_quantum),
+            (WorldField::OffsetReturn, self.offset_return),
+            (WorldField::TurnReturn, self.turn_return),
+            (WorldField::PriorVelocity, velocity),
+            (WorldField::PriorAcceleration, acceleration),
+            (WorldField::PriorMobility, mobility),
+            (WorldField::PriorDampingRate, damping_rate),
+            (WorldField::PriorSpringRate, spring_rate),
+            (WorldField::PriorJerk, jerk),
+            (WorldField::PriorAngularVelocity, angular_velocity),
+            (WorldField::PriorAngularAcceleration, angular_acceleration),
+            (WorldField::PriorAngularJerk, angular_jerk),
         ];
         for (field, value) in not_negative {
             if let Some(message) = out_of_range(field, value, Range::NotNegative) {

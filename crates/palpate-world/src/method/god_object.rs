@@ -14,7 +14,7 @@ use crate::part::Drive;
 use crate::rigid::Vector3;
 use crate::solid::Solid;
 use crate::state::{Progress, show_contacts};
-use crate::{Effort, Place, Shape, Tool, Vector, WorldError, WorldRenderer};
+use crate::{Effort, Shape, Tool, Vector, WorldError, WorldField, WorldPart, WorldRenderer};
 
 /// Parameters of rendering by a god-object.
 ///
@@ -48,8 +48,8 @@ impl GodObjectParams {
             "has another shape"
         };
         Err(WorldError::new(
-            Place::Method,
-            "method",
+            WorldPart::Method,
+            WorldField::Method,
             "the method",
             format!(
                 "god-object renders tools that are a sphere, a point or several spheres and do not turn; {:?} {why}",
@@ -61,11 +61,16 @@ impl GodObjectParams {
     pub(super) fn check(self, tools: &[Tool]) -> Result<GodObject, Vec<WorldError>> {
         let mut faults = Vec::new();
         for (field, list, range) in [
-            ("stiffness", &self.stiffness, Range::Positive),
-            ("damping", &self.damping, Range::NotNegative),
+            (WorldField::Stiffness, &self.stiffness, Range::Positive),
+            (WorldField::Damping, &self.damping, Range::NotNegative),
         ] {
             let mut fault = |message: String| {
-                faults.push(WorldError::new(Place::Method, field, "the method", message));
+                faults.push(WorldError::new(
+                    WorldPart::Method,
+                    field,
+                    "the method",
+                    message,
+                ));
             };
             if list.len() != tools.len() {
                 let (given, tools) = (list.len(), tools.len());

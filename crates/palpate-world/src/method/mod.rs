@@ -20,7 +20,7 @@ pub use virtual_coupling::VirtualCouplingParams;
 
 use crate::rigid::Vector3;
 use crate::state::Progress;
-use crate::{Effort, Limited, Place, Tool, Vector, WorldError, WorldRenderer};
+use crate::{Effort, Limited, Tool, Vector, WorldError, WorldField, WorldPart, WorldRenderer};
 use basic::Basic;
 use coupled::{Coupled, CoupledMemory};
 use god_object::{GodObject, GodObjectMemory};
@@ -235,7 +235,7 @@ impl Memory {
 
 /// One number for each tool, or none.
 pub(crate) fn one_per_tool(
-    field: &'static str,
+    field: WorldField,
     given: usize,
     tools: usize,
 ) -> Result<(), WorldError> {
@@ -243,7 +243,7 @@ pub(crate) fn one_per_tool(
         return Ok(());
     }
     Err(WorldError::new(
-        Place::Method,
+        WorldPart::Method,
         field,
         "the method",
         format!("{field} has {given} entries for {tools} tools; give one for each, or none"),

@@ -8,7 +8,7 @@ use crate::part::Drive;
 use crate::rigid::{Rotation, Vector3};
 use crate::state::{Progress, quaternion, show_contacts};
 use crate::turning::TurningDrive;
-use crate::{Effort, Place, Tool, Vector, WorldError, WorldRenderer};
+use crate::{Effort, Tool, Vector, WorldError, WorldField, WorldPart, WorldRenderer};
 
 /// Parameters of rendering by a virtual coupling.
 ///
@@ -49,26 +49,41 @@ impl VirtualCouplingParams {
             0
         };
         let lists = [
-            ("stiffness", &self.stiffness, Range::Positive, tools),
-            ("damping", &self.damping, Range::NotNegative, tools),
-            ("mass", &self.mass, Range::Positive, tools),
             (
-                "rotational_stiffness",
+                WorldField::Stiffness,
+                &self.stiffness,
+                Range::Positive,
+                tools,
+            ),
+            (
+                WorldField::Damping,
+                &self.damping,
+                Range::NotNegative,
+                tools,
+            ),
+            (WorldField::Mass, &self.mass, Range::Positive, tools),
+            (
+                WorldField::RotationalStiffness,
                 &self.rotational_stiffness,
                 Range::Positive,
                 turning,
             ),
             (
-                "rotational_damping",
+                WorldField::RotationalDamping,
                 &self.rotational_damping,
                 Range::NotNegative,
                 turning,
             ),
-            ("inertia", &self.inertia, Range::Positive, turning),
+            (WorldField::Inertia, &self.inertia, Range::Positive, turning),
         ];
         for (field, list, range, asked) in lists {
             let mut fault = |message: String| {
-                faults.push(WorldError::new(Place::Method, field, "the method", message));
+                faults.push(WorldError::new(
+                    WorldPart::Method,
+                    field,
+                    "the method",
+                    message,
+                ));
             };
             let count = list.len();
             if count != asked && asked > 0 {

@@ -2,9 +2,9 @@
 
 use palpate_world::{
     BasicParams, Body, BodyState, Contact, ContactLaw, ContactState, CoupledParams, Free,
-    GodObjectParams, Joint, JointKind, JointLaw, Mode, Motion, NOT_TURNED, Party, Place, Sample,
-    Shape, Side, Tool, Vector, VirtualCouplingParams, World, WorldLoop, WorldMethod, WorldRenderer,
-    WorldState,
+    GodObjectParams, Joint, JointKind, JointLaw, Mode, Motion, NOT_TURNED, Party, Sample, Shape,
+    Side, Tool, Vector, VirtualCouplingParams, World, WorldLoop, WorldMethod, WorldPart,
+    WorldRenderer, WorldState,
 };
 
 use crate::common::{FAR, ball, plane, world};
@@ -421,7 +421,7 @@ fn what_cannot_be_is_refused_and_nothing_changes() {
     for (to, body, word) in wrong {
         let error = renderer.place(&mut state, body, &to).unwrap_err();
         assert!(error.to_string().contains(word), "{error}");
-        assert_eq!(error.place, Place::Body(body));
+        assert_eq!(error.part, WorldPart::Body(body));
     }
     assert_eq!(state.bodies(), before.bodies());
     assert_eq!(state.books(), before.books());
@@ -444,7 +444,9 @@ fn what_cannot_be_is_refused_and_nothing_changes() {
         free.mass = 0.0;
     }
     assert_eq!(
-        renderer.changed(&state, &heavy).unwrap_err()[0].field,
+        renderer.changed(&state, &heavy).unwrap_err()[0]
+            .field
+            .name(),
         "mass"
     );
 }

@@ -3,9 +3,9 @@
 use nalgebra::UnitQuaternion;
 use palpate::Actuation;
 use palpate_world::{
-    BasicParams, Contact, ContactLaw, CoupledParams, Free, GodObjectParams, Party, Place,
-    Quaternion, Sample, Shape, Tool, Vector, VirtualCouplingParams, World, WorldGuard,
-    WorldGuardParams, WorldLoop, WorldMethod, WorldRenderer, WorldState,
+    BasicParams, Contact, ContactLaw, CoupledParams, Free, GodObjectParams, Party, Quaternion,
+    Sample, Shape, Tool, Vector, VirtualCouplingParams, World, WorldGuard, WorldGuardParams,
+    WorldLoop, WorldMethod, WorldPart, WorldRenderer, WorldState,
 };
 
 use crate::common::{ball, plane};
@@ -409,7 +409,10 @@ fn a_guard_of_a_world_without_meaning_is_refused() {
             let world = corner(ContactLaw::spring(1000.0));
             let refused = WorldRenderer::new(&world, in_loop, BasicParams::default());
             let faults = refused.unwrap_err();
-            assert_eq!((faults[0].place, faults[0].field), (Place::Loop, field));
+            assert_eq!(
+                (faults[0].part, faults[0].field.name()),
+                (WorldPart::Loop, field)
+            );
         }
     }
 }

@@ -2,9 +2,9 @@
 //! is the interval mean of the ideal one, in which no contact turns the tool.
 
 use palpate_world::{
-    BasicParams, Books, ContactBook, ContactLaw, CoupledParams, DeviceBook, Limited, Place, Prior,
+    BasicParams, Books, ContactBook, ContactLaw, CoupledParams, DeviceBook, Limited, Prior,
     Quaternion, Sample, SubSteps, Tool, Vector, VirtualCouplingParams, World, WorldGuard,
-    WorldGuardParams, WorldLoop, WorldMethod, WorldRenderer, WorldState,
+    WorldGuardParams, WorldLoop, WorldMethod, WorldPart, WorldRenderer, WorldState,
 };
 
 use crate::ideal::dot;
@@ -243,8 +243,8 @@ fn what_turns_is_refused_where_it_makes_no_sense() {
     world.tools[0].turns = false;
     let refused = WorldRenderer::new(&world, WorldLoop::new(0.001), exact(case)).unwrap_err();
     assert_eq!(refused.len(), 1, "{refused:?}");
-    assert_eq!(refused[0].place, Place::Tool(0));
-    assert_eq!(refused[0].field, "gives_torque");
+    assert_eq!(refused[0].part, WorldPart::Tool(0));
+    assert_eq!(refused[0].field.name(), "gives_torque");
 
     // A running world keeps its tools.
     let world = as_world(case);

@@ -7,7 +7,7 @@ use super::params::LocalParams;
 use crate::engine::body::BodyNow;
 use crate::fault::out_of_range;
 use crate::rigid::Vector3;
-use crate::{ContactLaw, Place, Tool, Vector, WorldError};
+use crate::{ContactLaw, Tool, Vector, WorldError, WorldField, WorldPart};
 
 /// What the fast loop is told: bodies and contacts of a host as of a tick. Made, and checked, by
 /// [`LocalRenderer::model`](super::LocalRenderer::model).
@@ -146,8 +146,8 @@ impl LocalModel {
                 params.bodies
             );
             faults.push(WorldError::new(
-                Place::World,
-                "bodies",
+                WorldPart::World,
+                WorldField::Bodies,
                 "the local model",
                 message,
             ));
@@ -157,8 +157,8 @@ impl LocalModel {
                 let message = "position, orientation, motion, acceleration and mobility have to be numbers, and the \
                                orientation a unit quaternion";
                 faults.push(WorldError::new(
-                    Place::Body(number),
-                    "",
+                    WorldPart::Body(number),
+                    WorldField::Whole,
                     format!("body {number}"),
                     message,
                 ));
@@ -171,8 +171,8 @@ impl LocalModel {
                 params.contacts
             );
             faults.push(WorldError::new(
-                Place::World,
-                "contacts",
+                WorldPart::World,
+                WorldField::Contacts,
                 "the local model",
                 message,
             ));
@@ -182,7 +182,7 @@ impl LocalModel {
             for (field, message) in contact.faults(tools.len(), bodies.len()) {
                 let subject = format!("contact {number}");
                 faults.push(WorldError::new(
-                    Place::Contact(number),
+                    WorldPart::Contact(number),
                     field,
                     subject,
                     message,
@@ -212,13 +212,13 @@ impl LocalModel {
 const LENGTH_TOLERANCE: f64 = 1e-3;
 
 impl LocalContact {
-    fn faults(&self, tools: usize, bodies: usize) -> Vec<(&'static str, String)> {
+    fn faults(&self, tools: usize, bodies: usize) -> Vec<(WorldField, String)> {
         let mut faults = Vec::new();
-        let mut vectors = vec![("place", self.place)];
+        let mut vectors = vec![(WorldField::Place, self.place)];
         match self.touching {
             Touching::Tool(tool) if tool >= tools => {
                 faults.push((
-                    "touching",
+                    WorldField::Touching,
                     format!("it is of tool {tool}, and there are {tools} tools, from 0"),
                 ));
             }
@@ -228,19 +228,19 @@ impl LocalContact {
                 centre,
                 radius,
             } => {
-                vectors.push(("centre", centre));
+                vectors.push((WorldField::Centre, centre));
                 if body >= bodies {
                     faults.push((
-                        "touching",
+                        WorldField::Touching,
                         format!("it is of body {body}, and there are {bodies} bodies, from 0"),
                     ));
                 }
                 if self.on == Some(body) {
-                    faults.push(("on", format!("body {body} cannot touch itself")));
+                    faults.push((WorldField::On, format!("body {body} cannot touch itself")));
                 }
                 if !(radius >= 0.0 && radius.is_finite()) {
                     faults.push((
-                        "radius",
+                        WorldField::Radius,
                         format!("radius is {radius} m, and has to be at least 0"),
                     ));
                 }
@@ -250,7 +250,7 @@ impl LocalContact {
             && on >= bodies
         {
             faults.push((
-                "on",
+                WorldField::On,
                 format!("it is on body {on}, and there are {bodies} bodies, from 0"),
             ));
         }
@@ -266,14 +266,14 @@ impl LocalContact {
         let is_unit = (length - 1.0).abs() <= LENGTH_TOLERANCE;
         if !is_unit {
             faults.push((
-                "normal",
+                WorldField::Normal,
                 format!("normal has the length {length}, and has to have 1"),
             ));
         }
         if !self.curvature.is_finite() {
             let curvature = self.curvature;
             faults.push((
-                "curvature",
+                WorldField::Curvature,
                 format!("curvature is {curvature} 1/m, and has to be a number"),
             ));
         }
@@ -284,10 +284,14 @@ impl LocalContact {
             friction_stiffness,
         } = self.law;
         for (field, value, range) in [
-            ("stiffness", stiffness, Range::Positive),
-            ("damping", damping, Range::NotNegative),
-            ("friction", friction, Range::NotNegative),
-            ("friction_stiffness", friction_stiffness, Range::Positive),
+            (WorldField::Stiffness, stiffness, Range::Positive),
+            (WorldField::Damping, damping, Range::NotNegative),
+            (WorldField::Friction, friction, Range::NotNegative),
+            (
+                WorldField::FrictionStiffness,
+                friction_stiffness,
+                Range::Positive,
+            ),
         ] {
             let fault = out_of_range(field, value, range);
             faults.extend(fault.map(|message| (field, message)));

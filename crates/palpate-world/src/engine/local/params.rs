@@ -1,6 +1,6 @@
 //! The parameters of a local model, and their checks.
 
-use crate::{MOST_POINTS, Place, WorldError};
+use crate::{MOST_POINTS, WorldError, WorldField, WorldPart};
 
 /// Room for a local model, and how the loop goes over from one to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,9 +38,9 @@ impl LocalParams {
 
     pub(super) fn faults(&self, period: f64) -> Vec<WorldError> {
         let mut faults = Vec::new();
-        let mut fault = |field: &'static str, message: String| {
+        let mut fault = |field: WorldField, message: String| {
             faults.push(WorldError::new(
-                Place::World,
+                WorldPart::World,
                 field,
                 "the local model",
                 message,
@@ -49,21 +49,21 @@ impl LocalParams {
         if self.bodies > MOST_BODIES {
             let given = self.bodies;
             fault(
-                "bodies",
+                WorldField::Bodies,
                 format!("bodies is {given}, and at most {MOST_BODIES} are allowed"),
             );
         }
         if !(1..=MOST_POINTS).contains(&self.contacts) {
             let given = self.contacts;
             fault(
-                "contacts",
+                WorldField::Contacts,
                 format!("contacts is {given}, and has to be 1 to {MOST_POINTS}"),
             );
         }
         for (field, value) in [
-            ("fade", self.fade),
-            ("settle", self.settle),
-            ("return_time", self.return_time),
+            (WorldField::Fade, self.fade),
+            (WorldField::Settle, self.settle),
+            (WorldField::ReturnTime, self.return_time),
         ] {
             if !(value > 0.0 && value.is_finite()) {
                 fault(
@@ -76,7 +76,7 @@ impl LocalParams {
         if period > 0.0 && !(1.0..=MOST_PERIODS).contains(&periods) {
             let (value, most) = (self.stale_after, MOST_PERIODS * period);
             fault(
-                "stale_after",
+                WorldField::StaleAfter,
                 format!(
                     "stale_after is {value} s, and has to be {period} to {most} s: 1 to {MOST_PERIODS} periods"
                 ),
