@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use palpate_calibrate::{Calibration, ExcitationParams, Phase, Quantity, measure};
 use palpate_study::calibrated::{NotCalibrated, excite};
-use palpate_study::calibration::{CalibrationReport, GainFrom, Motion, shown};
+use palpate_study::calibration::{CalibrationReport, GainFrom, ExcitedMotion, shown};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -41,15 +41,15 @@ pub struct Beside {
 #[pyclass(frozen, subclass, name = "Excitation", module = "palpate._palpate")]
 pub struct PyExcitation {
     params: ExcitationParams,
-    motion: Mutex<Motion>,
+    motion: Mutex<ExcitedMotion>,
 }
 
 impl PyExcitation {
-    fn motion(&self) -> MutexGuard<'_, Motion> {
+    fn motion(&self) -> MutexGuard<'_, ExcitedMotion> {
         self.motion.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn of(params: ExcitationParams, motion: Motion) -> Self {
+    fn of(params: ExcitationParams, motion: ExcitedMotion) -> Self {
         Self {
             params,
             motion: Mutex::new(motion),
@@ -78,7 +78,7 @@ impl PyExcitation {
             tremor,
             seed,
         };
-        let motion = Motion::new(params).map_err(refused)?;
+        let motion = ExcitedMotion::new(params).map_err(refused)?;
         Ok(Self::of(params, motion))
     }
 

@@ -58,7 +58,7 @@ impl Rendered {
 }
 
 /// A motion, with what it is rendered with.
-struct Motion {
+struct MotionToRender {
     setup: ReplaySetup,
     settings: Settings,
     methods: Vec<MethodName>,
@@ -75,7 +75,7 @@ type Given<'py> = (
     Option<String>,
 );
 
-impl Motion {
+impl MotionToRender {
     /// Checks what was given.
     fn of(
         (t, x, title, unit): &Given<'_>,
@@ -135,7 +135,7 @@ pub fn render<'py>(
     parameters: &Bound<'py, PyDict>,
     settings_given: &Bound<'py, PyDict>,
 ) -> PyResult<RenderedInPython<'py>> {
-    let motion = Motion::of(&motion, method, parameters, settings_given)?;
+    let motion = MotionToRender::of(&motion, method, parameters, settings_given)?;
     let rendered = interruptible(py, move |stop| {
         motion.rendered(stop, |title, setup, replay, runs| {
             let subject = Subject::of_replay(title.to_owned(), setup);
@@ -161,7 +161,7 @@ pub fn render_figure(
     parameters: &Bound<'_, PyDict>,
     settings_given: &Bound<'_, PyDict>,
 ) -> PyResult<String> {
-    let motion = Motion::of(&motion, method, parameters, settings_given)?;
+    let motion = MotionToRender::of(&motion, method, parameters, settings_given)?;
     let figure = interruptible(py, move |stop| {
         motion.rendered(stop, |title, _, replay, runs| {
             of_runs(title, replay.reference(), &runs, Devices::Recorded)

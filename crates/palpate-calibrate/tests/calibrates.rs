@@ -195,8 +195,8 @@ fn the_force_is_bounded_begins_and_ends_softly_and_stays_in_the_box() {
 
 #[test]
 fn it_stops_without_a_force_where_something_is_wrong() {
-    type Motion = fn(usize) -> f64;
-    let cases: [(&str, Motion); 4] = [
+    type PositionOfSample = fn(usize) -> f64;
+    let cases: [(&str, PositionOfSample); 4] = [
         ("a number", |_| f64::NAN),
         ("excursion", |i| 1e-4 * i as f64),
         ("tremor", |i| 0.004 * (i as f64 * 0.06).sin()),

@@ -191,9 +191,9 @@ pub fn range(text: &str) -> Result<(f64, f64), String> {
 
 /// A place or a direction in the frame of a device with several axes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Place(pub Vec<f64>);
+pub struct FrameVector(pub Vec<f64>);
 
-impl fmt::Display for Place {
+impl fmt::Display for FrameVector {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let numbers: Vec<_> = self.0.iter().map(f64::to_string).collect();
         f.write_str(&numbers.join(","))
@@ -201,14 +201,14 @@ impl fmt::Display for Place {
 }
 
 /// Two or three finite numbers.
-pub fn place(text: &str) -> Result<Place, String> {
+pub fn place(text: &str) -> Result<FrameVector, String> {
     let numbers: Option<Vec<f64>> = text
         .split(',')
         .map(|number| number.trim().parse().ok().filter(|x: &f64| x.is_finite()))
         .collect();
     numbers
         .filter(|numbers| (2..=3).contains(&numbers.len()))
-        .map(Place)
+        .map(FrameVector)
         .ok_or_else(|| "two or three numbers are needed, with commas between, such as 0,0.1".into())
 }
 
@@ -289,7 +289,7 @@ pub fn start_pose(text: &str) -> Result<StartPose, String> {
 /// Two finite numbers.
 pub fn pair(text: &str) -> Result<[f64; 2], String> {
     match place(text) {
-        Ok(Place(numbers)) if numbers.len() == 2 => Ok([numbers[0], numbers[1]]),
+        Ok(FrameVector(numbers)) if numbers.len() == 2 => Ok([numbers[0], numbers[1]]),
         _ => Err("two numbers are needed, with a comma between, such as 0.02,0.12".into()),
     }
 }

@@ -11,7 +11,7 @@ use crate::page::Page;
 use crate::{Picture, Size, SizeError, ink, text};
 
 /// A place on the page `[px]`.
-pub type Place = (f64, f64);
+pub type PagePoint = (f64, f64);
 
 /// How a line looks.
 #[derive(Debug, Clone, Copy)]
@@ -84,7 +84,7 @@ impl Drawing {
     }
 
     /// A line from place to place.
-    pub fn line(&mut self, places: &[Place], pen: Pen) {
+    pub fn line(&mut self, places: &[PagePoint], pen: Pen) {
         self.elements.push(Primitive::PolyLine {
             points: places.to_vec(),
             stroke: Color::from(pen.colour),
@@ -94,7 +94,7 @@ impl Drawing {
     }
 
     /// A closed shape through the places, filled.
-    pub fn shape(&mut self, places: &[Place], pen: Pen, fill: &str) {
+    pub fn shape(&mut self, places: &[PagePoint], pen: Pen, fill: &str) {
         let mut path = String::new();
         for (number, (x, y)) in places.iter().enumerate() {
             let begin = if number == 0 { 'M' } else { 'L' };
@@ -112,7 +112,7 @@ impl Drawing {
     }
 
     /// A rectangle about a middle, filled.
-    pub fn block(&mut self, (x, y): Place, (width, height): (f64, f64), fill: &str) {
+    pub fn block(&mut self, (x, y): PagePoint, (width, height): (f64, f64), fill: &str) {
         let (w, h) = (0.5 * width, 0.5 * height);
         let corners = [
             (x - w, y - h),
@@ -124,7 +124,7 @@ impl Drawing {
     }
 
     /// A circle, filled.
-    pub fn circle(&mut self, (cx, cy): Place, r: f64, pen: Pen, fill: &str) {
+    pub fn circle(&mut self, (cx, cy): PagePoint, r: f64, pen: Pen, fill: &str) {
         self.elements.push(Primitive::Circle {
             cx,
             cy,
@@ -137,7 +137,7 @@ impl Drawing {
     }
 
     /// An arrow with its head at `to`.
-    pub fn arrow(&mut self, from: Place, to: Place, pen: Pen) {
+    pub fn arrow(&mut self, from: PagePoint, to: PagePoint, pen: Pen) {
         let length = (to.0 - from.0).hypot(to.1 - from.1);
         if length <= 0.0 {
             return;
@@ -161,7 +161,7 @@ impl Drawing {
     }
 
     /// A line with a head at each end: a length.
-    pub fn length(&mut self, from: Place, to: Place, pen: Pen) {
+    pub fn length(&mut self, from: PagePoint, to: PagePoint, pen: Pen) {
         let middle = (0.5 * (from.0 + to.0), 0.5 * (from.1 + to.1));
         self.arrow(middle, from, pen);
         self.arrow(middle, to, pen);
@@ -169,7 +169,7 @@ impl Drawing {
 
     /// A part of a circle about `middle`, from one angle to another `[rad]`, counter-clockwise as seen,
     /// with a head at its end.
-    pub fn turn(&mut self, middle: Place, radius: f64, (from, to): (f64, f64), pen: Pen) {
+    pub fn turn(&mut self, middle: PagePoint, radius: f64, (from, to): (f64, f64), pen: Pen) {
         const STEPS: u32 = 40;
         const HEAD_LENGTH: f64 = 10.0;
         let at = |angle: f64| {
@@ -179,13 +179,13 @@ impl Drawing {
         // The head lies on a chord at the end.
         let back = to - (to - from).signum() * (HEAD_LENGTH / radius).min((to - from).abs());
         let angle = |step: u32| from + (back - from) * (f64::from(step) / f64::from(STEPS));
-        let arc: Vec<Place> = (0..=STEPS).map(|step| at(angle(step))).collect();
+        let arc: Vec<PagePoint> = (0..=STEPS).map(|step| at(angle(step))).collect();
         self.line(&arc, pen);
         self.arrow(at(back), at(to), pen);
     }
 
     /// A spring from place to place with so many turns, `width` across `[px]`.
-    pub fn spring(&mut self, from: Place, to: Place, turns: u32, width: f64, pen: Pen) {
+    pub fn spring(&mut self, from: PagePoint, to: PagePoint, turns: u32, width: f64, pen: Pen) {
         let length = (to.0 - from.0).hypot(to.1 - from.1).max(f64::MIN_POSITIVE);
         let along = ((to.0 - from.0) / length, (to.1 - from.1) / length);
         let across = (-along.1, along.0);
@@ -210,7 +210,7 @@ impl Drawing {
     }
 
     /// Solid ground below a horizontal line, in strokes.
-    pub fn ground(&mut self, left: Place, width: f64) {
+    pub fn ground(&mut self, left: PagePoint, width: f64) {
         const STROKE: f64 = 9.0;
         self.line(&[left, (left.0 + width, left.1)], Pen::BODY);
         let mut x = left.0 + STROKE;
@@ -221,7 +221,7 @@ impl Drawing {
     }
 
     /// Words of a size at a place, on their baseline.
-    pub fn words(&mut self, words: &str, place: Place, beside: Beside, size: u32) {
+    pub fn words(&mut self, words: &str, place: PagePoint, beside: Beside, size: u32) {
         self.coloured(words, place, beside, size, None);
     }
 
@@ -229,7 +229,7 @@ impl Drawing {
     pub fn coloured(
         &mut self,
         words: &str,
-        (x, y): Place,
+        (x, y): PagePoint,
         beside: Beside,
         size: u32,
         colour: Option<&'static str>,

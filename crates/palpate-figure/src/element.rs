@@ -4,12 +4,12 @@ use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, TextAnchor};
 
 /// A place on the page `[px]`.
-pub(super) type Place = (f64, f64);
+pub(super) type PagePoint = (f64, f64);
 
 /// A straight line.
 pub(super) fn line(
-    from: Place,
-    to: Place,
+    from: PagePoint,
+    to: PagePoint,
     colour: &str,
     width: f64,
     dashes: Option<&str>,
@@ -28,7 +28,7 @@ pub(super) fn line(
 /// Words on their baseline.
 pub(super) fn words(
     content: &str,
-    at: Place,
+    at: PagePoint,
     size: u32,
     anchor: TextAnchor,
     colour: Option<&str>,
@@ -46,7 +46,7 @@ pub(super) fn words(
 }
 
 /// A disc, or a ring where its inside is the paper's.
-pub(super) fn disc((cx, cy): Place, r: f64, colour: &str, filled: bool) -> Primitive {
+pub(super) fn disc((cx, cy): PagePoint, r: f64, colour: &str, filled: bool) -> Primitive {
     Primitive::Circle {
         cx,
         cy,
@@ -59,7 +59,7 @@ pub(super) fn disc((cx, cy): Place, r: f64, colour: &str, filled: bool) -> Primi
 }
 
 /// A closed outline through the places, filled.
-pub(super) fn shape(places: &[Place], colour: &str) -> Primitive {
+pub(super) fn shape(places: &[PagePoint], colour: &str) -> Primitive {
     let mut d = String::new();
     for (number, (x, y)) in places.iter().enumerate() {
         let begin = if number == 0 { 'M' } else { 'L' };
@@ -77,7 +77,7 @@ pub(super) fn shape(places: &[Place], colour: &str) -> Primitive {
 }
 
 /// The outline of a rectangle.
-pub(super) fn frame((x, y): Place, (width, height): (f64, f64), colour: &str) -> Primitive {
+pub(super) fn frame((x, y): PagePoint, (width, height): (f64, f64), colour: &str) -> Primitive {
     Primitive::Rect {
         x,
         y,

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use palpate_calibrate::{ExcitationError, ExcitationParams, Phase, Stop};
 use palpate_rt::StopFlag;
-use palpate_study::calibration::Motion;
+use palpate_study::calibration::ExcitedMotion;
 
 use crate::last_line::{self, LastLineUnread};
 use crate::line::{Format, Line, Refusal};
@@ -20,7 +20,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(10);
 
 /// An excitation between two streams.
 struct Stream {
-    motion: Motion,
+    motion: ExcitedMotion,
     format: Format,
     output: Box<dyn Write + Send>,
     /// Whether a line was answered with a force that is not 0, and none with 0 after it.
@@ -89,9 +89,9 @@ pub fn calibrate<I: BufRead>(
     input: impl FnOnce() -> I + Send + 'static,
     output: Box<dyn Write + Send>,
     stop: &StopFlag,
-) -> Result<Motion, CalibratingError> {
+) -> Result<ExcitedMotion, CalibratingError> {
     let stream = Arc::new(Mutex::new(Stream {
-        motion: Motion::new(params)?,
+        motion: ExcitedMotion::new(params)?,
         format,
         output,
         is_on: false,
@@ -99,7 +99,7 @@ pub fn calibrate<I: BufRead>(
     }));
     serve_until(&stream, input, stop)?;
     let mut stream = locked(&stream);
-    let nothing = Motion::new(params)?;
+    let nothing = ExcitedMotion::new(params)?;
     Ok(std::mem::replace(&mut stream.motion, nothing))
 }
 

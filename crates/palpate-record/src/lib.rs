@@ -10,7 +10,7 @@
 //!
 //! Everything is SI; the unit of a column stands in its name (`t_s`, `position_m`). Readers take
 //! any [`std::io::Read`] and the name to call it by; a fault in the text is reported with its
-//! [`Place`]: file, line, column, byte span and the text around it.
+//! [`TextPosition`]: file, line, column, byte span and the text around it.
 
 pub mod map;
 #[cfg(feature = "parquet")]
@@ -22,7 +22,7 @@ pub mod run;
 pub mod trace;
 pub mod unit;
 
-pub use place::Place;
+pub use place::TextPosition;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

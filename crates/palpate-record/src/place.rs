@@ -5,7 +5,7 @@ use std::ops::Range;
 
 /// A place in a text file, as an editor counts it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
+pub struct TextPosition {
     file: String,
     line: usize,
     column: usize,
@@ -13,7 +13,7 @@ pub struct Place {
     text: String,
 }
 
-impl Place {
+impl TextPosition {
     /// The place of the bytes `span` of `source`, which is the whole text of `file`.
     pub(crate) fn new(file: &str, source: &str, span: Range<usize>) -> Self {
         let body = source.strip_prefix('\u{feff}').unwrap_or(source);
@@ -49,7 +49,7 @@ impl Place {
         self.column
     }
 
-    /// The bytes at fault, as offsets into [`Place::text`] and into the file alike.
+    /// The bytes at fault, as offsets into [`TextPosition::text`] and into the file alike.
     #[must_use]
     pub fn span(&self) -> Range<usize> {
         self.span.clone()
@@ -62,7 +62,7 @@ impl Place {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for TextPosition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}:{}", self.file, self.line, self.column)
     }
@@ -163,7 +163,7 @@ mod tests {
     fn lines_and_columns_are_counted_as_an_editor_does() {
         let source = "\u{feff}t_s,x\r\n0,µ,bad\r\n";
         let at = source.find("bad").unwrap();
-        let place = Place::new("a.csv", source, at..at + 3);
+        let place = TextPosition::new("a.csv", source, at..at + 3);
         assert_eq!(place.to_string(), "a.csv:2:5");
         assert_eq!(&place.text()[place.span()], "bad");
         assert_eq!(
@@ -174,18 +174,18 @@ mod tests {
 
     #[test]
     fn a_lone_return_ends_a_line() {
-        assert_eq!(Place::new("a", "1\r2\r3", 4..5).line(), 3);
+        assert_eq!(TextPosition::new("a", "1\r2\r3", 4..5).line(), 3);
     }
 
     #[test]
     fn the_byte_order_mark_is_no_column() {
-        let place = Place::new("a", "\u{feff}time", 3..7);
+        let place = TextPosition::new("a", "\u{feff}time", 3..7);
         assert_eq!((place.line(), place.column()), (1, 1));
     }
 
     #[test]
     fn the_text_ends_one_line_after_the_fault() {
-        let place = Place::new("a", "one\ntwo\nthree\nfour\n", 4..7);
+        let place = TextPosition::new("a", "one\ntwo\nthree\nfour\n", 4..7);
         assert_eq!(place.text(), "one\ntwo\nthree");
     }
 

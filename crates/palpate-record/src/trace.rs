@@ -25,7 +25,7 @@ use csv::StringRecord;
 use palpate_files::bounded::{Bounded, TABLE};
 use thiserror::Error;
 
-use crate::place::{Place, field_span, first_byte, open_quote, record_span};
+use crate::place::{TextPosition, field_span, first_byte, open_quote, record_span};
 use crate::unit::LengthUnit;
 use growing::{Growing, Unread};
 
@@ -91,7 +91,7 @@ pub enum TraceError {
     #[error("{place}: {fault}")]
     Invalid {
         /// Where the fault stands.
-        place: Box<Place>,
+        place: Box<TextPosition>,
         /// What is wrong, and what is allowed.
         fault: TraceFault,
     },
@@ -100,7 +100,7 @@ pub enum TraceError {
 impl TraceError {
     /// Where in the text the fault stands; none where there was no text to read.
     #[must_use]
-    pub fn place(&self) -> Option<&Place> {
+    pub fn place(&self) -> Option<&TextPosition> {
         match self {
             Self::Unreadable { .. } => None,
             Self::Invalid { place, .. } => Some(place),
@@ -311,7 +311,7 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
 
     fn fault(&mut self, (span, fault): Fault) -> TraceError {
         self.records.get_mut().read_past(span.end);
-        let place = Box::new(Place::new(self.file, self.source(), span));
+        let place = Box::new(TextPosition::new(self.file, self.source(), span));
         TraceError::Invalid { place, fault }
     }
 
@@ -338,7 +338,7 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
             Some(Unread::NotUtf8(byte)) => {
                 let text = format!("{}\u{fffd}", self.source());
                 let span = self.source().len()..text.len();
-                let place = Box::new(Place::new(self.file, &text, span));
+                let place = Box::new(TextPosition::new(self.file, &text, span));
                 let fault = TraceFault::NotUtf8 { byte };
                 return Err(TraceError::Invalid { place, fault });
             }

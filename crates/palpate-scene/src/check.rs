@@ -5,7 +5,9 @@ use palpate_testbed::drivetrain::Transmission;
 use palpate_testbed::hold::DelayedHold;
 
 use super::parameter::SceneParameter::{self as Of, Rendered};
-use super::{Device, Hand, Intention, Measure, PantographDevice, PointMassDevice, Scene, Wave};
+use super::{
+    Hand, Intention, Measure, PantographDevice, PointMassDevice, Scene, SceneDevice, Wave,
+};
 
 /// Largest number, of either sign and in whatever unit: the squares and products of larger ones may not be finite.
 const LARGEST: f64 = 1e12;
@@ -148,13 +150,13 @@ impl Scene {
         let quantum = (quantum, Some(device.encoder_quantum()));
         faults.within(Range::NotNegative, &[quantum]);
         match device {
-            Device::PointMass(device) => {
+            SceneDevice::PointMass(device) => {
                 check_hand(&device.hand, faults);
                 check_point_mass(device, faults);
             }
-            Device::Pantograph(device) => self.check_pantograph(device, faults),
+            SceneDevice::Pantograph(device) => self.check_pantograph(device, faults),
             // A recorded hand has been checked where it was estimated.
-            Device::Recorded { .. } => {}
+            SceneDevice::Recorded { .. } => {}
         }
     }
 

@@ -10,7 +10,7 @@ use super::linkage::{HandForceAt, Linkage};
 
 /// A device and the hand that moves it.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Device {
+pub enum SceneDevice {
     /// A point mass in a hand.
     PointMass(PointMassDevice),
     /// A pantograph that a constant force pushes.
@@ -84,7 +84,7 @@ pub struct PantographDevice {
     pub force_at: HandForceAt,
 }
 
-impl Device {
+impl SceneDevice {
     /// Mass along the contact `[kg]`: of a pantograph the one that stands for its linkage.
     #[must_use]
     pub fn mass(&self) -> f64 {

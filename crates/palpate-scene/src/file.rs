@@ -23,7 +23,7 @@ use super::recover::{self, Fault};
 use super::timing::{RawLoop, Timing};
 use super::told::RawTold;
 use super::toml_reader;
-use super::{Device, HandForceAt, Measure, PantographDevice, Scene, SetupError};
+use super::{HandForceAt, Measure, PantographDevice, Scene, SceneDevice, SetupError};
 use crate::method::{GivenSettings, MethodName, Setting, Settings, SettingsError, method_named};
 use crate::world::WorldFile;
 
@@ -487,7 +487,7 @@ impl Reading<'_> {
         raw: RawDevice,
         places: &mut Places<SceneParameter>,
         files: Files<'_>,
-    ) -> Device {
+    ) -> SceneDevice {
         let kind = raw.kind.span();
         let device = match raw.read(self.name, files) {
             Ok(device) => device,
@@ -502,13 +502,13 @@ impl Reading<'_> {
             }
         };
         match device {
-            ReadDevice::PointMass(read) => Device::PointMass(read.device(places)),
+            ReadDevice::PointMass(read) => SceneDevice::PointMass(read.device(places)),
             ReadDevice::Pantograph(linkage, position) => {
                 let at = position.as_ref().map_or(kind, Spanned::span);
                 let position = places.take_or(Of::DevicePosition, position, 0.0);
                 let mass = linkage.effective_mass(position);
                 let mass = mass.map_err(|error| (at, error.to_string()));
-                Device::Pantograph(PantographDevice {
+                SceneDevice::Pantograph(PantographDevice {
                     mass: self.or("device", mass, 1.0),
                     linkage,
                     position,

@@ -10,7 +10,7 @@ use toml::Spanned;
 use super::beside::Files;
 use super::fault::Places;
 use super::parameter::SceneParameter;
-use super::{Device, Grip, Hand, HandForceAt, Intention, Wave};
+use super::{Grip, Hand, HandForceAt, Intention, SceneDevice, Wave};
 
 /// A fault and the place of the key that has it.
 type Fault = (Range<usize>, String);
@@ -54,9 +54,9 @@ pub(super) struct ReadHand {
 
 impl ReadHand {
     /// Puts the hand on `device`; the faults of what the device cannot have of a hand.
-    pub fn hold(self, device: &mut Device) -> Vec<Fault> {
+    pub fn hold(self, device: &mut SceneDevice) -> Vec<Fault> {
         match device {
-            Device::PointMass(device) => {
+            SceneDevice::PointMass(device) => {
                 device.hand = self.hand;
                 let fault = |span| {
                     let message = "force_at = \"motors\" is for a device of kind pantograph, whose motors give torques";
@@ -64,7 +64,7 @@ impl ReadHand {
                 };
                 self.in_the_motors.map(fault).into_iter().collect()
             }
-            Device::Pantograph(device) => {
+            SceneDevice::Pantograph(device) => {
                 device.force = self.hand.force;
                 device.force_at = self.force_at;
                 let fault = |(span, what)| {
@@ -76,7 +76,7 @@ impl ReadHand {
                 self.of_a_point_mass.into_iter().map(fault).collect()
             }
             // No scene file has one.
-            Device::Recorded { .. } => Vec::new(),
+            SceneDevice::Recorded { .. } => Vec::new(),
         }
     }
 }

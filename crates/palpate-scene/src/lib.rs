@@ -30,7 +30,7 @@ mod write;
 pub use beside::{beside, scene_bytes};
 pub use check::SceneParameterError;
 pub use delay::Delay;
-pub use device::{Device, PantographDevice, PointMassDevice};
+pub use device::{PantographDevice, PointMassDevice, SceneDevice};
 pub use fault::in_plain_words;
 pub use fault::{SceneError, SceneErrors};
 pub use file::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode, SceneFile};
@@ -74,8 +74,8 @@ pub struct Scene {
     /// Virtual force f_V on the object `[N]`.
     pub virtual_force: f64,
     /// The device and the hand that moves it.
-    pub device: Device,
-    /// Mass of the device as the renderer is told `[kg]`; `None` tells it [`Device::mass`].
+    pub device: SceneDevice,
+    /// Mass of the device as the renderer is told `[kg]`; `None` tells it [`SceneDevice::mass`].
     pub told_device_mass: Option<f64>,
     /// From a sample to its command.
     pub delay: Delay,

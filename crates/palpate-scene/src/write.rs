@@ -6,8 +6,8 @@ use palpate::{Contact, Guard, LoopParams, Mass, ParameterValue, Side};
 use palpate_testbed::pantograph::SafetyBox;
 
 use super::{
-    Delay, Device, Dropped, Grip, Hand, HandForceAt, Intention, Jitter, Measure, PantographDevice,
-    PointMassDevice, Scene, Timing, Told, Wave,
+    Delay, Dropped, Grip, Hand, HandForceAt, Intention, Jitter, Measure, PantographDevice,
+    PointMassDevice, Scene, SceneDevice, Timing, Told, Wave,
 };
 use crate::method::{MethodName, Settings};
 
@@ -78,14 +78,14 @@ impl Scene {
         }
 
         match device {
-            Device::PointMass(device) => {
+            SceneDevice::PointMass(device) => {
                 file.table("device");
                 file.point_mass(device);
                 file.table("hand");
                 file.hand(&device.hand)?;
             }
-            Device::Pantograph(device) => file.pantograph(device)?,
-            Device::Recorded { .. } => return Err(Unwritable("what a recorded hand did")),
+            SceneDevice::Pantograph(device) => file.pantograph(device)?,
+            SceneDevice::Recorded { .. } => return Err(Unwritable("what a recorded hand did")),
         }
 
         file.table("loop");

@@ -11,7 +11,7 @@ use palpate_rt::StopFlag;
 use palpate_rt::safety::{
     Heartbeat, OscillationParams, Rendered, Safety, SafetyError, SafetyParams, Trip,
 };
-use palpate_study::calibration::Motion;
+use palpate_study::calibration::ExcitedMotion;
 
 use crate::settling::{PATIENCE, Settling};
 
@@ -93,7 +93,7 @@ pub struct Shaker<C> {
     safety: Safety,
     heartbeat: Arc<Heartbeat>,
     stall_limit: Duration,
-    motion: Motion,
+    motion: ExcitedMotion,
     /// How long the hand has to bring the device to its place; none: it is there.
     wait: Option<Duration>,
     /// How far a device that is still may tremble, root mean square `[m]`.
@@ -137,7 +137,7 @@ impl<C: Clock> Shaker<C> {
             safety: Safety::new(limits, params.period)?,
             heartbeat,
             stall_limit,
-            motion: Motion::new(params)?,
+            motion: ExcitedMotion::new(params)?,
             wait: None,
             tremor: params.tremor,
             start: None,
@@ -158,7 +158,7 @@ impl<C: Clock> Shaker<C> {
     /// # Errors
     /// The device is lost or does not come to rest, safety or the excitation stopped it, a signal came,
     /// or too many samples are missing.
-    pub fn run(mut self, stop: &StopFlag) -> Result<Motion, ShakeError> {
+    pub fn run(mut self, stop: &StopFlag) -> Result<ExcitedMotion, ShakeError> {
         let ended = self.until_still(stop).and_then(|()| self.until_done(stop));
         // A device that does not take it is asked again once; more cannot be done here.
         if self.device.write(Wrench::NONE).is_err() {

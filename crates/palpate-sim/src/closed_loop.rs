@@ -2,7 +2,7 @@
 
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::actuator::Actuator;
-use palpate_testbed::device::Device;
+use palpate_testbed::device::DevicePlant;
 use palpate_testbed::ideal::{Ideal, PointMassScene};
 use palpate_testbed::measure::{Sampler, SensorNoise};
 use palpate_testbed::metrics::{EnergyJudgement, ForceJudgement, ReboundSpeed};
@@ -59,7 +59,7 @@ impl<'a> Bench<'a> {
     /// As [`new`](Self::new), with `device` in the place of the scene's device and hand. It starts where
     /// it is, on the scene's side of the object, in the user's frame. Of the scene's device, only what a
     /// renderer is told of it still counts: its effective mass and its encoder's quantum; the encoder
-    /// itself, too. The ideal is integrated on a copy of `device`, so [`Device::advance`] should be exact,
+    /// itself, too. The ideal is integrated on a copy of `device`, so [`DevicePlant::advance`] should be exact,
     /// or much more accurate than what is to be measured.
     ///
     /// # Errors

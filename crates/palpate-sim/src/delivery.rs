@@ -3,7 +3,7 @@
 use palpate::Actuation;
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::actuator::{Actuator, ActuatorParams};
-use palpate_testbed::device::Device;
+use palpate_testbed::device::DevicePlant;
 
 use crate::run::Held;
 
@@ -131,7 +131,7 @@ impl Delivery {
 /// A device that goes where it went, whatever the force.
 struct Recorded;
 
-impl Device for Recorded {
+impl DevicePlant for Recorded {
     fn position(&self) -> f64 {
         0.0
     }

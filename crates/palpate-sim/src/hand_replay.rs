@@ -56,7 +56,7 @@ use std::sync::Arc;
 use crate::replay::ReplaySetup;
 use crate::run::{Reference, Run};
 use palpate_scene::method::MethodName;
-use palpate_scene::{ActuatorParams, Delay, Device, Measure, Scene, Timing, Told};
+use palpate_scene::{ActuatorParams, Delay, Measure, Scene, SceneDevice, Timing, Told};
 
 /// How far, in recording steps, the end of the last period may lie behind that of the recording: time
 /// stamps are written in decimals.
@@ -85,7 +85,7 @@ pub fn scene(hand: Arc<RecordedHand>, setup: &ReplaySetup) -> Result<Scene, Hand
         loop_params: setup.loop_params,
         object: setup.object,
         virtual_force: setup.virtual_force,
-        device: Device::Recorded {
+        device: SceneDevice::Recorded {
             hand,
             encoder_quantum: setup.encoder_quantum,
             at_its_instants: false,
@@ -125,7 +125,7 @@ pub fn scene_at_recorded_instants(
     setup: &ReplaySetup,
 ) -> Result<Scene, HandError> {
     let mut scene = scene(hand, setup)?;
-    if let Device::Recorded {
+    if let SceneDevice::Recorded {
         at_its_instants, ..
     } = &mut scene.device
     {

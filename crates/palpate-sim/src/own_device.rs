@@ -2,16 +2,16 @@
 
 use std::fmt;
 
-use palpate_testbed::device::Device;
+use palpate_testbed::device::DevicePlant;
 
-/// A [`Device`] that the bench can copy and send to other threads. Every device that is `Clone`, `Debug`,
+/// A [`DevicePlant`] that the bench can copy and send to other threads. Every device that is `Clone`, `Debug`,
 /// `Send` and `Sync` is one.
-pub trait OwnDevice: Device + fmt::Debug + Send + Sync {
+pub trait OwnDevice: DevicePlant + fmt::Debug + Send + Sync {
     /// A copy of it, in the same state.
     fn copied(&self) -> Box<dyn OwnDevice>;
 }
 
-impl<D: Device + Clone + fmt::Debug + Send + Sync + 'static> OwnDevice for D {
+impl<D: DevicePlant + Clone + fmt::Debug + Send + Sync + 'static> OwnDevice for D {
     fn copied(&self) -> Box<dyn OwnDevice> {
         Box::new(self.clone())
     }
@@ -36,7 +36,7 @@ impl Clone for Seen {
     }
 }
 
-impl Device for Seen {
+impl DevicePlant for Seen {
     fn position(&self) -> f64 {
         self.sign * self.device.position()
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use palpate_testbed::InvalidParameter;
-use palpate_testbed::device::{Device, PointMass};
+use palpate_testbed::device::{DevicePlant, PointMass};
 use palpate_testbed::drivetrain::{Drivetrain, DrivetrainParams};
 use palpate_testbed::hand::{Hand, IntendedPath, Intention, Sinusoid};
 use palpate_testbed::held_mass::HeldMass;
@@ -51,10 +51,12 @@ impl Plant {
     /// The plant of a scene that has been checked; `sign` mirrors it to the canonical side.
     pub fn of(scene: &Scene, sign: f64) -> Result<Self, InvalidParameter> {
         match &scene.device {
-            scene::Device::PointMass(device) => Self::of_point_mass(device, sign),
-            scene::Device::Pantograph(device) => Self::of_pantograph(device, false),
-            scene::Device::Recorded { hand, .. } => HeldByRecording::new(Arc::clone(hand), sign)
-                .map(|device| Self::Recorded(Box::new(device))),
+            scene::SceneDevice::PointMass(device) => Self::of_point_mass(device, sign),
+            scene::SceneDevice::Pantograph(device) => Self::of_pantograph(device, false),
+            scene::SceneDevice::Recorded { hand, .. } => {
+                HeldByRecording::new(Arc::clone(hand), sign)
+                    .map(|device| Self::Recorded(Box::new(device)))
+            }
         }
     }
 
@@ -124,15 +126,15 @@ impl Plant {
     pub fn without_motor_limits(&self, scene: &Scene, sign: f64) -> Result<Self, InvalidParameter> {
         match &scene.device {
             _ if matches!(self, Self::Own(_)) => Ok(self.clone()),
-            scene::Device::Pantograph(device) => Self::of_pantograph(device, true),
-            scene::Device::PointMass(device) => {
+            scene::SceneDevice::Pantograph(device) => Self::of_pantograph(device, true),
+            scene::SceneDevice::PointMass(device) => {
                 let unlimited = PointMassDevice {
                     largest_force: None,
                     ..device.clone()
                 };
                 Self::of_point_mass(&unlimited, sign)
             }
-            scene::Device::Recorded { .. } => Ok(self.clone()),
+            scene::SceneDevice::Recorded { .. } => Ok(self.clone()),
         }
     }
 
@@ -223,7 +225,7 @@ fn has_closed_form(device: &PointMassDevice) -> bool {
         && device.hand.release.is_none()
 }
 
-impl Device for Plant {
+impl DevicePlant for Plant {
     fn position(&self) -> f64 {
         match self {
             Self::Free(device) => device.position(),

@@ -7,7 +7,7 @@
 use palpate::{Method, ObjectState, Output, ParameterError, Renderer, Sample, State};
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::actuator::{Actuator, Delivered};
-use palpate_testbed::device::{Device, PointMass};
+use palpate_testbed::device::{DevicePlant, PointMass};
 use palpate_testbed::measure::{Sampler, SensorNoise};
 use palpate_testbed::sprung_mass::SprungMass;
 use palpate_testbed::viscous_mass::ViscousMass;
@@ -19,7 +19,7 @@ use palpate_scene::Scene;
 use crate::plant::{Plant, noisy};
 
 /// A device with the parts that lie between it and a renderer: its sensor and its motor.
-pub trait LoopDevice: Device {
+pub trait LoopDevice: DevicePlant {
     /// Position as the loop's sensor reports it, with its `noise` `[m]`.
     #[inline]
     fn measured(&self, sampler: &Sampler, noise: f64) -> f64 {

@@ -2,7 +2,7 @@
 
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::actuator::Actuator;
-use palpate_testbed::device::Device;
+use palpate_testbed::device::DevicePlant;
 use palpate_testbed::measure::{Sampler, SensorNoise};
 
 use crate::plant::Plant;

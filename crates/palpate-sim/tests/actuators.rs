@@ -10,7 +10,7 @@ use palpate_scene::{ActuatorParams, Cogging, Delay, Scene, SceneFile, Told, Tran
 use palpate_sim::VirtualDevice;
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::run::Run;
-use palpate_testbed::device::{Device, PointMass};
+use palpate_testbed::device::{DevicePlant, PointMass};
 
 /// One of the paper's scenes with an actuator that is far from perfect.
 fn real(name: &str, delay: f64, lag: f64, gain: f64, jitter: f64) -> Scene {

@@ -10,7 +10,7 @@ use palpate_scene::method::MethodName;
 use palpate_scene::{Delay, Dropped, Jitter, Measure, RateCollapse, Scene, Timing};
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_sim::run::Run;
-use palpate_testbed::device::{Device, PointMass};
+use palpate_testbed::device::{DevicePlant, PointMass};
 use palpate_testbed::ideal::{Ideal, PointMassScene};
 use palpate_testbed::metrics::ForceJudgement;
 

@@ -5,11 +5,11 @@ mod common;
 
 use palpate::{Actuation, Contact, CoupledParams, LoopParams, Mass, ObjectState, Renderer, Side};
 use palpate_scene::method::{MethodName, Settings};
-use palpate_scene::{Delay, Device, Hand, Measure, PointMassDevice, Scene, Timing};
+use palpate_scene::{Delay, Hand, Measure, PointMassDevice, Scene, SceneDevice, Timing};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::replay::{Replay, ReplaySetup};
 use palpate_sim::run::{Run, Tick};
-use palpate_testbed::device::{Device as _, PointMass};
+use palpate_testbed::device::{DevicePlant as _, PointMass};
 use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::measure::Sampler;
 use proptest::prelude::*;
@@ -66,7 +66,7 @@ prop_compose! {
                 velocity: if wall { 0.0 } else { sign * object_velocity * way / period },
             },
             virtual_force: if wall { 1.0 } else { sign * accelerations.1 * per_period * object_mass },
-            device: Device::PointMass(PointMassDevice {
+            device: SceneDevice::PointMass(PointMassDevice {
                 mass: device_mass,
                 position: 0.0,
                 velocity: sign * way / period,

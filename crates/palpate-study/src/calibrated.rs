@@ -12,7 +12,7 @@ use palpate_scene::{Scene, Told};
 use palpate_sim::device::SimulatedDevice;
 use palpate_testbed::InvalidParameter;
 
-use crate::calibration::Motion;
+use crate::calibration::ExcitedMotion;
 
 /// Why the device of a scene has no calibration.
 #[derive(Debug, thiserror::Error)]
@@ -55,16 +55,16 @@ pub fn excite(
     scene: &Scene,
     params: &ExcitationParams,
     mut sampled: impl FnMut(),
-) -> Result<Motion, NotCalibrated> {
+) -> Result<ExcitedMotion, NotCalibrated> {
     let mut at_rest = scene.clone();
     match &mut at_rest.device {
-        palpate_scene::Device::PointMass(device) => device.hand.force = 0.0,
-        palpate_scene::Device::Pantograph(device) => device.force = 0.0,
-        palpate_scene::Device::Recorded { .. } => {}
+        palpate_scene::SceneDevice::PointMass(device) => device.hand.force = 0.0,
+        palpate_scene::SceneDevice::Pantograph(device) => device.force = 0.0,
+        palpate_scene::SceneDevice::Recorded { .. } => {}
     }
     let clock = SteppedClock::new();
     let mut device = SimulatedDevice::of(&at_rest, clock.clone())?;
-    let mut motion = Motion::new(*params)?;
+    let mut motion = ExcitedMotion::new(*params)?;
     let period = Duration::from_secs_f64(params.period);
     loop {
         match motion.phase() {

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::suite::Column;
 use crate::tune::{HEIGHTS, Spread, at_height, spread, tunable};
 use palpate_scene::method::{SettingKey, Settings};
-use palpate_scene::{Device, Scene};
+use palpate_scene::{Scene, SceneDevice};
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_sim::run::Run;
 
@@ -326,14 +326,14 @@ fn with(scene: &Scene, quantity: Quantity, value: f64) -> Result<Scene, SweepErr
             )?;
             let none = SweepError::Nothing("the scene's device has no friction to multiply");
             let (viscous, coulomb) = match &mut varied.device {
-                Device::PointMass(device) => {
+                SceneDevice::PointMass(device) => {
                     (&mut device.viscous_friction, &mut device.coulomb_friction)
                 }
-                Device::Pantograph(device) => {
+                SceneDevice::Pantograph(device) => {
                     let params = &mut device.linkage.params;
                     (&mut params.viscous_friction, &mut params.coulomb_friction)
                 }
-                Device::Recorded { .. } => return Err(none),
+                SceneDevice::Recorded { .. } => return Err(none),
             };
             if *viscous == 0.0 && *coulomb == 0.0 {
                 return Err(none);

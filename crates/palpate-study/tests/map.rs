@@ -13,7 +13,7 @@ use palpate_study::map::{
     Bounce, CellResult, Class, Done, Entry, Forces, Limit, MapParams, PHASES, Plant, RESTS_BELOW,
     Stay, bounds, compute, default_settings,
 };
-use palpate_testbed::device::Device;
+use palpate_testbed::device::DevicePlant;
 use palpate_testbed::pantograph::Pantograph;
 use palpate_testbed::sprung_mass::SprungMass;
 

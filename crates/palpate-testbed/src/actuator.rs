@@ -10,14 +10,14 @@
 //!
 //! # Exact for a point mass
 //!
-//! A [`Device`] moves under held forces. A settling force is therefore delivered in pieces, each held
+//! A [`DevicePlant`] moves under held forces. A settling force is therefore delivered in pieces, each held
 //! in two halves that have the impulse and the first moment of the exponential. A mass under constant
 //! forces then arrives at the end of each piece where the exponential would have taken it, with the same
 //! velocity and the same work through its port. A device whose forces depend on its motion feels what is
 //! left, the second moment, over pieces that are short against all of its rates.
 
 use crate::InvalidParameter;
-use crate::device::Device;
+use crate::device::DevicePlant;
 use crate::error::positive;
 
 /// Longest piece of a settling force \[s\].
@@ -60,7 +60,7 @@ pub struct Actuator {
 pub struct Delivered {
     /// Mean over time of the force on the object \[N\].
     pub mean_force: f64,
-    /// Work through the device's port \[J\], as [`Device::advance`] counts it.
+    /// Work through the device's port \[J\], as [`DevicePlant::advance`] counts it.
     pub work: f64,
 }
 
@@ -105,13 +105,18 @@ impl Actuator {
 
     /// Moves `device` on for `duration` \[s\] while `command` \[N\], a force on the object, is held at
     /// the input of this actuator.
-    pub fn drive(&mut self, device: &mut impl Device, command: f64, duration: f64) -> Delivered {
+    pub fn drive(
+        &mut self,
+        device: &mut impl DevicePlant,
+        command: f64,
+        duration: f64,
+    ) -> Delivered {
         self.drive_in_pieces(device, command, duration, LONGEST_PIECE)
     }
 
     fn drive_in_pieces(
         &mut self,
-        device: &mut impl Device,
+        device: &mut impl DevicePlant,
         command: f64,
         duration: f64,
         longest: f64,

@@ -7,7 +7,7 @@ use crate::InvalidParameter;
 use crate::error::{finite, positive};
 
 /// A device with one contact direction.
-pub trait Device {
+pub trait DevicePlant {
     /// Position ξ of the end-point \[m\].
     fn position(&self) -> f64;
 
@@ -83,7 +83,7 @@ impl PointMass {
     }
 }
 
-impl Device for PointMass {
+impl DevicePlant for PointMass {
     fn position(&self) -> f64 {
         self.position
     }

@@ -22,7 +22,7 @@
 
 use crate::InvalidParameter;
 use crate::arc::GAUSS_LEGENDRE;
-use crate::device::Device;
+use crate::device::DevicePlant;
 use crate::error::{finite, not_negative, positive};
 use crate::hand::Hand;
 use crate::power_series::{MOST_TERMS, first_fall, integral, terms, value};
@@ -229,7 +229,7 @@ impl HeldMass {
     }
 
     /// The motion over a span that begins now, were there no event in it.
-    fn motion(&self, force: f64, span: f64, state: State, rate: f64) -> Motion {
+    fn motion(&self, force: f64, span: f64, state: State, rate: f64) -> MotionSeries {
         let count = terms(rate * span);
         let mut intended_velocity = [0.0; MOST_TERMS];
         let mut hand_force = [0.0; MOST_TERMS];
@@ -266,7 +266,7 @@ impl HeldMass {
             }
             velocity[n + 1] = push / mass * span / order;
         }
-        Motion {
+        MotionSeries {
             span,
             count,
             velocity,
@@ -276,7 +276,7 @@ impl HeldMass {
 
     /// Moves along `motion` up to a fraction of its span, books what that took, and returns the
     /// travel \[m\].
-    fn follow(&mut self, motion: &Motion, fraction: f64, force: f64) -> f64 {
+    fn follow(&mut self, motion: &MotionSeries, fraction: f64, force: f64) -> f64 {
         let travel = motion.travel(fraction);
         let (hand_work, squared_speed) = motion.work_and_squared_speed(fraction);
         self.position += travel;
@@ -374,7 +374,7 @@ impl HeldMass {
     }
 
     /// The first break-away of a stuck mass: fraction of the span, and direction.
-    fn break_away(&self, motion: &Motion, force: f64, margin: f64) -> Option<(f64, f64)> {
+    fn break_away(&self, motion: &MotionSeries, force: f64, margin: f64) -> Option<(f64, f64)> {
         let mut first: Option<(f64, f64)> = None;
         for direction in [1.0, -1.0] {
             let mut reserve = motion.hand_force;
@@ -392,7 +392,7 @@ impl HeldMass {
     }
 }
 
-impl Device for HeldMass {
+impl DevicePlant for HeldMass {
     fn position(&self) -> f64 {
         self.position
     }
@@ -401,7 +401,7 @@ impl Device for HeldMass {
         self.velocity
     }
 
-    /// Moves on, as [`Device::advance`] says. The motor gives [`given_force`](Self::given_force),
+    /// Moves on, as [`DevicePlant::advance`] says. The motor gives [`given_force`](Self::given_force),
     /// and that is the force whose work is returned.
     ///
     /// A duration that is not finite and above 0 moves nothing.
@@ -444,7 +444,7 @@ enum State {
 }
 
 /// Power series in time over `span`, which is 1 in their variable.
-struct Motion {
+struct MotionSeries {
     /// \[s\]
     span: f64,
     count: usize,
@@ -454,7 +454,7 @@ struct Motion {
     hand_force: [f64; MOST_TERMS],
 }
 
-impl Motion {
+impl MotionSeries {
     fn velocity(&self) -> &[f64] {
         &self.velocity[..self.count]
     }

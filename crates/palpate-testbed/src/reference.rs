@@ -14,7 +14,7 @@
 use thiserror::Error;
 
 use crate::InvalidParameter;
-use crate::device::Device;
+use crate::device::DevicePlant;
 use crate::error::{finite, positive};
 use crate::grid::Grid;
 use crate::profile::{Collision, ForceProfile, Snapshot};
@@ -134,7 +134,7 @@ impl ReferenceScene {
 ///
 /// A value of the scene outside its range, or a search for collisions that finds too few within
 /// 2000 periods.
-pub fn integrate<D: Device + Clone>(
+pub fn integrate<D: DevicePlant + Clone>(
     device: &D,
     scene: &ReferenceScene,
     stop: Stop,
@@ -178,7 +178,7 @@ pub fn integrate<D: Device + Clone>(
 /// # Errors
 ///
 /// A value of the scene outside its range.
-pub fn integrate_on<D: Device + Clone>(
+pub fn integrate_on<D: DevicePlant + Clone>(
     device: &D,
     scene: &ReferenceScene,
     grid: &Grid,
@@ -259,7 +259,7 @@ struct Run<'a, D> {
     cells: Option<Cells>,
 }
 
-impl<'a, D: Device + Clone> Run<'a, D> {
+impl<'a, D: DevicePlant + Clone> Run<'a, D> {
     fn new(device: D, scene: &'a ReferenceScene) -> Self {
         let mobility = 1.0 / scene.object_mass;
         let is_wall = mobility == 0.0;

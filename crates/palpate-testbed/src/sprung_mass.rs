@@ -4,7 +4,7 @@
 //! maps of thousands of scenes: the response to one duration is computed once and kept.
 
 use crate::InvalidParameter;
-use crate::device::Device;
+use crate::device::DevicePlant;
 use crate::error::{finite, positive};
 
 /// M ξ″ = f_u − k ξ − b ξ′ − f, exact under a held force for any duration. M is the mass of device and
@@ -173,7 +173,7 @@ impl SprungMass {
     }
 }
 
-impl Device for SprungMass {
+impl DevicePlant for SprungMass {
     fn position(&self) -> f64 {
         self.position
     }

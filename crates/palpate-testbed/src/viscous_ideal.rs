@@ -51,7 +51,7 @@ impl ViscousIdeal {
             friction,
             "at least 0 N s/m, and finite when divided by the mass",
         )?;
-        let mut motion = Motion::new(scene, friction);
+        let mut motion = DeviceAndObject::new(scene, friction);
         InvalidParameter::unless(
             period * motion.contact_rate < MOST_SPANS as f64,
             "period",
@@ -82,7 +82,7 @@ impl ViscousIdeal {
 }
 
 /// Device and object on their way.
-struct Motion {
+struct DeviceAndObject {
     stiffness: f64,
     friction: f64,
     device_mobility: f64,
@@ -107,7 +107,7 @@ struct Series {
     object: [f64; MOST_TERMS],
 }
 
-impl Motion {
+impl DeviceAndObject {
     fn new(scene: &PointMassScene, friction: f64) -> Self {
         let device_mobility = 1.0 / scene.device_mass;
         let object_mobility = 1.0 / scene.object_mass;

@@ -4,7 +4,7 @@
 //! maps of thousands of scenes: the response to one duration is computed once and kept.
 
 use crate::InvalidParameter;
-use crate::device::Device;
+use crate::device::DevicePlant;
 use crate::error::{finite, positive};
 
 /// m ξ″ = f_u − b ξ′ − f, exact under a held force for any duration.
@@ -103,7 +103,7 @@ impl ViscousMass {
     }
 }
 
-impl Device for ViscousMass {
+impl DevicePlant for ViscousMass {
     fn position(&self) -> f64 {
         self.position
     }

@@ -4,7 +4,7 @@
 
 use std::f64::consts::TAU;
 
-use palpate_testbed::device::{Device, PointMass};
+use palpate_testbed::device::{DevicePlant, PointMass};
 use palpate_testbed::drivetrain::{Cogging, Drivetrain, DrivetrainParams, Transmission};
 use palpate_testbed::hand::{Hand, Intention, Sinusoid};
 use palpate_testbed::held_mass::HeldMass;

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use palpate_testbed::device::Device;
+use palpate_testbed::device::DevicePlant;
 use palpate_testbed::hand::{Hand, IntendedPath, Intention, Sinusoid};
 use palpate_testbed::held_mass::HeldMass;
 use palpate_testbed::recorded_path::RecordedPath;

@@ -1,6 +1,6 @@
 //! The held mass between its events and at them: friction, stick and slip, and the accounts.
 
-use palpate_testbed::device::{Device, PointMass};
+use palpate_testbed::device::{DevicePlant, PointMass};
 use palpate_testbed::hand::{Hand, IntendedPath, Intention, Sinusoid};
 use palpate_testbed::held_mass::HeldMass;
 

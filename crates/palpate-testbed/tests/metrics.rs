@@ -5,7 +5,7 @@ mod common;
 use common::{
     COASTING, FALLING_BLOCK, PAPER, assert_close, ideal_loop, midpoint, spring_loop, windowed,
 };
-use palpate_testbed::device::{Device, PointMass};
+use palpate_testbed::device::{DevicePlant, PointMass};
 use palpate_testbed::ideal::{Ideal, PointMassScene};
 use palpate_testbed::metrics::{EnergyJudgement, Fidelity, ForceJudgement};
 use palpate_testbed::profile::ForceProfile;

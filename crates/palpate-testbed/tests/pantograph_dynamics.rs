@@ -2,7 +2,7 @@
 
 mod pantographs;
 
-use palpate_testbed::device::Device;
+use palpate_testbed::device::DevicePlant;
 use palpate_testbed::pantograph::{
     Actuation, Dynamics, Geometry, Link, Pantograph, PantographParams,
 };

@@ -1,7 +1,7 @@
 //! The integrated ideal against the exact one, which a point mass has.
 #![allow(clippy::print_stdout)] // what was measured
 
-use palpate_testbed::device::{Device, PointMass};
+use palpate_testbed::device::{DevicePlant, PointMass};
 use palpate_testbed::ideal::{Ideal, PointMassScene};
 use palpate_testbed::reference::{Reference, ReferenceError, ReferenceScene, Stop, integrate};
 

@@ -4,8 +4,9 @@
 use palpate_testbed::grid::Grid;
 use palpate_testbed::metrics::{Fidelity, WindowMismatch};
 use palpate_testbed::world::{
-    ContactLaw, JudgementError, Member, Motion, Pair, PlantParams, Shape, Tool, Vector, WindowRule,
-    WorldBody, WorldDevice, WorldHand, WorldIdeal, WorldJudgement, WorldPlant, WorldScene,
+    ContactLaw, FreeMotion, JudgementError, Member, Pair, PlantParams, Shape, Tool, Vector,
+    WindowRule, WorldBody, WorldDevice, WorldHand, WorldIdeal, WorldJudgement, WorldPlant,
+    WorldScene,
 };
 
 const PERIOD: f64 = 0.004;
@@ -40,7 +41,7 @@ fn scene() -> WorldScene {
             shape: shape.clone(),
             position: [0.0; 3],
             orientation: [1.0, 0.0, 0.0, 0.0],
-            motion: Some(Motion::of(&shape, 0.1)),
+            motion: Some(FreeMotion::of(&shape, 0.1)),
         }],
         pairs: (0..2)
             .map(|device| Pair {

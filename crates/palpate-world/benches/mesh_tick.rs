@@ -54,12 +54,12 @@ fn bumps(cells: u32) -> Mesh {
 }
 
 /// A device that a hand presses towards the ball's middle and leads around it, in steps under held forces.
-struct Device {
+struct HandledDevice {
     position: Vector,
     velocity: Vector,
 }
 
-impl Held for Device {
+impl Held for HandledDevice {
     fn place(&self) -> (Vector, Option<Quaternion>) {
         (self.position, None)
     }
@@ -114,7 +114,7 @@ fn main() {
                         .with_friction(0.3),
                 }],
             };
-            print_ticks(&name, &world, method, || Device {
+            print_ticks(&name, &world, method, || HandledDevice {
                 position: [0.0, 0.0, RADIUS + radius + 0.004],
                 velocity: [0.0; 3],
             });

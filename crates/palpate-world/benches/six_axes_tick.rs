@@ -66,14 +66,14 @@ fn world(block: Shape, table: Shape, friction: f64) -> World {
 }
 
 /// A round device in a hand that presses it down, moves it across and tilts it, in steps under a held wrench.
-struct Device {
+struct HandledDevice {
     position: Vector,
     velocity: Vector,
     orientation: Quaternion,
     turning: Vector,
 }
 
-impl Device {
+impl HandledDevice {
     fn start() -> Self {
         Self {
             position: [0.0, 0.0, 0.03],
@@ -84,7 +84,7 @@ impl Device {
     }
 }
 
-impl Held for Device {
+impl Held for HandledDevice {
     fn place(&self) -> (Vector, Option<Quaternion>) {
         (self.position, Some(self.orientation))
     }
@@ -134,11 +134,16 @@ fn main() {
     for method in &methods {
         for friction in [0.0, 0.5] {
             let name = |what: &str| format!("{}, {what}friction {friction}", method.name());
-            print_ticks(&name(""), &box_on_table(friction), method, Device::start);
+            print_ticks(
+                &name(""),
+                &box_on_table(friction),
+                method,
+                HandledDevice::start,
+            );
             for points in [60, 250] {
                 let world = points_on_grid(points, friction);
                 let what = format!("{points} points, ");
-                print_ticks(&name(&what), &world, method, Device::start);
+                print_ticks(&name(&what), &world, method, HandledDevice::start);
             }
         }
     }

@@ -67,14 +67,14 @@ fn stack(friction: f64) -> World {
 }
 
 /// A device that is pressed down and moved across by a hand, in steps under held forces.
-struct Device {
+struct HandledDevice {
     position: Vector,
     velocity: Vector,
     /// Where the hand rests, but for a sine along y `[m]`.
     rest: Vector,
 }
 
-impl Held for Device {
+impl Held for HandledDevice {
     fn place(&self) -> (Vector, Option<Quaternion>) {
         (self.position, None)
     }
@@ -115,14 +115,14 @@ fn main() {
     for method in &methods {
         for friction in [0.0, 0.5] {
             let name = format!("{}, friction {friction}", method.name());
-            print_ticks(&name, &world(friction), method, || Device {
+            print_ticks(&name, &world(friction), method, || HandledDevice {
                 position: [0.022, 0.0, 0.05],
                 velocity: [0.0; 3],
                 rest: [0.024, 0.0, 0.02],
             });
         }
         let name = format!("{}, three boxes, friction 0.5", method.name());
-        print_ticks(&name, &stack(0.5), method, || Device {
+        print_ticks(&name, &stack(0.5), method, || HandledDevice {
             position: [0.004, 0.0, 0.07],
             velocity: [0.0; 3],
             rest: [0.004, 0.0, 0.055],

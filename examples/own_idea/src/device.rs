@@ -1,6 +1,6 @@
 //! A device of one's own: a joystick, a mass on a spring that pulls it home.
 
-use palpate_testbed::device::Device;
+use palpate_testbed::device::DevicePlant;
 
 /// m x'' = hand - c x - f, solved exactly under a held force f.
 #[derive(Clone, Debug)]
@@ -17,7 +17,7 @@ pub struct Joystick {
     pub velocity: f64,
 }
 
-impl Device for Joystick {
+impl DevicePlant for Joystick {
     fn position(&self) -> f64 {
         self.position
     }

@@ -1,7 +1,7 @@
 //! Scenes in which contacts of an engine are judged: those of `python -m palpate.engines.table`.
 
 use palpate_testbed::world::{
-    ContactLaw, Member, Motion, Pair, Shape, Tool, Vector, WorldBody, WorldDevice, WorldHand,
+    ContactLaw, Member, FreeMotion, Pair, Shape, Tool, Vector, WorldBody, WorldDevice, WorldHand,
     WorldScene,
 };
 
@@ -96,7 +96,7 @@ fn judged(scene: &Scene) -> WorldScene {
     let weight = [0.0, 0.0, -GRAVITY * BODY_MASS];
     let mut bodies = vec![WorldBody {
         position: scene.place,
-        motion: Some(Motion::of(&shape, BODY_MASS).pulled_by(weight)),
+        motion: Some(FreeMotion::of(&shape, BODY_MASS).pulled_by(weight)),
         ..fixed("body", shape)
     }];
     let mut pairs = vec![Pair {

@@ -35,7 +35,7 @@ use crate::text;
 /// A world that is rendered. One thread at a time may use it.
 pub struct World {
     pub(crate) bounded: BoundedWorld,
-    pub(crate) devices: Vec<Device>,
+    pub(crate) devices: Vec<ToolDevice>,
     pub(crate) bodies: Vec<CString>,
     /// For recordings: which world it is, the text of the scene, if one says the world, the method,
     pub(crate) identity: Identity,
@@ -52,7 +52,7 @@ pub struct World {
 }
 
 /// A device of a world, as the scene says it.
-pub(crate) struct Device {
+pub(crate) struct ToolDevice {
     pub name: CString,
     /// Whether it measures six axes,
     pub turns: bool,
@@ -187,7 +187,7 @@ impl World {
             bounded,
             devices: tools
                 .iter()
-                .map(|tool| Device {
+                .map(|tool| ToolDevice {
                     name: as_c(&tool.name),
                     turns: tool.turns,
                     gives_torque: tool.gives_torque,

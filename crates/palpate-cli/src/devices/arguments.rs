@@ -12,7 +12,7 @@ use palpate_record::unit::LengthUnit;
 use crate::arguments::PartFlags;
 use crate::failure::Failure;
 use crate::values::{
-    BoardName, Place, StartPose, WorldAxes, length_unit, place, start_pose, world_axes,
+    BoardName, FrameVector, StartPose, WorldAxes, length_unit, place, start_pose, world_axes,
 };
 
 /// Which device, and how the contact lies in it.
@@ -65,10 +65,10 @@ pub struct DeviceArguments {
     /// Where the contact's coordinate is 0, in the frame of a device with several axes; of a world: where its tool
     /// is at position_m [m]
     #[arg(long, value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]
-    pub origin: Option<Place>,
+    pub origin: Option<FrameVector>,
     /// Direction in which the contact's coordinate grows, in the same frame; of any length
     #[arg(long, value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]
-    pub normal: Option<Place>,
+    pub normal: Option<FrameVector>,
     /// Which axis of a world each axis of the device is, with - where it points the other way, such as x,z or x,-y,z
     /// [default: x,y,z, as many as the device has]
     #[arg(long, value_name = "AXES", value_parser = world_axes, allow_hyphen_values = true)]

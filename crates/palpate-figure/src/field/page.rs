@@ -3,7 +3,7 @@
 use kuva::render::color::Color;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
-use super::panel::{self, Place, SPLIT, STRIP, swatch};
+use super::panel::{self, PanelLayout, SPLIT, STRIP, swatch};
 use super::{FieldFigure, Scale};
 use crate::element::{line, words};
 use crate::page::{Head, Page, foot};
@@ -105,7 +105,7 @@ fn scene(figure: &FieldFigure, size: f64, width: f64) -> Scene {
             false,
         ));
         for (column, panel) in row.panels.iter().enumerate() {
-            let place = Place {
+            let place = PanelLayout {
                 left: left + column as f64 * step,
                 top,
                 size,

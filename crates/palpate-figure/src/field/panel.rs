@@ -25,7 +25,7 @@ const LOOKS: [(&str, &str); 4] = [
 ];
 
 /// Where a panel stands, and which of its axes have numbers.
-pub(super) struct Place {
+pub(super) struct PanelLayout {
     pub left: f64,
     pub top: f64,
     /// Width and height of the field `[px]`.
@@ -40,7 +40,7 @@ pub(super) fn draw(
     figure: &FieldFigure,
     scale: &Scale,
     panel: &FieldPanel,
-    place: &Place,
+    place: &PanelLayout,
 ) {
     let columns = panel.columns;
     if columns < 2 || panel.values.len() < columns {
@@ -96,7 +96,7 @@ pub(super) fn draw(
     ticks(page, figure, place, (columns - 1, rows));
 }
 
-fn grid(place: &Place, columns: usize, rows: usize) -> Grid {
+fn grid(place: &PanelLayout, columns: usize, rows: usize) -> Grid {
     let field = place.left + STRIP + SPLIT;
     let width = place.size / (columns - 1) as f64;
     let mut x = vec![place.left];
@@ -121,7 +121,7 @@ fn draw_bound(
     page: &mut Scene,
     figure: &FieldFigure,
     bound: &Bound,
-    place: &Place,
+    place: &PanelLayout,
     cells: (usize, usize),
 ) {
     let height = share(figure.range, cells.1, bound.at);
@@ -142,7 +142,7 @@ pub(super) fn swatch(look: usize, from: (f64, f64), to: (f64, f64)) -> Primitive
     line(from, to, colour, 1.5, Some(dashes))
 }
 
-fn ticks(page: &mut Scene, figure: &FieldFigure, place: &Place, cells: (usize, usize)) {
+fn ticks(page: &mut Scene, figure: &FieldFigure, place: &PanelLayout, cells: (usize, usize)) {
     let field = place.left + STRIP + SPLIT;
     let bottom = place.top + place.size;
     for (number, value) in decades(figure.range).into_iter().enumerate() {

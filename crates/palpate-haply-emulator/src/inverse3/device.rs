@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use palpate_device::Vector;
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::actuator::{Actuator, ActuatorParams};
-use palpate_testbed::device::Device as _;
+use palpate_testbed::device::DevicePlant as _;
 use palpate_testbed::hand::{Hand, Intention};
 use palpate_testbed::held_mass::HeldMass;
 
@@ -56,7 +56,7 @@ impl Default for Body {
 
 /// An emulated device.
 #[derive(Debug)]
-pub(super) struct Device {
+pub(super) struct EmulatedDevice {
     pub id: String,
     /// In every frame and in the list of devices; else as if unplugged.
     pub present: bool,
@@ -71,7 +71,7 @@ pub(super) struct Device {
     idle_after: Duration,
 }
 
-impl Device {
+impl EmulatedDevice {
     pub fn new(id: String, body: &Body, idle_after: Duration) -> Result<Self, InvalidParameter> {
         let axis = |index: usize| {
             HeldMass::new(body.mass, body.hands[index].clone())?
@@ -160,7 +160,7 @@ impl Device {
 mod tests {
     use super::*;
 
-    fn in_nobodys_hand() -> Device {
+    fn in_nobodys_hand() -> EmulatedDevice {
         let body = Body {
             mass: 0.5,
             friction: 0.0,
@@ -168,7 +168,7 @@ mod tests {
             hands: [0.0; 3].map(Hand::pushing),
             amplifier: ActuatorParams::default(),
         };
-        Device::new("a".into(), &body, Duration::from_millis(20)).unwrap()
+        EmulatedDevice::new("a".into(), &body, Duration::from_millis(20)).unwrap()
     }
 
     #[test]

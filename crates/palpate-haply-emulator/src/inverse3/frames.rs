@@ -3,20 +3,20 @@
 use palpate_device::Vector;
 use serde_json::{Map, Value, json};
 
-use super::device::Device;
+use super::device::EmulatedDevice;
 use palpate_haply::inverse3::Form;
 
 /// Everything, as on connect.
-pub(super) fn full(devices: &[Device], form: Form, session: u64) -> Value {
+pub(super) fn full(devices: &[EmulatedDevice], form: Form, session: u64) -> Value {
     frame(devices, form, session, true)
 }
 
 /// What changes, as in every reply.
-pub(super) fn state(devices: &[Device], form: Form, session: u64) -> Value {
+pub(super) fn state(devices: &[EmulatedDevice], form: Form, session: u64) -> Value {
     frame(devices, form, session, false)
 }
 
-fn frame(devices: &[Device], form: Form, session: u64, with_config: bool) -> Value {
+fn frame(devices: &[EmulatedDevice], form: Form, session: u64, with_config: bool) -> Value {
     let devices: Vec<Value> = devices
         .iter()
         .filter(|device| device.present)
@@ -48,7 +48,7 @@ fn frame(devices: &[Device], form: Form, session: u64, with_config: bool) -> Val
     frame
 }
 
-fn state_of(device: &Device, form: Form) -> Value {
+fn state_of(device: &EmulatedDevice, form: Form) -> Value {
     let commanded = device.is_commanded();
     let mut state = Map::new();
     state.insert("cursor_position".into(), xyz(device.position()));
@@ -70,7 +70,7 @@ fn state_of(device: &Device, form: Form) -> Value {
     Value::Object(state)
 }
 
-fn config_of(device: &Device, form: Form) -> Value {
+fn config_of(device: &EmulatedDevice, form: Form) -> Value {
     let mut config = json!({
         "type": "inverse3",
         "port": "emulated",

@@ -27,7 +27,7 @@ use palpate_device::Vector;
 use palpate_testbed::InvalidParameter;
 use serde_json::json;
 
-use device::Device;
+use device::EmulatedDevice;
 use events::Audience;
 use fault::{Faults, SplitMix64};
 use palpate_haply::inverse3::Form;
@@ -142,7 +142,7 @@ struct Shared {
 
 #[derive(Debug)]
 struct State {
-    devices: Vec<Device>,
+    devices: Vec<EmulatedDevice>,
     latency: Latency,
     random: SplitMix64,
     faults: Faults,
@@ -176,7 +176,7 @@ impl Emulator {
         let devices = options
             .device_ids
             .iter()
-            .map(|id| Device::new(id.clone(), &options.body, options.idle_after))
+            .map(|id| EmulatedDevice::new(id.clone(), &options.body, options.idle_after))
             .collect::<Result<_, _>>()?;
         let (service, address) = bind(options.port)?;
         let (events, events_address) = bind(options.events_port)?;
@@ -283,7 +283,7 @@ impl Emulator {
         self.shared.audience.tell(&event);
     }
 
-    fn with_device(&self, id: &str, change: impl FnOnce(&mut Device)) {
+    fn with_device(&self, id: &str, change: impl FnOnce(&mut EmulatedDevice)) {
         let mut state = lock(&self.shared.state);
         if let Some(device) = state.devices.iter_mut().find(|device| device.id == id) {
             change(device);
@@ -293,16 +293,16 @@ impl Emulator {
     /// Where a device is now `[m]`; none of this name: nothing.
     #[must_use]
     pub fn position(&self, id: &str) -> Option<Vector> {
-        self.look(id, Device::position)
+        self.look(id, EmulatedDevice::position)
     }
 
     /// The force that a device's motors are told to hold now `[N]`; none of this name: nothing.
     #[must_use]
     pub fn force(&self, id: &str) -> Option<Vector> {
-        self.look(id, Device::force)
+        self.look(id, EmulatedDevice::force)
     }
 
-    fn look(&self, id: &str, at: impl FnOnce(&Device) -> Vector) -> Option<Vector> {
+    fn look(&self, id: &str, at: impl FnOnce(&EmulatedDevice) -> Vector) -> Option<Vector> {
         let mut state = lock(&self.shared.state);
         let device = state.devices.iter_mut().find(|device| device.id == id)?;
         device.move_on(Instant::now());

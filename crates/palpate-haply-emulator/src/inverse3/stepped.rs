@@ -10,7 +10,7 @@ use palpate_device::{
 };
 use palpate_testbed::InvalidParameter;
 
-use super::device::{Body, Device};
+use super::device::{Body, EmulatedDevice};
 use super::fault::{Latency, SplitMix64};
 
 /// The emulated Inverse3 as the device of a loop on a [`SteppedClock`]: every run is the same, however
@@ -25,7 +25,7 @@ use super::fault::{Latency, SplitMix64};
 pub struct SteppedInverse3 {
     clock: SteppedClock,
     capabilities: Capabilities,
-    device: Device,
+    device: EmulatedDevice,
     /// The instant that stands for the clock's origin.
     origin: Instant,
     latency: Latency,
@@ -94,7 +94,7 @@ impl SteppedInverse3 {
             answered: start,
             clock,
             capabilities: Capabilities::unknown("Haply Inverse3, in simulated time", 3),
-            device: Device::new("stepped".to_owned(), body, Duration::from_secs(1))?,
+            device: EmulatedDevice::new("stepped".to_owned(), body, Duration::from_secs(1))?,
             origin: Instant::now(),
             latency,
             random: SplitMix64(1),

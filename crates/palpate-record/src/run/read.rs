@@ -9,7 +9,7 @@ use thiserror::Error;
 use super::{MARK, VERSION, receipt};
 use palpate_files::bounded::TABLE;
 
-use crate::place::{Place, field_span, first_byte, open_quote, record_span};
+use crate::place::{TextPosition, field_span, first_byte, open_quote, record_span};
 
 /// Why a run file could not be read.
 #[derive(Debug, Error)]
@@ -27,7 +27,7 @@ pub enum RunError {
     #[error("{place}: {fault}")]
     Invalid {
         /// Where the fault stands.
-        place: Box<Place>,
+        place: Box<TextPosition>,
         /// What is wrong, and what is allowed.
         fault: RunFault,
     },
@@ -36,7 +36,7 @@ pub enum RunError {
 impl RunError {
     /// Where in the text the fault stands; none where there was no text to read.
     #[must_use]
-    pub fn place(&self) -> Option<&Place> {
+    pub fn place(&self) -> Option<&TextPosition> {
         match self {
             Self::Unreadable { .. } => None,
             Self::Invalid { place, .. } => Some(place),
@@ -163,7 +163,7 @@ pub fn read(mut reader: impl Read, file: &str) -> Result<Run, RunError> {
 }
 
 fn invalid(file: &str, source: &str, span: Range<usize>, fault: RunFault) -> RunError {
-    let place = Box::new(Place::new(file, source, span));
+    let place = Box::new(TextPosition::new(file, source, span));
     RunError::Invalid { place, fault }
 }
 

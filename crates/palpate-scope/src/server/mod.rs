@@ -320,7 +320,7 @@ fn route(
         return Err(Refusal(StatusCode::NOT_FOUND, "there is no such page\n"));
     }
     served.gate.origin(request.headers(), host)?;
-    let Some(place) = Place::take(served) else {
+    let Some(place) = ClientSlot::take(served) else {
         let text = "64 clients are served already\n";
         return Err(Refusal(StatusCode::SERVICE_UNAVAILABLE, text));
     };
@@ -339,9 +339,9 @@ fn route(
 }
 
 /// One of the places for clients, until it is dropped.
-struct Place(Arc<Served>);
+struct ClientSlot(Arc<Served>);
 
-impl Place {
+impl ClientSlot {
     fn take(served: &Arc<Served>) -> Option<Self> {
         let one_more = |taken| (taken < MOST_CLIENTS).then_some(taken + 1);
         served
@@ -352,7 +352,7 @@ impl Place {
     }
 }
 
-impl Drop for Place {
+impl Drop for ClientSlot {
     fn drop(&mut self) {
         self.0.clients.fetch_sub(1, Ordering::AcqRel);
     }

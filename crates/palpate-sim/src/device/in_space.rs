@@ -10,7 +10,7 @@ use palpate_scene::ActuatorParams;
 use palpate_scene::world::{WorldActuator, WorldDevice};
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::actuator::Actuator;
-use palpate_testbed::device::Device as Moved;
+use palpate_testbed::device::DevicePlant as Moved;
 use palpate_testbed::hand::{Hand, Intention, Sinusoid};
 use palpate_testbed::held_mass::HeldMass;
 use palpate_testbed::hold::DelayedHold;

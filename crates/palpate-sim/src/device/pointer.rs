@@ -20,7 +20,7 @@ use std::time::Duration;
 use palpate_scene::Scene;
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::actuator::{Actuator, ActuatorParams};
-use palpate_testbed::device::Device as Moved;
+use palpate_testbed::device::DevicePlant as Moved;
 use palpate_testbed::hand::Hand;
 use palpate_testbed::held_mass::HeldMass;
 use palpate_testbed::hold::DelayedHold;
@@ -224,7 +224,7 @@ impl PointerHand {
 
 /// Who holds the device.
 #[derive(Clone, Debug)]
-enum Motion {
+enum HeldOrFree {
     Held { target: f64, state: Held },
     Free(HeldMass),
 }
@@ -250,7 +250,7 @@ pub struct PointerDevice<C> {
     hand: PointerHand,
     /// The device by itself.
     alone: HeldMass,
-    motion: Motion,
+    motion: HeldOrFree,
     moved_until: Option<Duration>,
     /// Force on the device that the motor holds `[N]`.
     held: f64,
@@ -306,7 +306,7 @@ impl<C: Clock> PointerDevice<C> {
             motor: Actuator::new(params.actuator)?,
             params,
             hand: hand.clone(),
-            motion: Motion::Free(alone.clone()),
+            motion: HeldOrFree::Free(alone.clone()),
             alone,
             moved_until: None,
             held: 0.0,
@@ -319,8 +319,8 @@ impl<C: Clock> PointerDevice<C> {
     #[must_use]
     pub fn position(&self) -> f64 {
         match &self.motion {
-            Motion::Held { state, .. } => state.position,
-            Motion::Free(device) => device.position(),
+            HeldOrFree::Held { state, .. } => state.position,
+            HeldOrFree::Free(device) => device.position(),
         }
     }
 
@@ -328,8 +328,8 @@ impl<C: Clock> PointerDevice<C> {
     #[must_use]
     pub fn velocity(&self) -> f64 {
         match &self.motion {
-            Motion::Held { state, .. } => state.velocity,
-            Motion::Free(device) => device.velocity(),
+            HeldOrFree::Held { state, .. } => state.velocity,
+            HeldOrFree::Free(device) => device.velocity(),
         }
     }
 
@@ -367,7 +367,7 @@ impl<C: Clock> PointerDevice<C> {
         let duration = duration.as_secs_f64().min(LONGEST);
         // The testbed has the force on the object, which is the other one.
         match &mut self.motion {
-            Motion::Held { target, state } => {
+            HeldOrFree::Held { target, state } => {
                 let mut led = Led {
                     params: &self.params,
                     target: *target,
@@ -375,7 +375,7 @@ impl<C: Clock> PointerDevice<C> {
                 };
                 self.motor.drive(&mut led, -self.held, duration);
             }
-            Motion::Free(device) => {
+            HeldOrFree::Free(device) => {
                 self.motor.drive(device, -self.held, duration);
             }
         }
@@ -385,9 +385,9 @@ impl<C: Clock> PointerDevice<C> {
     fn look_at_hand(&mut self) {
         let (position, velocity) = (self.position(), self.velocity());
         match (&mut self.motion, self.hand.target()) {
-            (Motion::Held { target, .. }, Some(new)) => *target = new,
-            (Motion::Free(_), Some(target)) => {
-                self.motion = Motion::Held {
+            (HeldOrFree::Held { target, .. }, Some(new)) => *target = new,
+            (HeldOrFree::Free(_), Some(target)) => {
+                self.motion = HeldOrFree::Held {
                     target,
                     state: Held {
                         aim: position,
@@ -397,12 +397,12 @@ impl<C: Clock> PointerDevice<C> {
                     },
                 };
             }
-            (Motion::Held { .. }, None) => {
+            (HeldOrFree::Held { .. }, None) => {
                 // A force that is no number could have moved it nowhere: then it is at its start.
                 let alone = self.alone.clone().starting_at(position, velocity);
-                self.motion = Motion::Free(alone.unwrap_or_else(|_| self.alone.clone()));
+                self.motion = HeldOrFree::Free(alone.unwrap_or_else(|_| self.alone.clone()));
             }
-            (Motion::Free(_), None) => {}
+            (HeldOrFree::Free(_), None) => {}
         }
     }
 }

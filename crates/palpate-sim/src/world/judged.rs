@@ -224,7 +224,7 @@ fn judged_body(body: &Body) -> judge::WorldBody {
     let shape = judged_shape(&body.shape);
     let motion = match &body.motion {
         Motion::Fixed => None,
-        Motion::Free(free) => Some(judge::Motion {
+        Motion::Free(free) => Some(judge::FreeMotion {
             inertia: free.inertia.unwrap_or_else(|| shape.inertia(free.mass)),
             mass: free.mass,
             velocity: free.velocity,

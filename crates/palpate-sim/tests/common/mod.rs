@@ -80,7 +80,7 @@ impl Random {
 }
 
 /// A motion: time stamps `[s]` and positions `[m]`.
-pub struct Motion {
+pub struct Trajectory {
     pub name: String,
     pub times: Vec<f64>,
     pub positions: Vec<f64>,
@@ -88,7 +88,7 @@ pub struct Motion {
 
 /// A hand made up of a few sines, 4 s at 2 kHz, about 2 cm of travel: smooth, and never exactly
 /// periodic.
-pub fn synthetic_hand(number: u32) -> Motion {
+pub fn synthetic_hand(number: u32) -> Trajectory {
     let shift = f64::from(number);
     let position = |t: f64| {
         0.010 * (std::f64::consts::TAU * (1.1 + 0.13 * shift) * t + shift).sin()
@@ -96,7 +96,7 @@ pub fn synthetic_hand(number: u32) -> Motion {
             + 0.001 * (std::f64::consts::TAU * 7.3 * t).sin()
     };
     let times: Vec<f64> = (0..=8000).map(|i| f64::from(i) / 2000.0).collect();
-    Motion {
+    Trajectory {
         name: format!("synthetic_{number}"),
         positions: times.iter().map(|&t| position(t)).collect(),
         times,
@@ -105,7 +105,7 @@ pub fn synthetic_hand(number: u32) -> Motion {
 
 /// A hand taps under an object of 0.1 kg and 400 N/m that begins at rest 60 % up the hand's way,
 /// and weighs on it.
-pub fn lifted_object(hand: &Motion, period: f64, unilateral: bool) -> Replay {
+pub fn lifted_object(hand: &Trajectory, period: f64, unilateral: bool) -> Replay {
     let mut sorted = hand.positions.clone();
     sorted.sort_by(f64::total_cmp);
     let setup = ReplaySetup {
@@ -126,7 +126,7 @@ pub fn lifted_object(hand: &Motion, period: f64, unilateral: bool) -> Replay {
 /// Recordings of free hand motion, 2 kHz, where this machine has them beside the repository.
 /// Where it has not, says so on standard error, past the test runner's capture: the caller then
 /// checks less.
-pub fn recorded_hands(caller: &str) -> Vec<Motion> {
+pub fn recorded_hands(caller: &str) -> Vec<Trajectory> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/human");
     if !folder.is_dir() {
         let missing = folder.display();
@@ -140,7 +140,7 @@ pub fn recorded_hands(caller: &str) -> Vec<Motion> {
             let path = folder.join(&name).with_extension("csv");
             let file = std::fs::File::open(&path).unwrap_or_else(|e| panic!("{path:?}: {e}"));
             let trace = palpate_record::trace::read(file, &name).unwrap_or_else(|e| panic!("{e}"));
-            Motion {
+            Trajectory {
                 name,
                 times: trace.t_s,
                 positions: trace.position_m,

@@ -5,7 +5,7 @@ use palpate::{
     ObjectState, ParameterError, Phase, Plan, Renderer, Rule, Sample, Situation,
 };
 use palpate_sim::closed_loop::Bench;
-use palpate_testbed::device::{Device, PointMass};
+use palpate_testbed::device::{DevicePlant, PointMass};
 
 use crate::common::{PAPER_SCENES, Random, scene};
 use crate::trial::{Case, Trial, loop_params, object};

@@ -4,7 +4,7 @@ use palpate::{
     BasicParams, Contact, LoopParams, MethodParams, ObjectState, Renderer, Sample,
     VirtualDamperParams,
 };
-use palpate_testbed::device::{Device, PointMass};
+use palpate_testbed::device::{DevicePlant, PointMass};
 
 const MASS: f64 = 0.25;
 const PERIOD: f64 = 1e-3;

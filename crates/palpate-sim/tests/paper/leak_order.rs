@@ -7,7 +7,7 @@ use palpate_sim::closed_loop::Bench;
 use palpate_sim::replay::Replay;
 
 use crate::common::{
-    Motion, Random, damping, lifted_object, recorded_hands, scene, synthetic_hand,
+    Random, Trajectory, damping, lifted_object, recorded_hands, scene, synthetic_hand,
 };
 
 const ORDERED: [MethodName; 3] = [
@@ -16,7 +16,7 @@ const ORDERED: [MethodName; 3] = [
     MethodName::Basic,
 ];
 
-fn hands(caller: &str) -> Vec<Motion> {
+fn hands(caller: &str) -> Vec<Trajectory> {
     let mut hands: Vec<_> = (0..6).map(synthetic_hand).collect();
     hands.extend(recorded_hands(caller));
     hands

@@ -6,8 +6,8 @@ use palpate_testbed::grid::Grid;
 use palpate_testbed::world::mesh::TriangleMesh;
 use palpate_testbed::world::mesh::gallery::bumpy_sphere;
 use palpate_testbed::world::{
-    CheckedIdeal, ContactLaw, Member, Motion, Pair, Shape, Tool, WorldBody, WorldDevice, WorldHand,
-    WorldIdeal, WorldJudgement, WorldScene,
+    CheckedIdeal, ContactLaw, FreeMotion, Member, Pair, Shape, Tool, WorldBody, WorldDevice,
+    WorldHand, WorldIdeal, WorldJudgement, WorldScene,
 };
 
 use crate::facets::Facets;
@@ -77,7 +77,8 @@ impl Scene {
             ),
         };
         let weight = [0.0, 0.0, -GRAVITY * BODY_MASS];
-        let moving = |shape: &Shape| moves.then(|| Motion::of(shape, BODY_MASS).pulled_by(weight));
+        let moving =
+            |shape: &Shape| moves.then(|| FreeMotion::of(shape, BODY_MASS).pulled_by(weight));
         let fixed = |name: &str, shape| WorldBody {
             name: name.to_owned(),
             shape,

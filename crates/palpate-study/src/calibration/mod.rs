@@ -6,6 +6,6 @@ mod report;
 mod shown;
 
 pub use gain::{GainFrom, GainUnknown};
-pub use motion::Motion;
+pub use motion::ExcitedMotion;
 pub use report::{CalibrationReport, Found};
 pub use shown::shown;

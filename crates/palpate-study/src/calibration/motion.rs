@@ -10,7 +10,7 @@ const MOST_JITTER: f64 = 0.05;
 
 /// An excitation and its samples so far.
 #[derive(Clone, Debug)]
-pub struct Motion {
+pub struct ExcitedMotion {
     excitation: Excitation,
     /// Positions `[m]`.
     pub positions: Vec<f64>,
@@ -21,7 +21,7 @@ pub struct Motion {
     missed: usize,
 }
 
-impl Motion {
+impl ExcitedMotion {
     /// No samples yet, with room for all.
     ///
     /// # Errors
@@ -164,8 +164,8 @@ mod tests {
     use super::*;
 
     /// Samples at the times that `time` gives them.
-    fn at_times(time: impl Fn(f64) -> f64) -> Motion {
-        let mut motion = Motion::new(ExcitationParams::new(0.001)).unwrap();
+    fn at_times(time: impl Fn(f64) -> f64) -> ExcitedMotion {
+        let mut motion = ExcitedMotion::new(ExcitationParams::new(0.001)).unwrap();
         for number in 0..1000 {
             motion.take(Some(time(f64::from(number))), 0.0);
         }

@@ -2,7 +2,7 @@
 
 use palpate_calibrate::Measured;
 
-use super::motion::Motion;
+use super::motion::ExcitedMotion;
 use crate::card::MotionCard;
 
 /// How much of the motion is drawn `[s]`: steps of the force have to be seen.
@@ -10,7 +10,7 @@ const SHOWN: f64 = 0.25;
 
 /// Positions, forces and what the fit foresees of the positions, over a part in the middle.
 #[must_use]
-pub fn shown(motion: &Motion, measured: &Measured, period: f64) -> MotionCard {
+pub fn shown(motion: &ExcitedMotion, measured: &Measured, period: f64) -> MotionCard {
     let excited = motion.excited();
     let middle = usize::midpoint(excited.start, excited.end);
     #[expect(

@@ -143,7 +143,7 @@ impl DeviceCard {
         put(of_file(Quantity::Lag).or_else(|| told_to("lag_s").filter(|_| !of_a_file)));
         put(of_file(Quantity::Gain).or_else(|| told_to("gain")));
         let is_simulated = named == Some(SIMULATED);
-        let simulated = |key: &'static str, value: fn(&palpate_scene::Device) -> f64| {
+        let simulated = |key: &'static str, value: fn(&palpate_scene::SceneDevice) -> f64| {
             let scene = scene.as_ref().filter(|_| is_simulated)?;
             first?.said(key, value(&scene.device), "the simulated device of")
         };

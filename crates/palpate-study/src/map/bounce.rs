@@ -7,7 +7,8 @@ use palpate_testbed::InvalidParameter;
 
 use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_scene::{
-    ActuatorParams, Delay, Device, Hand, Measure, PointMassDevice, Scene, SetupError, Timing, Told,
+    ActuatorParams, Delay, Hand, Measure, PointMassDevice, Scene, SceneDevice, SetupError, Timing,
+    Told,
 };
 use palpate_sim::closed_loop::LoopError;
 
@@ -173,7 +174,7 @@ impl Bounce {
             },
             object: ObjectState::at_rest((1.0 + height) * self.gap),
             virtual_force: self.virtual_force(),
-            device: Device::PointMass(PointMassDevice {
+            device: SceneDevice::PointMass(PointMassDevice {
                 mass: self.device.mass,
                 encoder_quantum: self.device.encoder_quantum,
                 viscous_friction: self.device.viscous_friction,

@@ -3,8 +3,8 @@
 use palpate::{Contact, LoopParams, ObjectState};
 use palpate_scene::method::MethodName;
 use palpate_scene::{
-    ActuatorParams, Cogging, Delay, Device, Hand, Measure, PointMassDevice, Scene, Timing, Told,
-    Transmission,
+    ActuatorParams, Cogging, Delay, Hand, Measure, PointMassDevice, Scene, SceneDevice, Timing,
+    Told, Transmission,
 };
 
 use palpate_calibrate::{ExcitationParams, Quantity};
@@ -51,7 +51,7 @@ pub(super) fn base(chance: &mut Chance) -> RandomPlant {
             },
             object: ObjectState::at_rest(impact_speed * impact_speed / (2.0 * (push + GRAVITY))),
             virtual_force: -GRAVITY * object_mass,
-            device: Device::PointMass(PointMassDevice {
+            device: SceneDevice::PointMass(PointMassDevice {
                 mass,
                 encoder_quantum: 1e-6,
                 viscous_friction,

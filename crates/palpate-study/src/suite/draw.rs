@@ -8,8 +8,8 @@ use super::chance::Chance;
 use super::steps::Step;
 use palpate_scene::method::MethodName;
 use palpate_scene::{
-    ActuatorParams, Delay, Device, Grip, Hand, Intention, Measure, PointMassDevice, Scene, Timing,
-    Told, Wave,
+    ActuatorParams, Delay, Grip, Hand, Intention, Measure, PointMassDevice, Scene, SceneDevice,
+    Timing, Told, Wave,
 };
 use palpate_sim::closed_loop::{LoopError, object_mass};
 use palpate_sim::sampled_loop::device_of;
@@ -156,7 +156,7 @@ fn draw(chance: &mut Chance) -> RandomPlant {
             },
             object: ObjectState::at_rest(impact_speed * impact_speed / (2.0 * (push + GRAVITY))),
             virtual_force: -GRAVITY * object_mass,
-            device: Device::PointMass(PointMassDevice {
+            device: SceneDevice::PointMass(PointMassDevice {
                 mass,
                 encoder_quantum,
                 viscous_friction,

@@ -22,7 +22,7 @@ pub use params::{Cogging, DrivetrainParams, Transmission};
 use std::f64::consts::TAU;
 
 use crate::InvalidParameter;
-use crate::device::Device;
+use crate::device::DevicePlant;
 use crate::error::{finite, not_negative};
 use crate::hand::Hand;
 
@@ -238,7 +238,7 @@ impl Drivetrain {
     }
 }
 
-impl Device for Drivetrain {
+impl DevicePlant for Drivetrain {
     /// Position x₁ of the motor's side \[m\], where the sensor is.
     fn position(&self) -> f64 {
         self.motor.position

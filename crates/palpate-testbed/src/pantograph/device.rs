@@ -2,11 +2,11 @@
 
 use super::dynamics::Dynamics;
 use super::kinematics::{ArmPose, dot};
-use super::motion::{Motion, State};
+use super::motion::{HeldInputs, State};
 use super::parameter::PantographParameter as Parameter;
 use super::params::{Actuation, PantographParams};
 use crate::InvalidParameter;
-use crate::device::Device;
+use crate::device::DevicePlant;
 use crate::error::{finite, positive};
 
 /// Controller that holds the end-point at one x. It runs at the samples and its force is held.
@@ -359,7 +359,7 @@ impl Pantograph {
     fn move_on(&mut self, direct: [f64; 2], duration: f64) -> [f64; 2] {
         let torques = self.torques;
         let (before, angles) = (self.pose.position, self.state.angles);
-        let motion = Motion {
+        let motion = HeldInputs {
             dynamics: &self.dynamics,
             torques,
             force: [
@@ -412,7 +412,7 @@ impl Pantograph {
     }
 }
 
-impl Device for Pantograph {
+impl DevicePlant for Pantograph {
     /// True y of the end-point \[m\].
     fn position(&self) -> f64 {
         self.pose.position[1]

@@ -2,7 +2,7 @@
 //!
 //! [`kinematics`] says where the end-point is, [`Dynamics`] how the links accelerate, and
 //! [`Pantograph`] puts motors, encoders, friction, a controller for x and a safety box around them
-//! and stands behind [`Device`](crate::device::Device): the contact direction is y.
+//! and stands behind [`DevicePlant`](crate::device::DevicePlant): the contact direction is y.
 //!
 //! Motors hold **torques** between samples, not forces. While the end-point moves, the force that a
 //! held torque makes turns and changes with the pose, as it does on the bench.

@@ -38,7 +38,7 @@ pub(super) struct State {
 
 /// Everything that is held during an advance.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Motion<'a> {
+pub(super) struct HeldInputs<'a> {
     pub dynamics: &'a Dynamics,
     /// Motor torques \[N m\].
     pub torques: [f64; 2],
@@ -70,7 +70,7 @@ struct Step {
 /// The mechanism ran into a singular pose or came to no end; how far it got.
 pub(super) struct Jammed;
 
-impl Motion<'_> {
+impl HeldInputs<'_> {
     /// Moves `state` on for `duration` \[s\]. On an error `state` is where the mechanism jammed.
     pub fn advance(&self, state: &mut State, duration: f64) -> Result<(), Jammed> {
         let mut remaining = duration;

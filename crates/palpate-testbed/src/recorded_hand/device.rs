@@ -13,7 +13,7 @@
 use std::sync::Arc;
 
 use crate::InvalidParameter;
-use crate::device::{Device, PointMass};
+use crate::device::{DevicePlant, PointMass};
 use crate::hand::{Hand, Intention};
 use crate::held_mass::HeldMass;
 
@@ -57,7 +57,7 @@ impl Departure {
         HeldMass::new(model.device_mass, holds_on).map(|held| Self::Held(Box::new(held)))
     }
 
-    fn device(&self) -> &dyn Device {
+    fn device(&self) -> &dyn DevicePlant {
         match self {
             Self::Free(device) => device,
             Self::Held(device) => &**device,
@@ -86,7 +86,7 @@ impl HeldByRecording {
     }
 }
 
-impl Device for HeldByRecording {
+impl DevicePlant for HeldByRecording {
     fn position(&self) -> f64 {
         self.recorded().0 + self.departure.device().position()
     }

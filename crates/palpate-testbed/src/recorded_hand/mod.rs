@@ -7,7 +7,7 @@ mod device;
 mod smoother;
 
 pub use device::HeldByRecording;
-use smoother::{Motion, Smoothed};
+use smoother::{MeasuredTrajectory, Smoothed};
 
 /// Fewest samples from which a force can be estimated.
 const FEWEST_SAMPLES: usize = 8;
@@ -212,7 +212,7 @@ impl RecordedHand {
         }
         let times: Vec<f64> = path.times().iter().map(|t| t - path.start()).collect();
         let held = held_accelerations(recording, model.device_mass)?;
-        let motion = Motion {
+        let motion = MeasuredTrajectory {
             times: &times,
             positions: recording.positions,
             known: &held,

@@ -29,7 +29,7 @@ type Vector = [f64; 3];
 type Matrix = [[f64; 3]; 3];
 
 /// A motion to be smoothed.
-pub(super) struct Motion<'a> {
+pub(super) struct MeasuredTrajectory<'a> {
     /// Times `[s]`, increasing.
     pub times: &'a [f64],
     /// Positions `[m]`, NaN where none was measured; the first was.
@@ -52,7 +52,7 @@ pub(super) struct Smoothed {
     pub bandwidth: f64,
 }
 
-impl Motion<'_> {
+impl MeasuredTrajectory<'_> {
     /// Between positions that were measured `[s]`.
     fn mean_step(&self) -> f64 {
         let measured = self.positions.iter().filter(|position| !position.is_nan());

@@ -3,7 +3,7 @@
 use super::scene::{InvalidScene, Vector, WorldDevice};
 use super::vector::Vec3;
 use crate::InvalidParameter;
-use crate::device::Device;
+use crate::device::DevicePlant;
 use crate::hand::Sinusoid;
 use crate::sprung_mass::SprungMass;
 
@@ -31,7 +31,7 @@ impl HeldAxis {
     }
 }
 
-impl Device for HeldAxis {
+impl DevicePlant for HeldAxis {
     fn position(&self) -> f64 {
         match self {
             Self::Moves(mass) => mass.position(),
@@ -134,7 +134,7 @@ impl SwungMass {
     }
 }
 
-impl Device for SwungMass {
+impl DevicePlant for SwungMass {
     fn position(&self) -> f64 {
         self.rest + self.left.position() + self.swing()
     }

@@ -91,7 +91,7 @@ pub use record::{
     BodyState, ContactState, DeviceProfile, DeviceState, Encounter, WorldBooks, WorldState,
 };
 pub use scene::{
-    ContactLaw, InvalidScene, Member, Motion, Pair, Shape, SphereAt, Tool, Vector, WorldBody,
+    ContactLaw, FreeMotion, InvalidScene, Member, Pair, Shape, SphereAt, Tool, Vector, WorldBody,
     WorldDevice, WorldHand, WorldScene,
 };
 pub use self_check::{CheckedIdeal, LARGEST_ERROR};

@@ -3,7 +3,7 @@
 use super::contact::{Acceleration, Contact, Placed, Touch, WorldError};
 use super::joints::{Bearing, Hold};
 use super::layout::Layout;
-use super::scene::{Member, Motion, WorldDevice, WorldScene};
+use super::scene::{FreeMotion, Member, WorldDevice, WorldScene};
 use super::surface::Feature;
 use super::vector::{Rotation, Vec3, quaternion_rate};
 
@@ -32,7 +32,7 @@ pub(super) struct Condition {
 /// A free body's constants.
 #[derive(Debug, Clone)]
 struct Rigid {
-    motion: Motion,
+    motion: FreeMotion,
     /// Its number among the free bodies.
     free: usize,
 }
@@ -459,7 +459,7 @@ impl System {
     }
 
     /// Numbers of the free bodies among all bodies, each with its place in the state and its motion.
-    pub fn free_bodies(&self) -> impl Iterator<Item = (usize, usize, &Motion)> {
+    pub fn free_bodies(&self) -> impl Iterator<Item = (usize, usize, &FreeMotion)> {
         self.bodies
             .iter()
             .enumerate()
@@ -501,7 +501,7 @@ pub(super) fn quaternion(state: &[f64]) -> [f64; 4] {
     [state[0], state[1], state[2], state[3]]
 }
 
-fn angular_momentum(rotation: &Rotation, motion: &Motion, turning: Vec3) -> Vec3 {
+fn angular_momentum(rotation: &Rotation, motion: &FreeMotion, turning: Vec3) -> Vec3 {
     let local = rotation.back(turning);
     rotation.out(Vec3(std::array::from_fn(|i| {
         local.0[i] * motion.inertia[i]
@@ -509,7 +509,7 @@ fn angular_momentum(rotation: &Rotation, motion: &Motion, turning: Vec3) -> Vec3
 }
 
 /// R I⁻¹ Rᵀ v: the angular velocity of an angular momentum.
-fn angular_velocity(rotation: &Rotation, motion: &Motion, v: Vec3) -> Vec3 {
+fn angular_velocity(rotation: &Rotation, motion: &FreeMotion, v: Vec3) -> Vec3 {
     let local = rotation.back(v);
     rotation.out(Vec3(std::array::from_fn(|i| {
         local.0[i] / motion.inertia[i]

@@ -10,7 +10,7 @@ use super::scene::{Vector, WorldDevice, WorldScene};
 use super::vector::Vec3;
 use crate::InvalidParameter;
 use crate::actuator::{Actuator, ActuatorParams};
-use crate::device::Device;
+use crate::device::DevicePlant;
 use crate::error::positive;
 use crate::grid::Grid;
 use crate::hold::DelayedHold;

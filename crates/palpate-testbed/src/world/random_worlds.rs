@@ -3,7 +3,7 @@
 use super::contact::WorldError;
 use super::ideal::WorldIdeal;
 use super::scene::{
-    ContactLaw, Member, Motion, Pair, Shape, Tool, Vector, WorldBody, WorldDevice, WorldHand,
+    ContactLaw, FreeMotion, Member, Pair, Shape, Tool, Vector, WorldBody, WorldDevice, WorldHand,
     WorldScene,
 };
 use super::self_check::CheckedIdeal;
@@ -378,7 +378,7 @@ fn scene(device: WorldDevice, parts: &Parts, stiffness: f64, mass: f64) -> World
         let weight = if has_weight { mass * GRAVITY } else { 0.0 };
         bodies.push(WorldBody {
             position,
-            motion: Some(Motion::of(&shape, mass).pulled_by([0.0, 0.0, -weight])),
+            motion: Some(FreeMotion::of(&shape, mass).pulled_by([0.0, 0.0, -weight])),
             ..body(format!("ball-{}", number + 1), shape)
         });
     }

@@ -98,12 +98,12 @@ pub struct WorldBody {
     /// Unit quaternion \[w, x, y, z\] from the body's axes to the world's at t = 0.
     pub orientation: [f64; 4],
     /// How it moves; `None` if it is fixed.
-    pub motion: Option<Motion>,
+    pub motion: Option<FreeMotion>,
 }
 
 /// Mass, start and force of a body that moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Motion {
+pub struct FreeMotion {
     /// Mass, finite and above 0 \[kg\].
     pub mass: f64,
     /// Moments of inertia about the centre of mass along the body's axes, finite and above 0 \[kg m²\].
@@ -116,7 +116,7 @@ pub struct Motion {
     pub force: Vector,
 }
 
-impl Motion {
+impl FreeMotion {
     /// A body of that mass \[kg\] at rest, whose `shape` it fills evenly. No force but those of contacts pulls
     /// at it.
     #[must_use]

@@ -1,7 +1,7 @@
 //! Scenes, and a deliberately plain numerical integration to compare closed forms with.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
-use palpate_testbed::device::{Device, PointMass};
+use palpate_testbed::device::{DevicePlant, PointMass};
 use palpate_testbed::ideal::{Ideal, PointMassScene};
 use palpate_testbed::profile::{ForceProfile, Snapshot};
 

@@ -16,7 +16,7 @@ mod refused;
 
 use palpate_testbed::grid::Grid;
 use palpate_testbed::world::{
-    ContactLaw, Member, Motion, Pair, Shape, Tool, Vector, WorldBody, WorldDevice, WorldHand,
+    ContactLaw, FreeMotion, Member, Pair, Shape, Tool, Vector, WorldBody, WorldDevice, WorldHand,
     WorldIdeal, WorldScene,
 };
 
@@ -55,11 +55,11 @@ fn body(shape: Shape, mass: f64, position: Vector) -> WorldBody {
         shape: shape.clone(),
         position,
         orientation: NOT_TURNED,
-        motion: Some(Motion::of(&shape, mass)),
+        motion: Some(FreeMotion::of(&shape, mass)),
     }
 }
 
-fn motion(body: &mut WorldBody) -> &mut Motion {
+fn motion(body: &mut WorldBody) -> &mut FreeMotion {
     body.motion.as_mut().unwrap()
 }
 

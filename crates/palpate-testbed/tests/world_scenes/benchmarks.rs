@@ -9,8 +9,9 @@ use palpate_testbed::world::benchmarks::{
 };
 use palpate_testbed::world::mesh::{TriangleMesh, gallery};
 use palpate_testbed::world::{
-    CheckedIdeal, ContactLaw, Encounter, Freedom, LARGEST_ERROR, Member, Motion, Pair, Shape, Tool,
-    Vector, WorldBody, WorldDevice, WorldHand, WorldIdeal, WorldJoint, WorldJudgement, WorldScene,
+    CheckedIdeal, ContactLaw, Encounter, FreeMotion, Freedom, LARGEST_ERROR, Member, Pair, Shape,
+    Tool, Vector, WorldBody, WorldDevice, WorldHand, WorldIdeal, WorldJoint, WorldJudgement,
+    WorldScene,
 };
 
 fn checked(benchmark: &Benchmark, start: usize) -> CheckedIdeal {
@@ -250,7 +251,7 @@ fn read(file: &toml::Table) -> (WorldScene, f64, f64) {
                         turn.try_into().unwrap()
                     }),
                 motion: (!fixed).then(|| {
-                    Motion::of(&shape, number(&body["mass_kg"]))
+                    FreeMotion::of(&shape, number(&body["mass_kg"]))
                         .pulled_by(or(body, "force_n", [0.0; 3]))
                 }),
             }

@@ -52,7 +52,7 @@ pub(super) struct Rod {
 
 /// Of a place on the segment.
 #[derive(Clone, Copy)]
-struct Place {
+struct SegmentPoint {
     /// How deep a sphere there overlaps the other solid `[m]`,
     overlap: f64,
     /// and out of that solid.
@@ -131,7 +131,7 @@ impl Rod {
         }
     }
 
-    fn look(&self, ends: &[Vector3; 2], other: &Rigid, s: f64) -> Place {
+    fn look(&self, ends: &[Vector3; 2], other: &Rigid, s: f64) -> SegmentPoint {
         let along = ends[1] - ends[0];
         let nearest = self.nearest(other, &(ends[0] + along * s));
         let overlap = self.radius - nearest.distance;
@@ -141,7 +141,7 @@ impl Rod {
         } else {
             rises
         };
-        Place {
+        SegmentPoint {
             overlap,
             out: nearest.normal,
             slope,
@@ -149,7 +149,7 @@ impl Rod {
     }
 
     /// The place on the segment that stores most, as a share of the way: false position (Illinois), and halving where that is slow.
-    fn most(&self, ends: &[Vector3; 2], other: &Rigid) -> (f64, Place) {
+    fn most(&self, ends: &[Vector3; 2], other: &Rigid) -> (f64, SegmentPoint) {
         let look = |s: f64| self.look(ends, other, s);
         let (mut low, mut high) = (0.0, 1.0);
         let (first, last) = (look(low), look(high));

@@ -5,7 +5,7 @@ use palpate::Fault;
 use super::image::{Image, ImageOffset};
 use super::meeting::Meeting;
 use super::pairs::Pair;
-use super::state::{Device, EngineBooks, EngineContact, EngineState, Period, PortBook};
+use super::state::{EngineBooks, EngineContact, EngineState, Period, PortBook, TrackedDevice};
 use super::touch::Touch;
 use crate::commands::Commands;
 use crate::method::coupled::{Coupled, LEAST_FORCE};
@@ -88,7 +88,7 @@ impl Coupling {
             offsets: vec![ImageOffset::none(); bodies],
             is_body_touched: vec![false; bodies],
             devices: devices
-                .map(|priors| Device::new(priors, Vector3::zeros()))
+                .map(|priors| TrackedDevice::new(priors, Vector3::zeros()))
                 .collect(),
             tracking: Tracking::new(&vec![false; tools]),
             commands: Commands::new(tools, &self.in_loop.actuation, self.in_loop.period),
@@ -194,7 +194,7 @@ impl Coupling {
         {
             let position = Vector3::from(sample.positions[tool]);
             if !is_in_progress {
-                *device = Device::new(priors, position);
+                *device = TrackedDevice::new(priors, position);
                 continue;
             }
             let moved = position - device.measured;
@@ -258,7 +258,7 @@ impl Coupling {
     }
 
     /// The avatar of a tool that touches nothing goes back to its device.
-    fn walk_back(&self, device: &mut Device, elapsed: f64) {
+    fn walk_back(&self, device: &mut TrackedDevice, elapsed: f64) {
         let norm = device.offset.norm();
         let most = self.coupled.offset_return * elapsed;
         if norm <= most {
@@ -408,7 +408,7 @@ impl Coupling {
     }
 }
 
-impl Device {
+impl TrackedDevice {
     /// The offset of the avatar at the end of a period: avatar under the forces of the contacts, device under what it
     /// was held by for `elapsed` `[s]`, with what is now known of the device.
     fn conclude(&mut self, period: &Period, elapsed: f64) {

@@ -20,7 +20,7 @@ pub struct EngineState {
     pub(super) offsets: Vec<ImageOffset>,
     /// Whether a tool touched the body in the period.
     pub(super) is_body_touched: Vec<bool>,
-    pub(super) devices: Vec<Device>,
+    pub(super) devices: Vec<TrackedDevice>,
     pub(super) tracking: Tracking,
     pub(super) commands: Commands,
     pub(super) intended: Vec<Vector3>,
@@ -37,7 +37,7 @@ pub struct EngineState {
 
 /// What is known of a device and of its avatar.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Device {
+pub(super) struct TrackedDevice {
     /// Where the last sample has found it `[m]`.
     pub measured: Vector3,
     pub observers: [AxisObserver; 3],
@@ -64,7 +64,7 @@ pub(super) struct Period {
     pub touched: bool,
 }
 
-impl Device {
+impl TrackedDevice {
     pub fn new(priors: &[AxisPrior; 3], measured: Vector3) -> Self {
         let observers = priors.each_ref().map(AxisObserver::new);
         Self {

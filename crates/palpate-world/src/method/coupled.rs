@@ -33,14 +33,14 @@ pub(crate) struct Coupled {
 /// What coupled rendering remembers.
 #[derive(Clone, Debug)]
 pub(crate) struct CoupledMemory {
-    pub devices: Vec<Device>,
+    pub devices: Vec<TrackedDevice>,
     /// Durations of the last intervals, the newest last `[s]`.
     periods: [f64; 3],
 }
 
 /// What is known of a device, and of its avatar.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Device {
+pub(crate) struct TrackedDevice {
     /// Where the last sample has found it `[m]`.
     measured: Vector3,
     observers: [AxisObserver; 3],
@@ -71,7 +71,7 @@ impl Avatar {
     }
 }
 
-impl Device {
+impl TrackedDevice {
     fn new(
         priors: &[AxisPrior; 3],
         axes: Axes,
@@ -138,11 +138,11 @@ impl CoupledMemory {
 
 impl Coupled {
     /// What is known of the devices before the first sample.
-    fn devices(&self) -> impl Iterator<Item = Device> {
+    fn devices(&self) -> impl Iterator<Item = TrackedDevice> {
         let priors = self.priors.iter().zip(&self.turning_priors);
         let devices = priors.zip(&self.axes);
         devices.map(|((priors, turning), axes)| {
-            Device::new(priors, *axes, turning.as_ref(), Rotation::identity())
+            TrackedDevice::new(priors, *axes, turning.as_ref(), Rotation::identity())
         })
     }
 
@@ -157,9 +157,9 @@ impl Coupled {
         let devices = memory.devices.iter_mut().zip(&self.priors).zip(positions);
         for (tool, ((device, priors), position)) in devices.enumerate() {
             let turned = state.tracking.seen_turn[tool];
-            *device = Device {
+            *device = TrackedDevice {
                 measured: Vector3::from(*position),
-                ..Device::new(
+                ..TrackedDevice::new(
                     priors,
                     self.axes[tool],
                     self.turning_priors[tool].as_ref(),
@@ -337,7 +337,7 @@ impl Coupled {
     }
 
     /// The avatar of a tool that touches nothing goes back to its device. Returns the change of its offset.
-    fn walk_back(&self, device: &mut Device, elapsed: f64) -> Vector3 {
+    fn walk_back(&self, device: &mut TrackedDevice, elapsed: f64) -> Vector3 {
         let Avatar {
             offset,
             velocity_offset,
@@ -357,7 +357,7 @@ impl Coupled {
     /// In contact the avatar keeps its offset, since to go back while a force changes costs energy. What is beyond
     /// [`KEPT_IN_CONTACT`] comes from lost samples or a wrong one: else a wall would stand off its place by it for as long as
     /// it is pressed. That goes back within [`BACK_IN_CONTACT`] or so, no faster than in free motion. Returns the change of the offset.
-    fn walk_back_in_contact(&self, device: &mut Device, elapsed: f64) -> Vector3 {
+    fn walk_back_in_contact(&self, device: &mut TrackedDevice, elapsed: f64) -> Vector3 {
         let offset = &mut device.avatar.offset;
         let norm = offset.norm();
         let beyond = norm - KEPT_IN_CONTACT * self.offset_limit;
@@ -475,7 +475,7 @@ impl Coupled {
 
 impl Coupled {
     /// Sets the avatars of linkages for an interval of `h` `[s]` that begins, after their contacts were looked at.
-    fn carry(&self, moving: &mut Moving, devices: &[Device], h: f64) {
+    fn carry(&self, moving: &mut Moving, devices: &[TrackedDevice], h: f64) {
         let parts = moving.parts.iter_mut().zip(&mut moving.carried);
         let of = self.linkages.iter().zip(devices);
         for ((part, carried), (linkage, device)) in parts.zip(of) {
@@ -493,7 +493,7 @@ impl Coupled {
     fn owed(
         &self,
         tool: usize,
-        device: &Device,
+        device: &TrackedDevice,
         [position, velocity]: [Vector3; 2],
         period: f64,
     ) -> Vector3 {

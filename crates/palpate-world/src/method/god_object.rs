@@ -112,7 +112,7 @@ pub(crate) struct GodObject {
 /// What rendering by a god-object remembers.
 #[derive(Clone, Debug)]
 pub(crate) struct GodObjectMemory {
-    devices: Vec<Device>,
+    devices: Vec<LastSample>,
     /// Of each point of contact: what it forbids the proxy, as it was last seen.
     constraints: Vec<Constraint>,
     /// Of each point that pressed at the last sample: the proxy in the axes of what it touches `[m]`, and its share of
@@ -122,7 +122,7 @@ pub(crate) struct GodObjectMemory {
 
 /// A device at the last sample, and the force that the coupling gives to its tool.
 #[derive(Clone, Copy, Debug)]
-struct Device {
+struct LastSample {
     position: Vector3,
     velocity: Vector3,
     force: Vector3,
@@ -131,7 +131,7 @@ struct Device {
 impl GodObjectMemory {
     pub fn new(tools: usize, points: usize) -> Self {
         let none = Vector3::zeros();
-        let device = Device {
+        let device = LastSample {
             position: none,
             velocity: none,
             force: none,

@@ -137,12 +137,12 @@ pub(crate) struct VirtualCoupling {
 /// What rendering by a virtual coupling remembers.
 #[derive(Clone, Debug)]
 pub(crate) struct VirtualCouplingMemory {
-    devices: Vec<Device>,
+    devices: Vec<LastSample>,
 }
 
 /// A device at the last sample.
 #[derive(Clone, Copy, Debug)]
-struct Device {
+struct LastSample {
     position: Vector3,
     /// Of its last step `[m/s]`.
     velocity: Vector3,
@@ -158,7 +158,7 @@ impl VirtualCouplingMemory {
     }
 
     pub fn new(tools: usize) -> Self {
-        let device = Device {
+        let device = LastSample {
             position: Vector3::zeros(),
             velocity: Vector3::zeros(),
             orientation: Rotation::identity(),

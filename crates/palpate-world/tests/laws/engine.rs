@@ -17,12 +17,12 @@ const WEIGHT: f64 = -9.81;
 
 /// A device that is moved exactly by a held force and the hand's.
 #[derive(Clone, Copy)]
-struct Device {
+struct HandledDevice {
     position: Vector,
     velocity: Vector,
 }
 
-impl Device {
+impl HandledDevice {
     fn under(&mut self, force: Vector, h: f64) {
         for axis in 0..3 {
             let a = (HAND[axis] + force[axis]) / DEVICE[axis];
@@ -123,7 +123,7 @@ fn with_engine_of(
     let renderer = engine_renderer_of(tool, law, period, stepping);
     let mut state = renderer.start();
     let mut engine = Engine::new(stepping);
-    let mut device = Device {
+    let mut device = HandledDevice {
         position: [0.0; 3],
         velocity: [0.0; 3],
     };
@@ -168,7 +168,7 @@ fn with_world_of(tool: Tool, law: ContactLaw, period: f64, samples: usize) -> Ve
     };
     let renderer = WorldRenderer::new(&world, WorldLoop::new(period), params()).unwrap();
     let mut state = renderer.start();
-    let mut device = Device {
+    let mut device = HandledDevice {
         position: [0.0; 3],
         velocity: [0.0; 3],
     };

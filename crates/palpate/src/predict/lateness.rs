@@ -1,7 +1,7 @@
 //! By how much later than told the commands of a loop begin.
 
 use super::covariance::PARTS;
-use super::observer::{Motion, Update};
+use super::observer::{EstimatedMotion, Update};
 use crate::Scalar;
 use crate::actuator::Held;
 
@@ -34,7 +34,7 @@ impl<S: Scalar> Lateness<S> {
     pub fn learn(
         &mut self,
         update: &Update<S>,
-        device: &Motion<S>,
+        device: &EstimatedMotion<S>,
         held: &Held<S>,
         h: S,
         told: S,

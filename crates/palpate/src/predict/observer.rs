@@ -93,7 +93,7 @@ pub(crate) struct Measurement<S> {
 
 /// The device at a sample, as far as it is known.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Motion<S> {
+pub(crate) struct EstimatedMotion<S> {
     /// Position, counted from the measured one `[m]`.
     pub offset: S,
     /// Velocity u `[m/s]`.
@@ -106,7 +106,7 @@ pub(crate) struct Motion<S> {
     pub damping_rate: S,
 }
 
-impl<S: Scalar> Motion<S> {
+impl<S: Scalar> EstimatedMotion<S> {
     /// Displacement and change of velocity over `h` `[s]` under the force `held` on the object.
     #[inline]
     pub fn under(&self, held: &Held<S>, h: S) -> (S, S) {
@@ -150,7 +150,7 @@ pub(crate) struct Update<S> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Observer<S> {
     /// The device at the last sample.
-    pub motion: Motion<S>,
+    pub motion: EstimatedMotion<S>,
     covariance: Covariance<S>,
     /// q `[m^2/s^6]`.
     jerk_variance: S,
@@ -210,7 +210,7 @@ impl<S: Scalar> Observer<S> {
         let square = |x: f64| S::from_f64(x * x);
         let mobility = params.mobility;
         Self {
-            motion: Motion {
+            motion: EstimatedMotion {
                 offset: S::ZERO,
                 velocity: S::ZERO,
                 external: S::ZERO,
@@ -242,7 +242,7 @@ impl<S: Scalar> Observer<S> {
         params: &ObserverParams<S>,
         measurement: &Measurement<S>,
         measurement_variance: S,
-    ) -> (Motion<S>, Option<Update<S>>) {
+    ) -> (EstimatedMotion<S>, Option<Update<S>>) {
         let Measurement {
             moved,
             elapsed: h,
@@ -318,7 +318,7 @@ impl<S: Scalar> Observer<S> {
             known.widen(MOBILITY, deviation * deviation - has);
         }
         let weight = innovation / expected.variance;
-        let smoothed = Motion {
+        let smoothed = EstimatedMotion {
             offset: before.offset + expected.cross[0] * weight,
             velocity: before.velocity + expected.cross[1] * weight,
             external: before.external + expected.cross[2] * weight,
@@ -328,7 +328,7 @@ impl<S: Scalar> Observer<S> {
         let ratio = (square / expected.variance).min(S::from_f64(JERK_CAP));
         let factor = (S::from_f64(JERK_GAIN) * (ratio - S::ONE)).exp();
         let adapted = Self {
-            motion: Motion {
+            motion: EstimatedMotion {
                 offset: innovation * (gain[0] - S::ONE),
                 velocity: before.velocity + gained + gain[1] * innovation,
                 external: before.external + before.ramp(f) * h + gain[2] * innovation,
@@ -377,7 +377,7 @@ impl<S: Scalar> Observer<S> {
     }
 
     fn is_finite(&self) -> bool {
-        let Motion {
+        let EstimatedMotion {
             offset,
             velocity,
             external,

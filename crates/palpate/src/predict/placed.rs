@@ -9,7 +9,7 @@
 //! have.
 
 use super::covariance::PARTS;
-use super::observer::{Motion, Update};
+use super::observer::{EstimatedMotion, Update};
 use crate::Scalar;
 use crate::response::Response;
 
@@ -37,7 +37,7 @@ impl<S: Scalar> Placed<S> {
     pub fn after(
         &self,
         update: &Update<S>,
-        device: &Motion<S>,
+        device: &EstimatedMotion<S>,
         response: &Response<S>,
         touched: bool,
         held_force: S,

@@ -1,7 +1,7 @@
 //! How fast the device moves, and where it will be at the next sample: one choice for every method that
 //! needs it.
 
-use super::observer::{Measurement, Motion, Observer, ObserverParams};
+use super::observer::{EstimatedMotion, Measurement, Observer, ObserverParams};
 use super::steps::{Step, Steps};
 use crate::Scalar;
 use crate::actuator::Held;
@@ -357,7 +357,7 @@ impl<S: Scalar> Predictor<S> {
 impl<S: Scalar> PredictionMemory<S> {
     /// The device as an observer knows it, and the force held over the last interval `[N]`.
     #[inline]
-    fn observed(&self, params: &ObserverParams<S>) -> (Motion<S>, S) {
+    fn observed(&self, params: &ObserverParams<S>) -> (EstimatedMotion<S>, S) {
         match &self.0 {
             Past::Observed {
                 observer,

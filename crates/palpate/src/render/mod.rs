@@ -33,7 +33,7 @@ use crate::guard::Guard;
 use crate::motion::{ObjectMotion, ObjectState, Rule, Start};
 use crate::parameter::{Parameter, ParameterError};
 use crate::sample::{Fault, Limited, Output, Phase, Sample};
-use state::{Device, Interval, Traces};
+use state::{DeviceTrack, Interval, Traces};
 
 /// A measured period this close to the nominal one, relatively, is the nominal one: differences
 /// of decimal time stamps are never exactly T.
@@ -156,7 +156,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
     /// watch energy, then use this force for the interval in progress. A force that is not finite, or a
     /// state that waits, is left as it is.
     pub fn report_held(&self, state: &mut State<S, M::Memory>, force_on_object: S) {
-        if let Device::Tracked(interval) = &mut state.device
+        if let DeviceTrack::Tracked(interval) = &mut state.device
             && force_on_object.is_finite()
         {
             interval.reported = Some(self.sign * force_on_object);
@@ -175,7 +175,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                 object.velocity = S::ZERO;
             }
         }
-        if let Device::Tracked(interval) = &mut state.device {
+        if let DeviceTrack::Tracked(interval) = &mut state.device {
             let start = Start {
                 object_velocity: state.object.velocity,
                 ..interval.start
@@ -200,7 +200,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
     /// that is to [`adopt`](Self::adopt) the state.
     pub(crate) fn stand(&self, state: &mut State<S, M::Memory>, position: S) {
         state.object = ObjectState::at_rest(self.sign * position);
-        if let Device::Tracked(interval) = &mut state.device {
+        if let DeviceTrack::Tracked(interval) = &mut state.device {
             interval.start.penetration = interval.device - state.object.position;
         }
     }
@@ -282,13 +282,13 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         let mut device_velocity = S::ZERO;
         let mut previous_penetration = None;
         match &state.device {
-            Device::Unknown => {}
-            Device::Lost(traces) => {
+            DeviceTrack::Unknown => {}
+            DeviceTrack::Lost(traces) => {
                 if !traces.lead_to(device, elapsed, self.speed_limit) {
                     return Err(Fault::JumpTooFast);
                 }
             }
-            Device::Tracked(interval) => {
+            DeviceTrack::Tracked(interval) => {
                 let device_moved = device - interval.device;
                 if device_moved.abs() > self.speed_limit * elapsed {
                     return Err(Fault::JumpTooFast);
@@ -352,7 +352,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         // The interval is closed. Should anything go wrong from here on, the object is where the
         // interval has brought it, and the next one is lost.
         state.object = object;
-        state.device = Device::Lost(Traces {
+        state.device = DeviceTrack::Lost(Traces {
             seen: Some(device),
             trusted: Some(device),
             since: S::ZERO,
@@ -430,7 +430,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             intended,
             sent: commanded,
         });
-        state.device = Device::Tracked(Interval {
+        state.device = DeviceTrack::Tracked(Interval {
             start,
             device,
             rule: plan.rule,

@@ -12,7 +12,7 @@ use crate::motion::{Displacement, ObjectMotion, ObjectState, Rule, Start};
 pub struct State<S, Memory> {
     /// The object at the last sample, on the canonical side.
     pub(super) object: ObjectState<S>,
-    pub(super) device: Device<S>,
+    pub(super) device: DeviceTrack<S>,
     /// Where the object is to be put with the next sample.
     pub(super) teleport: Option<ObjectState<S>>,
     /// Force commanded at the last sample `[N]`.
@@ -26,7 +26,7 @@ pub struct State<S, Memory> {
 
 /// What is known of the device.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Device<S> {
+pub(super) enum DeviceTrack<S> {
     /// Nothing yet.
     Unknown,
     /// Its last sample began this interval.
@@ -81,7 +81,7 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
     pub(super) fn new(object: ObjectState<S>) -> Self {
         Self {
             object,
-            device: Device::Unknown,
+            device: DeviceTrack::Unknown,
             teleport: None,
             commanded: S::ZERO,
             under_way: UnderWay::nothing(),
@@ -135,11 +135,11 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
             trusted: None,
             since: motion.period(),
         };
-        if let Device::Lost(before) = &self.device {
+        if let DeviceTrack::Lost(before) = &self.device {
             traces.trusted = before.trusted;
             traces.since += before.since;
         }
-        if let Device::Tracked(interval) = &self.device {
+        if let DeviceTrack::Tracked(interval) = &self.device {
             traces.trusted = Some(interval.device);
             let finished = ObjectState {
                 position: self.object.position + interval.planned.by,
@@ -151,7 +151,7 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
                 self.object = finished;
             }
         }
-        self.device = Device::Lost(traces);
+        self.device = DeviceTrack::Lost(traces);
         self.commanded = S::ZERO;
     }
 }

@@ -11,7 +11,7 @@ use palpate_rt::realtime::Request;
 use palpate_rt::safety::{Heartbeat, SafetyParams};
 use palpate_scene::{Scene, SceneFile};
 use palpate_session::{Guarding, ShakeError, Shaker, Watched};
-use palpate_study::calibration::Motion;
+use palpate_study::calibration::ExcitedMotion;
 
 use super::CalibrateArguments;
 use crate::commands::run::request;
@@ -50,7 +50,10 @@ duration_s = 1
 ///
 /// # Errors
 /// The device cannot be opened or is lost, safety or the excitation stopped it, or a signal came.
-pub fn excite(arguments: &CalibrateArguments, params: ExcitationParams) -> Result<Motion, Failure> {
+pub fn excite(
+    arguments: &CalibrateArguments,
+    params: ExcitationParams,
+) -> Result<ExcitedMotion, Failure> {
     let mut scene = match &arguments.scene {
         Some(path) => read_scene(path)?.scene,
         None => {
@@ -87,7 +90,7 @@ fn on<C: Clock>(
     scene: &Scene,
     clock: &C,
     request: Request,
-) -> Result<Motion, Failure> {
+) -> Result<ExcitedMotion, Failure> {
     let period = duration("--period", params.period)?;
     let wait = arguments.wait()?;
     let stall_limit = SafetyParams::default().stall_after(period);

@@ -16,7 +16,7 @@ use arguments::ToldFlags;
 
 use crate::failure::{Failure, tell};
 use crate::results::{draw, print};
-use palpate_study::calibration::{CalibrationReport, GainFrom, Motion, shown};
+use palpate_study::calibration::{CalibrationReport, ExcitedMotion, GainFrom, shown};
 use palpate_study::json;
 
 /// Excites a device, fits its motion, and writes what was found.
@@ -77,7 +77,7 @@ fn gain_from<'a>(told: &ToldFlags, before: Option<&'a Calibration>) -> Option<Ga
 fn deliver(
     arguments: &CalibrateArguments,
     outputs: &Outputs,
-    motion: &Motion,
+    motion: &ExcitedMotion,
     before: Option<Calibration>,
 ) -> Result<(), Failure> {
     // Where the program keeps the time itself, it counts the samples that are missing.
@@ -151,7 +151,7 @@ fn describe(calibration: &mut Calibration, arguments: &CalibrateArguments) {
 fn write(
     arguments: &CalibrateArguments,
     outputs: &Outputs,
-    motion: &Motion,
+    motion: &ExcitedMotion,
     measured: &Measured,
     report: &mut CalibrationReport,
 ) -> Result<(), Failure> {

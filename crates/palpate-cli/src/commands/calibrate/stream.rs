@@ -5,7 +5,7 @@ use std::io;
 use palpate_calibrate::ExcitationParams;
 use palpate_pipe::{CalibratingError, Format, calibrate};
 use palpate_rt::StopFlag;
-use palpate_study::calibration::Motion;
+use palpate_study::calibration::ExcitedMotion;
 
 use super::CalibrateArguments;
 use crate::failure::Failure;
@@ -15,7 +15,10 @@ use crate::failure::Failure;
 /// # Errors
 /// The excitation stopped, the input ended or is no motion, a signal came, or nobody reads. The last line
 /// is a force of 0 in each case.
-pub fn excite(arguments: &CalibrateArguments, params: ExcitationParams) -> Result<Motion, Failure> {
+pub fn excite(
+    arguments: &CalibrateArguments,
+    params: ExcitationParams,
+) -> Result<ExcitedMotion, Failure> {
     let stop =
         StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
     let unit = arguments.device.unit;

@@ -11,7 +11,7 @@ use palpate_testbed::hand::{Hand, Intention, Sinusoid};
 use super::AmplifierFlags;
 use crate::failure::{Failure, tell};
 use crate::results::print;
-use crate::values::{Place, duration, number, place};
+use crate::values::{FrameVector, duration, number, place};
 
 /// Arguments of `emulate inverse3`.
 #[derive(Args, Debug)]
@@ -99,7 +99,7 @@ pub struct Triple(pub [f64; 3]);
 
 fn triple(text: &str) -> Result<Triple, String> {
     match place(text) {
-        Ok(Place(numbers)) if numbers.len() == 3 => {
+        Ok(FrameVector(numbers)) if numbers.len() == 3 => {
             Ok(Triple([numbers[0], numbers[1], numbers[2]]))
         }
         _ => Err("three numbers are needed, with commas between, such as 0.01,0,0".into()),

@@ -3,7 +3,7 @@
 use super::{Benchmark, GRAVITY, PERIOD, STIFFNESS, device, fixed, pair};
 use crate::world::joints::{Freedom, WorldJoint};
 use crate::world::scene::{
-    ContactLaw, Member, Motion, Shape, Vector, WorldBody, WorldDevice, WorldScene,
+    ContactLaw, FreeMotion, Member, Shape, Vector, WorldBody, WorldDevice, WorldScene,
 };
 
 /// A scene of a tool and one body, a box, on a joint with the world.
@@ -22,7 +22,7 @@ fn scene(
         devices: vec![tool],
         bodies: vec![WorldBody {
             name: name.into(),
-            motion: Some(Motion::of(&shape, mass).pulled_by([0.0, 0.0, -mass * GRAVITY])),
+            motion: Some(FreeMotion::of(&shape, mass).pulled_by([0.0, 0.0, -mass * GRAVITY])),
             ..fixed(shape)
         }],
         pairs: vec![pair(Member::Device(0), Member::Body(0), law)],

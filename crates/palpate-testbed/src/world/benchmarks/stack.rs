@@ -1,7 +1,7 @@
 //! Boxes on boxes.
 
 use super::{Benchmark, GRAVITY, PERIOD, STIFFNESS, device, fixed, pair, table};
-use crate::world::scene::{ContactLaw, Member, Motion, Shape, Vector, WorldBody, WorldScene};
+use crate::world::scene::{ContactLaw, FreeMotion, Member, Shape, Vector, WorldBody, WorldScene};
 
 /// W5: a tool presses on a stack of three equal boxes and pushes it sideways.
 ///
@@ -21,7 +21,7 @@ pub fn stack() -> Benchmark {
         name: name.into(),
         position,
         orientation: [w, 0.0, 0.0, z],
-        motion: Some(Motion::of(&shape, 0.05).pulled_by([0.0, 0.0, -weight])),
+        motion: Some(FreeMotion::of(&shape, 0.05).pulled_by([0.0, 0.0, -weight])),
         ..fixed(shape.clone())
     };
     let mut tool = device("tool", [0.004, -0.003, 0.0666], 0.005);

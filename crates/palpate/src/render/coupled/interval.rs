@@ -5,7 +5,7 @@ use super::Coupled;
 use crate::Scalar;
 use crate::actuator::Held;
 use crate::motion::{Displacement, ObjectMotion, Rule};
-use crate::predict::{Motion, Sway};
+use crate::predict::{EstimatedMotion, Sway};
 use crate::relative_motion::{Course, Drive, Relative};
 use crate::render::method::Ended;
 use crate::response::Response;
@@ -53,7 +53,7 @@ impl<S: Scalar> Coupled<S> {
     pub(super) fn interval(
         &self,
         motion: &ObjectMotion<S>,
-        device: &Motion<S>,
+        device: &EstimatedMotion<S>,
         start: Relative<S>,
         sway: Sway<S>,
         virtual_force: S,
@@ -79,7 +79,7 @@ impl<S: Scalar> Coupled<S> {
     pub(super) fn interval_past(
         &self,
         motion: &ObjectMotion<S>,
-        device: &Motion<S>,
+        device: &EstimatedMotion<S>,
         start: Relative<S>,
         sway: Sway<S>,
         ended: &Ended<S>,
@@ -121,7 +121,12 @@ impl<S: Scalar> Coupled<S> {
         (interval, response)
     }
 
-    fn drive(&self, motion: &ObjectMotion<S>, device: &Motion<S>, virtual_force: S) -> Drive<S> {
+    fn drive(
+        &self,
+        motion: &ObjectMotion<S>,
+        device: &EstimatedMotion<S>,
+        virtual_force: S,
+    ) -> Drive<S> {
         Drive {
             stiffness: motion.stiffness(),
             mobility: device.mobility + self.object_mobility,
@@ -134,7 +139,7 @@ impl<S: Scalar> Coupled<S> {
     pub(super) fn object_moved(
         &self,
         interval: &Interval<S>,
-        device: &Motion<S>,
+        device: &EstimatedMotion<S>,
         object_velocity: S,
         virtual_force: S,
         held: &Held<S>,
@@ -243,7 +248,7 @@ struct Damped<S> {
 /// mean, shows the device next to nothing of it. `damping_rate`: lambda, as far as it is certain.
 fn damped<S: Scalar>(
     damping_rate: S,
-    device: &Motion<S>,
+    device: &EstimatedMotion<S>,
     drive: &Drive<S>,
     start: Relative<S>,
     course: &Course<S>,
