@@ -67,7 +67,7 @@ struct MotionToRender {
     title: String,
 }
 
-/// A motion as Python gives it: times `[s]`, positions \[m, or `unit`\], its name, and the unit.
+/// A motion as Python gives it: times `[s]`, positions `[m]` or in `unit`, its name, and the unit.
 type Given<'py> = (
     PyReadonlyArray1<'py, f64>,
     PyReadonlyArray1<'py, f64>,

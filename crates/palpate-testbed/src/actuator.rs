@@ -20,7 +20,7 @@ use crate::InvalidParameter;
 use crate::device::DevicePlant;
 use crate::error::positive;
 
-/// Longest piece of a settling force \[s\].
+/// Longest piece of a settling force `[s]`.
 const LONGEST_PIECE: f64 = 2.5e-4;
 /// Longest piece in lags.
 const PIECE_IN_LAGS: f64 = 0.25;
@@ -34,7 +34,7 @@ const TERMS: u32 = 14;
 pub struct ActuatorParams {
     /// Delivered over commanded force g, finite and above 0.
     pub gain: f64,
-    /// Time constant τ \[s\], finite and at least 0.
+    /// Time constant τ `[s]`, finite and at least 0.
     pub lag: f64,
 }
 
@@ -58,9 +58,9 @@ pub struct Actuator {
 /// What an actuator did to a device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Delivered {
-    /// Mean over time of the force on the object \[N\].
+    /// Mean over time of the force on the object `[N]`.
     pub mean_force: f64,
-    /// Work through the device's port \[J\], as [`DevicePlant::advance`] counts it.
+    /// Work through the device's port `[J]`, as [`DevicePlant::advance`] counts it.
     pub work: f64,
 }
 
@@ -87,13 +87,13 @@ impl Actuator {
         self.params
     }
 
-    /// Force on the object at the end of the last [`drive`](Self::drive) \[N\]; 0 before the first.
+    /// Force on the object at the end of the last [`drive`](Self::drive) `[N]`; 0 before the first.
     #[must_use]
     pub fn force(&self) -> f64 {
         self.force
     }
 
-    /// Force on the object that acts now while `command` is held at the input \[N\].
+    /// Force on the object that acts now while `command` is held at the input `[N]`.
     #[must_use]
     pub fn force_on(&self, command: f64) -> f64 {
         if self.params.lag == 0.0 {
@@ -103,7 +103,7 @@ impl Actuator {
         }
     }
 
-    /// Moves `device` on for `duration` \[s\] while `command` \[N\], a force on the object, is held at
+    /// Moves `device` on for `duration` `[s]` while `command` `[N]`, a force on the object, is held at
     /// the input of this actuator.
     pub fn drive(
         &mut self,

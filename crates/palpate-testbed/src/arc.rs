@@ -8,9 +8,9 @@ use crate::relative_motion::{RelativeMotion, RelativeState};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Arc {
     pub motion: RelativeMotion,
-    /// \[s\]
+    /// `[s]`
     pub start: f64,
-    /// \[s\]; infinite when nothing ends the arc.
+    /// `[s]`; infinite when nothing ends the arc.
     pub end: f64,
     pub in_contact: bool,
     pub at_start: RelativeState,
@@ -18,7 +18,7 @@ pub(crate) struct Arc {
     pub at_end: RelativeState,
 }
 
-/// Abscissae and weights of the eight-point Gauss-Legendre rule on \[−1, 1\], positive half.
+/// Abscissae and weights of the eight-point Gauss-Legendre rule on `[−1, 1]`, positive half.
 pub(crate) const GAUSS_LEGENDRE: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -27,12 +27,12 @@ pub(crate) const GAUSS_LEGENDRE: [(f64, f64); 4] = [
 ];
 
 impl Arc {
-    /// State at an absolute time \[s\] on this arc.
+    /// State at an absolute time `[s]` on this arc.
     pub fn state(&self, time: f64) -> RelativeState {
         self.state_after(time - self.start)
     }
 
-    /// Contact force \[N\] at an absolute time \[s\] on this arc.
+    /// Contact force `[N]` at an absolute time `[s]` on this arc.
     pub fn force(&self, time: f64) -> f64 {
         if self.in_contact {
             self.motion.stiffness * self.state(time).penetration.max(0.0)
@@ -41,7 +41,7 @@ impl Arc {
         }
     }
 
-    /// The same arc, later by `delay` \[s\].
+    /// The same arc, later by `delay` `[s]`.
     pub fn delayed(&self, delay: f64) -> Self {
         Self {
             start: self.start + delay,
@@ -50,7 +50,7 @@ impl Arc {
         }
     }
 
-    /// (∫ f dt \[N s\], ∫ f² dt \[N² s\]) from `from` to `to`, both on this arc.
+    /// (∫ f dt `[N s]`, ∫ f² dt `[N² s]`) from `from` to `to`, both on this arc.
     ///
     /// The rule is applied to spans of at most one radian, where its remainder for a harmonic and
     /// its square is below 1e-17 of the integral. Unlike the antiderivative it adds up only
@@ -78,7 +78,7 @@ impl Arc {
         (k * half * sum, k * k * half * sum_of_squares)
     }
 
-    /// Largest contact force \[N\] from `from` to `to`, both on this arc.
+    /// Largest contact force `[N]` from `from` to `to`, both on this arc.
     pub fn peak_force(&self, from: f64, to: f64) -> f64 {
         if !self.in_contact {
             return 0.0;
@@ -93,7 +93,7 @@ impl Arc {
         }
     }
 
-    /// First time after the start \[s\], not before `earliest`, at which the penetration of a
+    /// First time after the start `[s]`, not before `earliest`, at which the penetration of a
     /// contact is largest.
     fn next_summit(&self, earliest: f64) -> Option<f64> {
         let (a, w) = (self.motion.acceleration, self.motion.rate);
@@ -114,7 +114,7 @@ impl Arc {
         }
     }
 
-    /// State `s` \[s\] after the start of the arc.
+    /// State `s` `[s]` after the start of the arc.
     ///
     /// p = p₀ cos(ωs) + v₀ sin(ωs)/ω + a (1 − cos(ωs))/ω², with ω = 0 while free.
     fn state_after(&self, s: f64) -> RelativeState {

@@ -8,26 +8,26 @@ use crate::error::{finite, positive};
 
 /// A device with one contact direction.
 pub trait DevicePlant {
-    /// Position ξ of the end-point \[m\].
+    /// Position ξ of the end-point `[m]`.
     fn position(&self) -> f64;
 
-    /// Velocity ξ′ of the end-point \[m/s\].
+    /// Velocity ξ′ of the end-point `[m/s]`.
     fn velocity(&self) -> f64;
 
-    /// Moves on for `duration` \[s\] while `force_on_object` \[N\] is held.
+    /// Moves on for `duration` `[s]` while `force_on_object` `[N]` is held.
     ///
-    /// The device itself receives the opposite force. Returns the work ∫ f ξ′ dt \[J\] that the
+    /// The device itself receives the opposite force. Returns the work ∫ f ξ′ dt `[J]` that the
     /// device has done on the object through the port; it is negative while the object pushes the
     /// device back.
     fn advance(&mut self, force_on_object: f64, duration: f64) -> f64;
 
-    /// A sample instant of a loop with this period \[s\], before a force is held: where the
+    /// A sample instant of a loop with this period `[s]`, before a force is held: where the
     /// device's own controllers run. Most have none.
     fn sample(&mut self, _period: f64) {}
 
-    /// Energy \[J\] stored in the device and in the constant forces that act on it.
+    /// Energy `[J]` stored in the device and in the constant forces that act on it.
     ///
-    /// For a device without losses it falls by exactly what [`advance`](Device::advance) returns.
+    /// For a device without losses it falls by exactly what [`advance`](DevicePlant::advance) returns.
     fn stored_energy(&self) -> f64;
 }
 
@@ -43,7 +43,7 @@ pub struct PointMass {
 }
 
 impl PointMass {
-    /// A mass \[kg\] under a constant user force \[N\], at rest at the origin.
+    /// A mass `[kg]` under a constant user force `[N]`, at rest at the origin.
     ///
     /// # Errors
     ///
@@ -57,7 +57,7 @@ impl PointMass {
         })
     }
 
-    /// The same device at another position \[m\] and velocity \[m/s\].
+    /// The same device at another position `[m]` and velocity `[m/s]`.
     ///
     /// # Errors
     ///
@@ -70,13 +70,13 @@ impl PointMass {
         })
     }
 
-    /// Mass m \[kg\].
+    /// Mass m `[kg]`.
     #[must_use]
     pub fn mass(&self) -> f64 {
         self.mass
     }
 
-    /// Constant force f_u of the user \[N\].
+    /// Constant force f_u of the user `[N]`.
     #[must_use]
     pub fn user_force(&self) -> f64 {
         self.user_force
@@ -101,7 +101,7 @@ impl DevicePlant for PointMass {
         force_on_object * travel
     }
 
-    /// m ξ′²/2 − f_u ξ \[J\].
+    /// m ξ′²/2 − f_u ξ `[J]`.
     fn stored_energy(&self) -> f64 {
         0.5 * self.mass * self.velocity * self.velocity - self.user_force * self.position
     }

@@ -20,15 +20,15 @@ use crate::relative_motion::{RelativeMotion, RelativeState};
 /// See the [crate's page](crate) for frame and signs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DrivenScene {
-    /// Contact stiffness K \[N/m\], finite and above 0.
+    /// Contact stiffness K `[N/m]`, finite and above 0.
     pub stiffness: f64,
-    /// Object mass M \[kg\], above 0; infinite for a wall.
+    /// Object mass M `[kg]`, above 0; infinite for a wall.
     pub object_mass: f64,
-    /// Constant force f_V on the object \[N\]; it has no effect on a wall.
+    /// Constant force f_V on the object `[N]`; it has no effect on a wall.
     pub virtual_force: f64,
-    /// Object position when the path starts \[m\].
+    /// Object position when the path starts `[m]`.
     pub object_position: f64,
-    /// Object velocity when the path starts \[m/s\]; 0 for a wall.
+    /// Object velocity when the path starts `[m/s]`; 0 for a wall.
     pub object_velocity: f64,
 }
 
@@ -74,7 +74,7 @@ impl DrivenIdeal {
         &self.path
     }
 
-    /// The ideal force over `intervals` periods \[s\] from the start of the path.
+    /// The ideal force over `intervals` periods `[s]` from the start of the path.
     ///
     /// # Errors
     ///
@@ -109,7 +109,7 @@ impl DrivenIdeal {
         Ok(ForceProfile::from_arcs(&self.arcs, grid))
     }
 
-    /// Device, object and force at a time \[s\] of the path; before its start or after its end,
+    /// Device, object and force at a time `[s]` of the path; before its start or after its end,
     /// those at its start or end.
     #[must_use]
     pub fn at(&self, time: f64) -> Snapshot {

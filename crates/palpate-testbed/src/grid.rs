@@ -23,7 +23,7 @@ enum Cuts {
 }
 
 impl Grid {
-    /// `intervals` periods \[s\] from `start` \[s\].
+    /// `intervals` periods `[s]` from `start` `[s]`.
     #[must_use]
     pub fn even(start: f64, period: f64, intervals: usize) -> Self {
         Self {
@@ -33,7 +33,7 @@ impl Grid {
         }
     }
 
-    /// The intervals between `edges` \[s\] of a loop with a nominal `period` \[s\].
+    /// The intervals between `edges` `[s]` of a loop with a nominal `period` `[s]`.
     ///
     /// # Errors
     ///
@@ -73,19 +73,19 @@ impl Grid {
         }
     }
 
-    /// Start of the window \[s\].
+    /// Start of the window `[s]`.
     #[must_use]
     pub fn start(&self) -> f64 {
         self.start
     }
 
-    /// End of the window \[s\].
+    /// End of the window `[s]`.
     #[must_use]
     pub fn end(&self) -> f64 {
         self.edge(self.intervals())
     }
 
-    /// Nominal period of the loop \[s\].
+    /// Nominal period of the loop `[s]`.
     #[must_use]
     pub fn period(&self) -> f64 {
         self.period
@@ -106,7 +106,7 @@ impl Grid {
         matches!(self.cuts, Cuts::Even(_))
     }
 
-    /// Start of an interval \[s\], or the end of the window for their number.
+    /// Start of an interval `[s]`, or the end of the window for their number.
     ///
     /// # Panics
     ///
@@ -119,7 +119,7 @@ impl Grid {
         }
     }
 
-    /// Length of an interval \[s\]; of an even grid exactly its period.
+    /// Length of an interval `[s]`; of an even grid exactly its period.
     ///
     /// # Panics
     ///
@@ -132,7 +132,7 @@ impl Grid {
         }
     }
 
-    /// Lengths of all intervals \[s\].
+    /// Lengths of all intervals `[s]`.
     pub fn durations(&self) -> impl Iterator<Item = f64> + '_ {
         (0..self.intervals()).map(|interval| self.duration(interval))
     }

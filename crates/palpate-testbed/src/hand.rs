@@ -20,25 +20,25 @@ use crate::recorded_path::RecordedPath;
 pub struct Sinusoid {
     /// Amplitude A.
     pub amplitude: f64,
-    /// Frequency f \[Hz\]; that of physiological tremor is 4 Hz to 12 Hz.
+    /// Frequency f `[Hz]`; that of physiological tremor is 4 Hz to 12 Hz.
     pub frequency_hz: f64,
-    /// Phase φ \[rad\] at t = 0.
+    /// Phase φ `[rad]` at t = 0.
     pub phase: f64,
 }
 
 impl Sinusoid {
-    /// ω = 2π f \[rad/s\].
+    /// ω = 2π f `[rad/s]`.
     fn rate(&self) -> f64 {
         TAU * self.frequency_hz
     }
 
-    /// Value at a time \[s\].
+    /// Value at a time `[s]`.
     #[must_use]
     pub fn value(&self, time: f64) -> f64 {
         self.amplitude * (self.rate() * time + self.phase).sin()
     }
 
-    /// Rate of change \[unit of the amplitude per s\] at a time \[s\].
+    /// Rate of change `[unit of the amplitude per s]` at a time `[s]`.
     #[must_use]
     pub fn slope(&self, time: f64) -> f64 {
         self.amplitude * self.rate() * (self.rate() * time + self.phase).cos()
@@ -77,13 +77,13 @@ impl Sinusoid {
 /// Where a hand wants to be, before its tremor.
 #[derive(Debug, Clone, PartialEq)]
 pub enum IntendedPath {
-    /// One place \[m\].
+    /// One place `[m]`.
     Constant(f64),
     /// To and fro about a place.
     Sinusoid {
-        /// The place \[m\].
+        /// The place `[m]`.
         centre: f64,
-        /// The motion about it, its amplitude in \[m\].
+        /// The motion about it, its amplitude in `[m]`.
         swing: Sinusoid,
     },
     /// A recorded motion on the hand's clock: straight between its samples, at rest before and
@@ -96,12 +96,12 @@ pub enum IntendedPath {
 pub struct Intention {
     /// The path.
     pub path: IntendedPath,
-    /// Tremor of the intended position, its amplitude in \[m\], on top of the path.
+    /// Tremor of the intended position, its amplitude in `[m]`, on top of the path.
     pub tremor: Option<Sinusoid>,
 }
 
 impl Intention {
-    /// To stay in one place \[m\], without tremor.
+    /// To stay in one place `[m]`, without tremor.
     #[must_use]
     pub fn constant(position: f64) -> Self {
         Self {
@@ -110,7 +110,7 @@ impl Intention {
         }
     }
 
-    /// x_int \[m\] at a time \[s\].
+    /// x_int `[m]` at a time `[s]`.
     #[must_use]
     pub fn position(&self, time: f64) -> f64 {
         let path = match &self.path {
@@ -121,7 +121,7 @@ impl Intention {
         path + self.tremor.map_or(0.0, |tremor| tremor.value(time))
     }
 
-    /// x_int′ \[m/s\] at a time \[s\]; at a sample of a recording that of the line which begins.
+    /// x_int′ `[m/s]` at a time `[s]`; at a sample of a recording that of the line which begins.
     #[must_use]
     pub fn velocity(&self, time: f64) -> f64 {
         let path = match &self.path {
@@ -168,7 +168,7 @@ impl Intention {
     }
 }
 
-/// Slope \[m/s\] of a recording just after a time \[s\]; unlike [`RecordedPath::velocity`] 0 from
+/// Slope `[m/s]` of a recording just after a time `[s]`; unlike [`RecordedPath::velocity`] 0 from
 /// the end on, because the hand rests there.
 fn velocity_after(path: &RecordedPath, time: f64) -> f64 {
     if time < path.end() {
@@ -183,30 +183,30 @@ fn velocity_after(path: &RecordedPath, time: f64) -> f64 {
 pub enum Hand {
     /// A force that knows nothing of the motion.
     ConstantForce {
-        /// F \[N\]
+        /// F `[N]`
         force: f64,
-        /// Tremor force, its amplitude in \[N\].
+        /// Tremor force, its amplitude in `[N]`.
         tremor: Option<Sinusoid>,
     },
     /// A spring and a damper towards an intention, and a mass that moves with the device.
     Impedance {
-        /// m_h \[kg\]
+        /// m_h `[kg]`
         mass: f64,
-        /// k_h \[N/m\]
+        /// k_h `[N/m]`
         stiffness: f64,
-        /// b_h \[N s/m\]
+        /// b_h `[N s/m]`
         damping: f64,
         /// x_int
         intention: Intention,
-        /// Constant force F \[N\] on top.
+        /// Constant force F `[N]` on top.
         force: f64,
-        /// Tremor force on top, its amplitude in \[N\].
+        /// Tremor force on top, its amplitude in `[N]`.
         tremor: Option<Sinusoid>,
     },
 }
 
 impl Hand {
-    /// A constant force F \[N\] and nothing else; 0 N is no hand.
+    /// A constant force F `[N]` and nothing else; 0 N is no hand.
     #[must_use]
     pub fn pushing(force: f64) -> Self {
         Self::ConstantForce {
@@ -215,7 +215,7 @@ impl Hand {
         }
     }
 
-    /// Mass m_h \[kg\] that moves with the device.
+    /// Mass m_h `[kg]` that moves with the device.
     #[must_use]
     pub fn mass(&self) -> f64 {
         match self {
@@ -224,7 +224,7 @@ impl Hand {
         }
     }
 
-    /// Stiffness k_h \[N/m\].
+    /// Stiffness k_h `[N/m]`.
     #[must_use]
     pub fn stiffness(&self) -> f64 {
         match self {
@@ -233,7 +233,7 @@ impl Hand {
         }
     }
 
-    /// Damping b_h \[N s/m\].
+    /// Damping b_h `[N s/m]`.
     #[must_use]
     pub fn damping(&self) -> f64 {
         match self {
@@ -242,7 +242,7 @@ impl Hand {
         }
     }
 
-    /// Constant force F \[N\].
+    /// Constant force F `[N]`.
     #[must_use]
     pub fn constant_force(&self) -> f64 {
         match self {
@@ -265,7 +265,7 @@ impl Hand {
         }
     }
 
-    /// u \[N\] on a device at `position` \[m\] with `velocity` \[m/s\] at a `time` \[s\]; without
+    /// u `[N]` on a device at `position` `[m]` with `velocity` `[m/s]` at a `time` `[s]`; without
     /// the inertia of m_h.
     #[must_use]
     pub fn force(&self, time: f64, position: f64, velocity: f64) -> f64 {
@@ -277,7 +277,7 @@ impl Hand {
         self.constant_force() + held + tremor
     }
 
-    /// Intended position \[m\] at a time \[s\], 0 for a hand without intention.
+    /// Intended position `[m]` at a time `[s]`, 0 for a hand without intention.
     pub(crate) fn intended_position(&self, time: f64) -> f64 {
         self.intention()
             .map_or(0.0, |intention| intention.position(time))
@@ -303,7 +303,7 @@ impl Hand {
         }
     }
 
-    /// Fastest rate \[rad/s\] of what the hand does of itself.
+    /// Fastest rate `[rad/s]` of what the hand does of itself.
     pub(crate) fn fastest_rate(&self) -> f64 {
         self.intention()
             .into_iter()
@@ -313,7 +313,7 @@ impl Hand {
             .fold(0.0, f64::max)
     }
 
-    /// The next instant \[s\] after `time` at which a recorded intention bends; infinite if none.
+    /// The next instant `[s]` after `time` at which a recorded intention bends; infinite if none.
     pub(crate) fn next_bend(&self, time: f64) -> f64 {
         match self.intention().map(|intention| &intention.path) {
             Some(IntendedPath::Recorded(path)) => {

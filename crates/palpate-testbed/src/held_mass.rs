@@ -63,7 +63,7 @@ pub struct HeldMass {
     position: f64,
     velocity: f64,
     clock: Clock,
-    /// When the hand lets go \[s\]; infinite once it has, and if it never does.
+    /// When the hand lets go `[s]`; infinite once it has, and if it never does.
     release: f64,
     accounts: Accounts,
     gave_up: bool,
@@ -72,16 +72,16 @@ pub struct HeldMass {
 /// Where the energy of a [`HeldMass`] came from and went, since its start.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Accounts {
-    /// ∫ u x′ dt \[J\], positive while the hand drives the mass.
+    /// ∫ u x′ dt `[J]`, positive while the hand drives the mass.
     pub hand_work: f64,
-    /// ∫ (B x′² + F_c |x′|) dt \[J\], never falling.
+    /// ∫ (B x′² + F_c |x′|) dt `[J]`, never falling.
     pub friction_loss: f64,
-    /// ∫ f x′ dt \[J\], what the advances have returned.
+    /// ∫ f x′ dt `[J]`, what the advances have returned.
     pub port_work: f64,
 }
 
 impl HeldMass {
-    /// A mass \[kg\] without friction in a hand, at rest at the origin at time 0.
+    /// A mass `[kg]` without friction in a hand, at rest at the origin at time 0.
     ///
     /// # Errors
     ///
@@ -106,7 +106,7 @@ impl HeldMass {
         .with_finite_rates()
     }
 
-    /// The same device with viscous friction B \[N s/m\] and Coulomb friction F_c \[N\].
+    /// The same device with viscous friction B `[N s/m]` and Coulomb friction F_c `[N]`.
     ///
     /// # Errors
     ///
@@ -124,7 +124,7 @@ impl HeldMass {
         .with_finite_rates()
     }
 
-    /// The same device with a motor that gives at most this force \[N\]; infinite is no limit.
+    /// The same device with a motor that gives at most this force `[N]`; infinite is no limit.
     ///
     /// # Errors
     ///
@@ -142,7 +142,7 @@ impl HeldMass {
         })
     }
 
-    /// The same device whose hand lets go of it at a time \[s\], for good: its force ends, and its mass
+    /// The same device whose hand lets go of it at a time `[s]`, for good: its force ends, and its mass
     /// moves with the device no longer. The kinetic energy that mass takes along is booked as work of
     /// the hand.
     ///
@@ -156,7 +156,7 @@ impl HeldMass {
         })
     }
 
-    /// The same device at another position \[m\] and velocity \[m/s\].
+    /// The same device at another position `[m]` and velocity `[m/s]`.
     ///
     /// # Errors
     ///
@@ -185,19 +185,19 @@ impl HeldMass {
         &self.hand
     }
 
-    /// Time of the hand's clock \[s\], 0 at the start.
+    /// Time of the hand's clock `[s]`, 0 at the start.
     #[must_use]
     pub fn time(&self) -> f64 {
         self.clock.time()
     }
 
-    /// Moved mass m + m_h \[kg\].
+    /// Moved mass m + m_h `[kg]`.
     #[must_use]
     pub fn moved_mass(&self) -> f64 {
         self.mass + self.hand.mass()
     }
 
-    /// (m + m_h) x′²/2 \[J\].
+    /// (m + m_h) x′²/2 `[J]`.
     #[must_use]
     pub fn kinetic_energy(&self) -> f64 {
         0.5 * self.moved_mass() * self.velocity * self.velocity
@@ -209,7 +209,7 @@ impl HeldMass {
         self.accounts
     }
 
-    /// What the motor gives of a commanded force on the object \[N\]: the same, up to the largest.
+    /// What the motor gives of a commanded force on the object `[N]`: the same, up to the largest.
     #[must_use]
     pub fn given_force(&self, force_on_object: f64) -> f64 {
         force_on_object.clamp(-self.largest_force, self.largest_force)
@@ -222,7 +222,7 @@ impl HeldMass {
         self.gave_up
     }
 
-    /// Bound of the rates \[rad/s\] of the sliding mass by itself.
+    /// Bound of the rates `[rad/s]` of the sliding mass by itself.
     fn sliding_rate(&self) -> f64 {
         let mass = self.moved_mass();
         (self.viscous_friction + self.hand.damping()) / mass + (self.hand.stiffness() / mass).sqrt()
@@ -275,7 +275,7 @@ impl HeldMass {
     }
 
     /// Moves along `motion` up to a fraction of its span, books what that took, and returns the
-    /// travel \[m\].
+    /// travel `[m]`.
     fn follow(&mut self, motion: &MotionSeries, fraction: f64, force: f64) -> f64 {
         let travel = motion.travel(fraction);
         let (hand_work, squared_speed) = motion.work_and_squared_speed(fraction);
@@ -295,7 +295,7 @@ impl HeldMass {
         self.accounts.hand_work += self.kinetic_energy() - before;
     }
 
-    /// Moves on in the same hand for a `duration` \[s\] above 0.
+    /// Moves on in the same hand for a `duration` `[s]` above 0.
     fn move_on(&mut self, force_on_object: f64, duration: f64) -> f64 {
         let force = self.given_force(force_on_object);
         let hand_rate = self.hand.fastest_rate();
@@ -421,7 +421,7 @@ impl DevicePlant for HeldMass {
         work + self.move_on(force_on_object, duration - held.max(0.0))
     }
 
-    /// (m + m_h) x′²/2 + k_h (x_int − x)²/2 − F x \[J\]: the motion, the hand's spring at this
+    /// (m + m_h) x′²/2 + k_h (x_int − x)²/2 − F x `[J]`: the motion, the hand's spring at this
     /// instant, and the hand's constant force.
     ///
     /// Without friction, damping and tremor, and towards a constant intention, it falls by exactly
@@ -439,18 +439,18 @@ impl DevicePlant for HeldMass {
 enum State {
     /// Direction +1, −1, or 0 without Coulomb friction.
     Sliding { direction: f64 },
-    /// At rest, with a force \[N\] at least in reserve before it breaks away.
+    /// At rest, with a force `[N]` at least in reserve before it breaks away.
     Stuck { margin: f64 },
 }
 
 /// Power series in time over `span`, which is 1 in their variable.
 struct MotionSeries {
-    /// \[s\]
+    /// `[s]`
     span: f64,
     count: usize,
-    /// x′ \[m/s\]
+    /// x′ `[m/s]`
     velocity: [f64; MOST_TERMS],
-    /// u \[N\]
+    /// u `[N]`
     hand_force: [f64; MOST_TERMS],
 }
 
@@ -468,12 +468,12 @@ impl MotionSeries {
         first_fall(&speed[..self.count])
     }
 
-    /// \[m\]
+    /// `[m]`
     fn travel(&self, fraction: f64) -> f64 {
         self.span * integral(self.velocity(), fraction)
     }
 
-    /// (∫ u x′ dt \[J\], ∫ x′² dt \[m²/s\]), by a rule that is exact to round-off over a radian.
+    /// (∫ u x′ dt `[J]`, ∫ x′² dt `[m²/s]`), by a rule that is exact to round-off over a radian.
     fn work_and_squared_speed(&self, fraction: f64) -> (f64, f64) {
         let half = 0.5 * fraction;
         let (mut work, mut squared_speed) = (0.0, 0.0);

@@ -14,10 +14,10 @@ pub struct DelayedHold {
 }
 
 impl DelayedHold {
-    /// Longest delay \[samples\]: more than a second at 1 kHz, so more is a mistake.
+    /// Longest delay `[samples]`: more than a second at 1 kHz, so more is a mistake.
     pub const LONGEST_DELAY: usize = 1024;
 
-    /// A hold with a delay \[samples\]; 0 holds a command at once.
+    /// A hold with a delay `[samples]`; 0 holds a command at once.
     ///
     /// # Errors
     ///
@@ -34,13 +34,13 @@ impl DelayedHold {
         Ok(Self { under_way, delay })
     }
 
-    /// Delay \[samples\].
+    /// Delay `[samples]`.
     #[must_use]
     pub fn delay(&self) -> usize {
         self.delay
     }
 
-    /// Takes the command \[N\] of this sample and returns the force \[N\] to hold until the next.
+    /// Takes the command `[N]` of this sample and returns the force `[N]` to hold until the next.
     pub fn exchange(&mut self, command: f64) -> f64 {
         self.under_way.push_back(command);
         self.under_way.pop_front().unwrap_or(command)

@@ -15,23 +15,23 @@ use crate::relative_motion::{RelativeMotion, RelativeState};
 /// See the [crate's page](crate) for frame and signs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointMassScene {
-    /// Contact stiffness K \[N/m\], finite and above 0.
+    /// Contact stiffness K `[N/m]`, finite and above 0.
     pub stiffness: f64,
-    /// Device mass m \[kg\], finite and above 0.
+    /// Device mass m `[kg]`, finite and above 0.
     pub device_mass: f64,
-    /// Object mass M \[kg\], above 0; infinite for a wall.
+    /// Object mass M `[kg]`, above 0; infinite for a wall.
     pub object_mass: f64,
-    /// Constant force f_u of the user on the device \[N\].
+    /// Constant force f_u of the user on the device `[N]`.
     pub user_force: f64,
-    /// Constant force f_V on the object \[N\]; it has no effect on a wall.
+    /// Constant force f_V on the object `[N]`; it has no effect on a wall.
     pub virtual_force: f64,
-    /// Device position at t = 0 \[m\].
+    /// Device position at t = 0 `[m]`.
     pub device_position: f64,
-    /// Device velocity at t = 0 \[m/s\].
+    /// Device velocity at t = 0 `[m/s]`.
     pub device_velocity: f64,
-    /// Object position at t = 0 \[m\].
+    /// Object position at t = 0 `[m]`.
     pub object_position: f64,
-    /// Object velocity at t = 0 \[m/s\]; 0 for a wall.
+    /// Object velocity at t = 0 `[m/s]`; 0 for a wall.
     pub object_velocity: f64,
 }
 
@@ -72,7 +72,7 @@ impl Ideal {
         &self.scene
     }
 
-    /// Instant at which the `n`-th collision ends \[s\], counted from 1.
+    /// Instant at which the `n`-th collision ends `[s]`, counted from 1.
     ///
     /// `None` if there is no such collision, or it never ends. A contact present at t = 0 is the
     /// first collision.
@@ -83,7 +83,7 @@ impl Ideal {
 
     /// Window of `collisions` collisions in whole periods: ⌈(t_n + T/2)/T⌉, t_n the end of the last.
     ///
-    /// `None` where [`end_of_collision`](Self::end_of_collision) is, or if `period` \[s\] is not
+    /// `None` where [`end_of_collision`](Self::end_of_collision) is, or if `period` `[s]` is not
     /// positive or too short for the window to be counted.
     #[must_use]
     pub fn window(&self, collisions: usize, period: f64) -> Option<usize> {
@@ -98,7 +98,7 @@ impl Ideal {
             .then_some(intervals as usize)
     }
 
-    /// The ideal force over `intervals` periods \[s\] from t = 0.
+    /// The ideal force over `intervals` periods `[s]` from t = 0.
     ///
     /// # Errors
     ///
@@ -119,7 +119,7 @@ impl Ideal {
         Ok(ForceProfile::from_arcs(&arcs, grid))
     }
 
-    /// Device, object and force at a time \[s\] from 0 on; before it, and where `time` is not
+    /// Device, object and force at a time `[s]` from 0 on; before it, and where `time` is not
     /// finite, those at 0.
     ///
     /// The work does not depend on `time`.
@@ -156,7 +156,7 @@ impl Ideal {
         }
     }
 
-    /// Total energy \[J\] at a `snapshot`: kinetic energy of device and object, potential of the
+    /// Total energy `[J]` at a `snapshot`: kinetic energy of device and object, potential of the
     /// constant forces, and the spring's K p²/2 while p > 0.
     ///
     /// For a wall the object's terms are absent. In the ideal it never changes.
@@ -166,7 +166,7 @@ impl Ideal {
         self.energy_without_spring(snapshot) + 0.5 * self.scene.stiffness * p * p
     }
 
-    /// [`energy`](Self::energy) less the spring's \[J\].
+    /// [`energy`](Self::energy) less the spring's `[J]`.
     #[must_use]
     pub fn energy_without_spring(&self, snapshot: &Snapshot) -> f64 {
         let scene = &self.scene;
@@ -181,7 +181,7 @@ impl Ideal {
         }
     }
 
-    /// Kinetic energy of the relative motion at the impact of a `collision` of this scene \[J\]:
+    /// Kinetic energy of the relative motion at the impact of a `collision` of this scene `[J]`:
     /// μ v²/2 with 1/μ = 1/m + 1/M.
     #[must_use]
     pub fn impact_energy(&self, collision: &Collision) -> f64 {

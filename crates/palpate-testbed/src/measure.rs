@@ -10,7 +10,7 @@ pub enum Sampler {
     /// The true position.
     #[default]
     Ideal,
-    /// The nearest multiple of an encoder quantum \[m\]; halves are rounded away from zero.
+    /// The nearest multiple of an encoder quantum `[m]`; halves are rounded away from zero.
     ///
     /// A quantum that is not finite and positive measures like [`Sampler::Ideal`];
     /// [`Sampler::quantum`] refuses to make one.
@@ -18,7 +18,7 @@ pub enum Sampler {
 }
 
 impl Sampler {
-    /// An encoder with the given quantum \[m\].
+    /// An encoder with the given quantum `[m]`.
     ///
     /// # Errors
     ///
@@ -27,7 +27,7 @@ impl Sampler {
         positive("quantum", quantum, "finite and above 0 m").map(Self::Quantum)
     }
 
-    /// The measured position \[m\] for a true `position` \[m\].
+    /// The measured position `[m]` for a true `position` `[m]`.
     #[must_use]
     pub fn sample(&self, position: f64) -> f64 {
         match *self {
@@ -65,7 +65,7 @@ impl SensorNoise {
         }
     }
 
-    /// Normal noise with a standard deviation \[m\].
+    /// Normal noise with a standard deviation `[m]`.
     ///
     /// # Errors
     ///
@@ -83,7 +83,7 @@ impl SensorNoise {
         })
     }
 
-    /// The noise of the next sample \[m\]; 0 without any.
+    /// The noise of the next sample `[m]`; 0 without any.
     #[must_use]
     pub fn draw(&mut self) -> f64 {
         if self.deviation > 0.0 {

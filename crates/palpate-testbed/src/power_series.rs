@@ -46,7 +46,7 @@ fn slope(coefficients: &[f64], s: f64) -> f64 {
         .fold(0.0, |sum, (n, c)| n as f64 * c + s * sum)
 }
 
-/// First s in \[0, 1\] after which the series is negative, to round-off; `None` if it has none.
+/// First s in `[0, 1]` after which the series is negative, to round-off; `None` if it has none.
 ///
 /// A zero at 0 itself counts only if the series falls from there. Whether a touch counts, two passes
 /// closer together than the round-off of the largest coefficient can tell apart, is left open.
@@ -73,7 +73,7 @@ pub(crate) fn first_fall(coefficients: &[f64]) -> Option<f64> {
 
 struct Search<'a> {
     coefficients: &'a [f64],
-    /// Bound of the second derivative on \[0, 1\].
+    /// Bound of the second derivative on `[0, 1]`.
     curvature: f64,
 }
 

@@ -8,42 +8,42 @@ use crate::grid::Grid;
 /// One collision of an ideal contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Collision {
-    /// Instant at which contact begins \[s\]; the start of the window if contact was there before.
+    /// Instant at which contact begins `[s]`; the start of the window if contact was there before.
     pub start: f64,
-    /// Instant at which contact ends \[s\], `None` if it lasts beyond the window.
+    /// Instant at which contact ends `[s]`, `None` if it lasts beyond the window.
     pub end: Option<f64>,
-    /// Impulse ∫ f dt on the object \[N s\], up to the window's end.
+    /// Impulse ∫ f dt on the object `[N s]`, up to the window's end.
     pub impulse: f64,
-    /// Largest force \[N\], up to the window's end.
+    /// Largest force `[N]`, up to the window's end.
     pub peak_force: f64,
-    /// Relative speed at impact \[m/s\].
+    /// Relative speed at impact `[m/s]`.
     ///
     /// A contact that is already there when the window begins may be deep and at rest; it gets the
     /// speed at which the energy of its motion and of its spring together would arrive.
     pub impact_speed: f64,
-    /// Speed at which device and object part \[m/s\], `None` where `end` is.
+    /// Speed at which device and object part `[m/s]`, `None` where `end` is.
     pub release_speed: Option<f64>,
 }
 
 /// State of device and object at one instant, and the force between them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Snapshot {
-    /// \[s\]
+    /// `[s]`
     pub time: f64,
-    /// ξ \[m\]
+    /// ξ `[m]`
     pub device_position: f64,
-    /// ξ′ \[m/s\]
+    /// ξ′ `[m/s]`
     pub device_velocity: f64,
-    /// η \[m\]
+    /// η `[m]`
     pub object_position: f64,
-    /// η′ \[m/s\]
+    /// η′ `[m/s]`
     pub object_velocity: f64,
-    /// Force on the object \[N\]; in the record of a loop, the force held from this instant on.
+    /// Force on the object `[N]`; in the record of a loop, the force held from this instant on.
     pub force_on_object: f64,
 }
 
 impl Snapshot {
-    /// Penetration p = ξ − η \[m\].
+    /// Penetration p = ξ − η `[m]`.
     #[must_use]
     pub fn penetration(&self) -> f64 {
         self.device_position - self.object_position
@@ -124,13 +124,13 @@ impl ForceProfile {
         &self.grid
     }
 
-    /// Start of the window \[s\].
+    /// Start of the window `[s]`.
     #[must_use]
     pub fn start(&self) -> f64 {
         self.grid.start()
     }
 
-    /// Nominal period of the loop \[s\].
+    /// Nominal period of the loop `[s]`.
     #[must_use]
     pub fn period(&self) -> f64 {
         self.grid.period()
@@ -142,19 +142,19 @@ impl ForceProfile {
         self.impulses.len()
     }
 
-    /// Impulse J = ∫ f dt of each interval \[N s\].
+    /// Impulse J = ∫ f dt of each interval `[N s]`.
     #[must_use]
     pub fn impulses(&self) -> &[f64] {
         &self.impulses
     }
 
-    /// Q = ∫ f² dt of each interval \[N² s\].
+    /// Q = ∫ f² dt of each interval `[N² s]`.
     #[must_use]
     pub fn squared_forces(&self) -> &[f64] {
         &self.squared_forces
     }
 
-    /// Mean force J/h of each interval of length h \[N\]: the best that can be held over it.
+    /// Mean force J/h of each interval of length h `[N]`: the best that can be held over it.
     pub fn mean_forces(&self) -> impl Iterator<Item = f64> + '_ {
         self.impulses
             .iter()

@@ -5,7 +5,7 @@ use thiserror::Error;
 use crate::InvalidParameter;
 use crate::error::positive;
 
-/// A difference of two times \[s\] without what their rounding has left behind the nanoseconds.
+/// A difference of two times `[s]` without what their rounding has left behind the nanoseconds.
 #[must_use]
 pub fn to_nanoseconds(difference: f64) -> f64 {
     (difference * 1e9).round() / 1e9
@@ -41,7 +41,7 @@ pub enum PathError {
     TimeNotFinite {
         /// Index of the sample.
         index: usize,
-        /// The time \[s\].
+        /// The time `[s]`.
         value: f64,
     },
     /// A time is not after the one before it.
@@ -49,9 +49,9 @@ pub enum PathError {
     TimeNotIncreasing {
         /// Index of the sample.
         index: usize,
-        /// The time \[s\].
+        /// The time `[s]`.
         value: f64,
-        /// The time before it \[s\].
+        /// The time before it `[s]`.
         previous: f64,
     },
     /// A position is not finite.
@@ -59,7 +59,7 @@ pub enum PathError {
     PositionNotFinite {
         /// Index of the sample.
         index: usize,
-        /// The position \[m\].
+        /// The position `[m]`.
         value: f64,
     },
 }
@@ -74,7 +74,7 @@ pub struct RecordedPath {
 }
 
 impl RecordedPath {
-    /// A path through `positions` \[m\] at `times` \[s\].
+    /// A path through `positions` `[m]` at `times` `[s]`.
     ///
     /// # Errors
     ///
@@ -125,19 +125,19 @@ impl RecordedPath {
         }
     }
 
-    /// Time of the first sample \[s\].
+    /// Time of the first sample `[s]`.
     #[must_use]
     pub fn start(&self) -> f64 {
         self.times[0]
     }
 
-    /// Time of the last sample \[s\].
+    /// Time of the last sample `[s]`.
     #[must_use]
     pub fn end(&self) -> f64 {
         self.times[self.times.len() - 1]
     }
 
-    /// Position \[m\] at a time \[s\].
+    /// Position `[m]` at a time `[s]`.
     #[must_use]
     pub fn position(&self, time: f64) -> f64 {
         if time <= self.start() {
@@ -150,7 +150,7 @@ impl RecordedPath {
         self.positions[piece] + self.slope(piece) * (time - self.times[piece])
     }
 
-    /// Velocity \[m/s\] at a time \[s\]: the slope of the line that begins there or runs through it,
+    /// Velocity `[m/s]` at a time `[s]`: the slope of the line that begins there or runs through it,
     /// and at the end of the recording that of the last line.
     #[must_use]
     pub fn velocity(&self, time: f64) -> f64 {
@@ -161,7 +161,7 @@ impl RecordedPath {
         }
     }
 
-    /// How many whole periods \[s\] the recording lasts; a last one that ends a millionth of a
+    /// How many whole periods `[s]` the recording lasts; a last one that ends a millionth of a
     /// recording step after it counts.
     ///
     /// # Errors
@@ -186,7 +186,7 @@ impl RecordedPath {
         Ok(periods as usize)
     }
 
-    /// Positions \[m\] at start + i T for every whole period T \[s\] of the recording.
+    /// Positions `[m]` at start + i T for every whole period T `[s]` of the recording.
     ///
     /// Where such an instant is a recorded one, to a millionth of a recording step, the recorded
     /// position is taken bit for bit; so a period that is a whole multiple of a uniform recording
@@ -202,19 +202,19 @@ impl RecordedPath {
             .collect())
     }
 
-    /// Times of the samples \[s\].
+    /// Times of the samples `[s]`.
     #[must_use]
     pub fn times(&self) -> &[f64] {
         &self.times
     }
 
-    /// Positions of the samples \[m\].
+    /// Positions of the samples `[m]`.
     #[must_use]
     pub fn positions(&self) -> &[f64] {
         &self.positions
     }
 
-    /// Slope \[m/s\] of a piece, counted from 0.
+    /// Slope `[m/s]` of a piece, counted from 0.
     pub(crate) fn slope(&self, piece: usize) -> f64 {
         (self.positions[piece + 1] - self.positions[piece])
             / (self.times[piece + 1] - self.times[piece])

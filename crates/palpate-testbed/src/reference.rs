@@ -22,17 +22,17 @@ use crate::profile::{Collision, ForceProfile, Snapshot};
 /// The object a device meets, and how finely their meeting is integrated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReferenceScene {
-    /// Stiffness K of the contact \[N/m\].
+    /// Stiffness K of the contact `[N/m]`.
     pub stiffness: f64,
-    /// Mass M of the object \[kg\]; infinite for a wall.
+    /// Mass M of the object `[kg]`; infinite for a wall.
     pub object_mass: f64,
-    /// Force f_V on the object \[N\]; without effect on a wall.
+    /// Force f_V on the object `[N]`; without effect on a wall.
     pub virtual_force: f64,
-    /// Position η of the object at t = 0 \[m\].
+    /// Position η of the object at t = 0 `[m]`.
     pub object_position: f64,
-    /// Velocity η′ of the object at t = 0 \[m/s\]; without effect on a wall.
+    /// Velocity η′ of the object at t = 0 `[m/s]`; without effect on a wall.
     pub object_velocity: f64,
-    /// Period of the sampled loop \[s\]. The device's own controllers sample at it here, too.
+    /// Period of the sampled loop `[s]`. The device's own controllers sample at it here, too.
     pub period: f64,
     /// Steps for each period.
     pub steps_per_period: usize,
@@ -80,7 +80,7 @@ pub struct Reference {
 /// Points of the record for each period.
 pub const POINTS_PER_PERIOD: usize = 20;
 
-/// Longest search for collisions \[periods\].
+/// Longest search for collisions `[periods]`.
 const LONGEST_SEARCH: usize = 2_000;
 
 /// Most corrections of the force of a step. Each is better by the step's share of an oscillation,
@@ -223,7 +223,7 @@ impl Cells {
         }
     }
 
-    /// Books a step of `h` \[s\] from `time` \[s\], over which the penetration goes from `before` to
+    /// Books a step of `h` `[s]` from `time` `[s]`, over which the penetration goes from `before` to
     /// `after` on a straight line; an edge may lie within it.
     fn book(&mut self, k: f64, time: f64, h: f64, before: f64, after: f64) {
         let end = time + h;
@@ -320,7 +320,7 @@ impl<'a, D: DevicePlant + Clone> Run<'a, D> {
         self.squared_forces.push(squared_force);
     }
 
-    /// One step from `time` \[s\]: the impulse and the integral of the force squared.
+    /// One step from `time` `[s]`: the impulse and the integral of the force squared.
     fn step(&mut self, time: f64) -> (f64, f64) {
         let (k, h) = (self.scene.stiffness, self.step);
         let before = self.penetration();
@@ -402,7 +402,7 @@ impl<'a, D: DevicePlant + Clone> Run<'a, D> {
     }
 }
 
-/// ∫ f² dt of a spring of stiffness `k` over `h` \[s\] in which the penetration goes from `before` to
+/// ∫ f² dt of a spring of stiffness `k` over `h` `[s]` in which the penetration goes from `before` to
 /// `after` on a straight line.
 fn squared_force(k: f64, before: f64, after: f64, h: f64) -> f64 {
     let (first, last) = (k * before.max(0.0), k * after.max(0.0));

@@ -40,9 +40,9 @@ const MOST_HALF_OSCILLATIONS: f64 = 1e7;
 /// Penetration and its rate: the state of the relative motion.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RelativeState {
-    /// Penetration p = ξ − η \[m\], positive in contact.
+    /// Penetration p = ξ − η `[m]`, positive in contact.
     pub penetration: f64,
-    /// Its rate p′ = ξ′ − η′ \[m/s\], positive while device and object approach.
+    /// Its rate p′ = ξ′ − η′ `[m/s]`, positive while device and object approach.
     pub velocity: f64,
 }
 
@@ -51,9 +51,9 @@ pub struct RelativeState {
 pub struct Passage {
     /// State at the end of the step.
     pub state: RelativeState,
-    /// Impulse J = ∫ f dt of the contact force \[N s\].
+    /// Impulse J = ∫ f dt of the contact force `[N s]`.
     pub impulse: f64,
-    /// ∫ f² dt \[N² s\].
+    /// ∫ f² dt `[N² s]`.
     pub squared_force: f64,
     /// The collisions of the step, in order; times are counted from the start of the step.
     pub collisions: Vec<Collision>,
@@ -62,17 +62,17 @@ pub struct Passage {
 /// The parameters of a relative motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RelativeMotion {
-    /// K \[N/m\]
+    /// K `[N/m]`
     pub(crate) stiffness: f64,
-    /// ω \[rad/s\]
+    /// ω `[rad/s]`
     pub(crate) rate: f64,
-    /// a \[m/s²\]
+    /// a `[m/s²]`
     pub(crate) acceleration: f64,
 }
 
 impl RelativeMotion {
-    /// Relative motion for a contact `stiffness` K \[N/m\], a `mobility` y \[1/kg\] and a relative
-    /// `acceleration` a \[m/s²\] without contact, positive towards contact.
+    /// Relative motion for a contact `stiffness` K `[N/m]`, a `mobility` y `[1/kg]` and a relative
+    /// `acceleration` a `[m/s²]` without contact, positive towards contact.
     ///
     /// # Errors
     ///
@@ -93,7 +93,7 @@ impl RelativeMotion {
         })
     }
 
-    /// Moves on from `state` over `duration` \[s\], however long and through however many
+    /// Moves on from `state` over `duration` `[s]`, however long and through however many
     /// collisions.
     ///
     /// # Errors
@@ -175,7 +175,7 @@ impl RelativeMotion {
         }
     }
 
-    /// The end \[s\] of the n-th contact (counted from 1), for a motion in `state` at time 0.
+    /// The end `[s]` of the n-th contact (counted from 1), for a motion in `state` at time 0.
     pub(crate) fn end_of_contact(&self, state: RelativeState, n: usize) -> Option<f64> {
         let head = self.arc(state, 0.0);
         let first = if head.in_contact {

@@ -37,14 +37,14 @@ pub enum Jitter {
     None,
     /// Uniformly distributed on ± `bound`.
     Uniform {
-        /// \[s\]
+        /// `[s]`
         bound: f64,
     },
     /// Normally distributed with mean 0; what lies outside ± `bound` is drawn anew.
     Normal {
-        /// Standard deviation of the distribution before it is bounded \[s\].
+        /// Standard deviation of the distribution before it is bounded `[s]`.
         deviation: f64,
-        /// \[s\]
+        /// `[s]`
         bound: f64,
     },
 }
@@ -72,14 +72,14 @@ pub enum Dropped {
 
 /// A stretch of time in which the grid has another period.
 ///
-/// An instant of the grid in \[`from`, `until`) is followed by the next after `period`.
+/// An instant of the grid from `from` on and before `until` is followed by the next after `period`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RateCollapse {
-    /// \[s\]
+    /// `[s]`
     pub from: f64,
-    /// \[s\]
+    /// `[s]`
     pub until: f64,
-    /// \[s\]
+    /// `[s]`
     pub period: f64,
 }
 
@@ -91,16 +91,16 @@ pub struct ActuationDelay {
     pub samples: u32,
     /// Fraction of a period, 0 ≤ fraction < 1: the time to compute.
     pub fraction: f64,
-    /// Seconds, whatever the period \[s\].
+    /// Seconds, whatever the period `[s]`.
     pub seconds: f64,
-    /// By how much more a command may be late \[s\], each by an amount of its own, evenly from 0.
+    /// By how much more a command may be late `[s]`, each by an amount of its own, evenly from 0.
     pub jitter: f64,
 }
 
 /// What a [`Schedule`] is made of.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScheduleParams {
-    /// Nominal period of the grid \[s\], which begins at 0.
+    /// Nominal period of the grid `[s]`, which begins at 0.
     pub period: f64,
     /// Jitter of the sample instants.
     pub jitter: Jitter,
@@ -115,7 +115,7 @@ pub struct ScheduleParams {
 }
 
 impl ScheduleParams {
-    /// A perfect loop with a `period` \[s\].
+    /// A perfect loop with a `period` `[s]`.
     #[must_use]
     pub fn perfect(period: f64) -> Self {
         Self {
@@ -134,9 +134,9 @@ impl ScheduleParams {
 pub struct Tick {
     /// Index on the grid, counted from 0; it skips the dropped samples.
     pub index: u64,
-    /// When the device is measured \[s\].
+    /// When the device is measured `[s]`.
     pub sample_time: f64,
-    /// When the command from this sample reaches the motor \[s\].
+    /// When the command from this sample reaches the motor `[s]`.
     ///
     /// Never before `sample_time`, and never before that of an earlier tick: where a shorter period
     /// would let a command overtake another, it waits for it and replaces it at once.
@@ -168,8 +168,8 @@ impl Schedule {
     ///
     /// A period is not finite and positive, the collapse does not end after it begins, the jitter
     /// is negative or reaches half of the shortest period (samples would change places), the
-    /// probability is not in \[0, 1), listed indices do not rise or begin with 0, the delay's fraction is
-    /// not in \[0, 1), or its seconds or the jitter of commands are not from 0 to 1024 periods.
+    /// probability is not in `[0, 1)`, listed indices do not rise or begin with 0, the delay's fraction is
+    /// not in `[0, 1)`, or its seconds or the jitter of commands are not from 0 to 1024 periods.
     pub fn new(params: ScheduleParams) -> Result<Self, InvalidParameter<ScheduleParameter>> {
         use ScheduleParameter as Of;
         let mut shortest = positive(Of::Period, params.period, "finite and above 0 s")?;
@@ -257,7 +257,7 @@ impl Schedule {
         }
     }
 
-    /// The next instant of the grid \[s\] and the period \[s\] that follows it.
+    /// The next instant of the grid `[s]` and the period `[s]` that follows it.
     fn next_instant(&mut self) -> (u64, f64, f64) {
         let index = self.next_index;
         self.next_index += 1;
@@ -289,7 +289,7 @@ impl Schedule {
         }
     }
 
-    /// \[s\]
+    /// `[s]`
     fn command_jitter(&mut self) -> f64 {
         let bound = self.params.delay.jitter;
         if bound > 0.0 {

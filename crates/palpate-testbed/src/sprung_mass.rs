@@ -20,7 +20,7 @@ pub struct SprungMass {
     response: Response,
 }
 
-/// What a duration does to position, velocity and a constant acceleration a \[m/s²\]:
+/// What a duration does to position, velocity and a constant acceleration a `[m/s²]`:
 ///
 /// ```text
 /// ξ  → pp ξ + pv ξ′ + pa a
@@ -38,7 +38,7 @@ struct Response {
 }
 
 /// The power series is summed over a part of the duration in which the fastest rate turns by less
-/// than this \[rad\]; doubling makes the duration of it.
+/// than this `[rad]`; doubling makes the duration of it.
 const SERIES_UP_TO: f64 = 0.5;
 
 impl Response {
@@ -119,8 +119,8 @@ impl Response {
 }
 
 impl SprungMass {
-    /// A moved mass \[kg\] on a spring \[N/m\], relaxed at the origin, with a damping \[N s/m\] and under a
-    /// constant user force \[N\], at rest at the origin.
+    /// A moved mass `[kg]` on a spring `[N/m]`, relaxed at the origin, with a damping `[N s/m]` and under a
+    /// constant user force `[N]`, at rest at the origin.
     ///
     /// # Errors
     ///
@@ -159,7 +159,7 @@ impl SprungMass {
         })
     }
 
-    /// The same device at another position \[m\] and velocity \[m/s\].
+    /// The same device at another position `[m]` and velocity `[m/s]`.
     ///
     /// # Errors
     ///
@@ -206,7 +206,7 @@ impl DevicePlant for SprungMass {
         force_on_object * (self.position - before)
     }
 
-    /// M ξ′²/2 + k ξ²/2 − f_u ξ \[J\]; the damping takes its share of it, too.
+    /// M ξ′²/2 + k ξ²/2 − f_u ξ `[J]`; the damping takes its share of it, too.
     fn stored_energy(&self) -> f64 {
         0.5 * self.mass * self.velocity * self.velocity
             + 0.5 * self.stiffness * self.position * self.position

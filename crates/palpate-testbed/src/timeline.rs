@@ -19,11 +19,11 @@ const NOMINAL: f64 = 1e-9;
 /// A sample of a timeline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TakenSample {
-    /// When it is taken \[s\].
+    /// When it is taken `[s]`.
     pub time: f64,
-    /// Time since the sample before it \[s\]; one nominal period for the first.
+    /// Time since the sample before it `[s]`; one nominal period for the first.
     pub elapsed: f64,
-    /// When its command reaches the motor \[s\]; none after the window's end.
+    /// When its command reaches the motor `[s]`; none after the window's end.
     pub command_from: Option<f64>,
 }
 
@@ -36,7 +36,7 @@ pub struct Stretch {
     pub command: Option<usize>,
     /// Whether another force may be held here than in the stretch before.
     pub begins_hold: bool,
-    /// Length \[s\]; 0 for the last, which only takes the sample at the window's end.
+    /// Length `[s]`; 0 for the last, which only takes the sample at the window's end.
     pub duration: f64,
 }
 
@@ -80,8 +80,8 @@ impl Timeline {
         Self::built(samples, &arrivals, period, periods)
     }
 
-    /// The timeline of a loop that sampled at `instants` \[s\], of which the first is 0 and each comes
-    /// after the one before it, over so many of its nominal periods \[s\]. A command reaches the motor
+    /// The timeline of a loop that sampled at `instants` `[s]`, of which the first is 0 and each comes
+    /// after the one before it, over so many of its nominal periods `[s]`. A command reaches the motor
     /// `seconds` after the sample that is `delay` samples after its own.
     ///
     /// # Errors

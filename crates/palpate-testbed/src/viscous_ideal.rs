@@ -31,7 +31,7 @@ pub struct ViscousIdeal {
 const MOST_SPANS: usize = 10_000_000;
 
 impl ViscousIdeal {
-    /// The ideal of `scene` with friction b \[N s/m\] on its device, over `intervals` periods \[s\].
+    /// The ideal of `scene` with friction b `[N s/m]` on its device, over `intervals` periods `[s]`.
     ///
     /// # Errors
     ///
@@ -88,7 +88,7 @@ struct DeviceAndObject {
     device_mobility: f64,
     object_mobility: f64,
     user_force: f64,
-    /// f_V/M \[m/s²\]
+    /// f_V/M `[m/s²]`
     object_acceleration: f64,
     contact_rate: f64,
     in_contact: bool,

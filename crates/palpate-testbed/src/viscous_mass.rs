@@ -24,9 +24,9 @@ struct Response {
     duration: f64,
     /// e^(−λh)
     kept: f64,
-    /// (1 − e^(−λh))/λ \[s\]
+    /// (1 − e^(−λh))/λ `[s]`
     once: f64,
-    /// (h − (1 − e^(−λh))/λ)/λ \[s²\]
+    /// (h − (1 − e^(−λh))/λ)/λ `[s²]`
     twice: f64,
 }
 
@@ -64,7 +64,7 @@ impl Response {
 }
 
 impl ViscousMass {
-    /// A mass \[kg\] with viscous friction b \[N s/m\] under a constant user force \[N\], at rest at
+    /// A mass `[kg]` with viscous friction b `[N s/m]` under a constant user force `[N]`, at rest at
     /// the origin.
     ///
     /// # Errors
@@ -89,7 +89,7 @@ impl ViscousMass {
         })
     }
 
-    /// The same device at another position \[m\] and velocity \[m/s\].
+    /// The same device at another position `[m]` and velocity `[m/s]`.
     ///
     /// # Errors
     ///
@@ -126,7 +126,7 @@ impl DevicePlant for ViscousMass {
         force_on_object * travel
     }
 
-    /// m ξ′²/2 − f_u ξ \[J\]; friction takes its share of it, too.
+    /// m ξ′²/2 − f_u ξ `[J]`; friction takes its share of it, too.
     fn stored_energy(&self) -> f64 {
         0.5 * self.mass * self.velocity * self.velocity - self.user_force * self.position
     }

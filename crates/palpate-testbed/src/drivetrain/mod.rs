@@ -26,7 +26,7 @@ use crate::device::DevicePlant;
 use crate::error::{finite, not_negative};
 use crate::hand::Hand;
 
-/// Longest step \[s\].
+/// Longest step `[s]`.
 const LONGEST_STEP: f64 = 5e-6;
 /// Longest step in radians of the transmission's resonance, and of the hand.
 const LONGEST_ANGLE: f64 = 0.02;
@@ -34,9 +34,9 @@ const LONGEST_ANGLE: f64 = 0.02;
 /// A [`DrivetrainParams`] in motion, held by a [`Hand`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drivetrain {
-    /// Mass of the motor's side, or of all there is where there is one body \[kg\].
+    /// Mass of the motor's side, or of all there is where there is one body `[kg]`.
     motor_mass: f64,
-    /// Mass of the end-point's side with that of the hand \[kg\]; 0 where there is one body.
+    /// Mass of the end-point's side with that of the hand `[kg]`; 0 where there is one body.
     end_mass: f64,
     stiffness: f64,
     damping: f64,
@@ -45,7 +45,7 @@ pub struct Drivetrain {
     hand: Hand,
     longest_step: f64,
     time: f64,
-    /// When the hand lets go \[s\]; infinite once it has, and if it never does.
+    /// When the hand lets go `[s]`; infinite once it has, and if it never does.
     release: f64,
     motor: Side,
     end: Side,
@@ -95,7 +95,7 @@ impl Drivetrain {
         })
     }
 
-    /// The same device at another position \[m\] and velocity \[m/s\], both sides of it.
+    /// The same device at another position `[m]` and velocity `[m/s]`, both sides of it.
     ///
     /// # Errors
     ///
@@ -112,7 +112,7 @@ impl Drivetrain {
         })
     }
 
-    /// The same device whose hand lets go of it at a time \[s\], for good: its force ends, and its mass moves with the
+    /// The same device whose hand lets go of it at a time `[s]`, for good: its force ends, and its mass moves with the
     /// device no longer.
     ///
     /// # Errors
@@ -135,7 +135,7 @@ impl Drivetrain {
         self.release = f64::INFINITY;
     }
 
-    /// Moves on in the same hand for a `duration` \[s\] above 0, under a finite force \[N\].
+    /// Moves on in the same hand for a `duration` `[s]` above 0, under a finite force `[N]`.
     fn move_on(&mut self, force: f64, duration: f64) -> f64 {
         let steps = (duration / self.longest_step).ceil();
         let step = duration / steps;
@@ -156,7 +156,7 @@ impl Drivetrain {
         force * (self.motor.position - from)
     }
 
-    /// Position x₂ \[m\] and velocity x₂′ \[m/s\] of the end-point, where the hand is.
+    /// Position x₂ `[m]` and velocity x₂′ `[m/s]` of the end-point, where the hand is.
     #[must_use]
     pub fn end_point(&self) -> (f64, f64) {
         let side = if self.is_one_body() {
@@ -171,13 +171,13 @@ impl Drivetrain {
         self.end_mass == 0.0
     }
 
-    /// By how much the transmission is stretched beyond its backlash \[m\].
+    /// By how much the transmission is stretched beyond its backlash `[m]`.
     fn stretch(&self) -> f64 {
         let apart = self.end.position - self.motor.position;
         apart - apart.clamp(-self.half_backlash, self.half_backlash)
     }
 
-    /// Forces \[N\] on the two sides that do not depend on velocities, and the damping \[N s/m\] that
+    /// Forces `[N]` on the two sides that do not depend on velocities, and the damping `[N s/m]` that
     /// acts between the sides now.
     fn forces(&self, force_on_object: f64) -> (f64, f64, f64) {
         let cogging = self.params.cogging.map_or(0.0, |cogging| {
@@ -239,12 +239,12 @@ impl Drivetrain {
 }
 
 impl DevicePlant for Drivetrain {
-    /// Position x₁ of the motor's side \[m\], where the sensor is.
+    /// Position x₁ of the motor's side `[m]`, where the sensor is.
     fn position(&self) -> f64 {
         self.motor.position
     }
 
-    /// Velocity x₁′ of the motor's side \[m/s\].
+    /// Velocity x₁′ of the motor's side `[m/s]`.
     fn velocity(&self) -> f64 {
         self.motor.velocity
     }
@@ -273,7 +273,7 @@ impl DevicePlant for Drivetrain {
     }
 
     /// Energy of motion, of the transmission's and the hand's springs, of the cogging, and of the hand's
-    /// constant force \[J\].
+    /// constant force `[J]`.
     fn stored_energy(&self) -> f64 {
         let kinetic = |mass: f64, side: Side| 0.5 * mass * side.velocity * side.velocity;
         let (end, _) = self.end_point();

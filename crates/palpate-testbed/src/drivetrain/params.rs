@@ -8,11 +8,11 @@ use crate::error::positive;
 /// A device whose motor and end-point are not one rigid body, or whose motor cogs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DrivetrainParams {
-    /// Mass m of the device, of both sides together \[kg\], above 0.
+    /// Mass m of the device, of both sides together `[kg]`, above 0.
     pub mass: f64,
-    /// Viscous friction B at the motor \[N s/m\], at least 0.
+    /// Viscous friction B at the motor `[N s/m]`, at least 0.
     pub viscous_friction: f64,
-    /// Coulomb friction F_c at the motor \[N\], at least 0.
+    /// Coulomb friction F_c at the motor `[N]`, at least 0.
     pub coulomb_friction: f64,
     /// Transmission between motor and end-point; `None` where they are one rigid body.
     pub transmission: Option<Transmission>,
@@ -23,22 +23,22 @@ pub struct DrivetrainParams {
 /// A flexible transmission between a motor's side and an end-point's side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transmission {
-    /// Resonance of the device that nobody holds \[Hz\], above 0: the two masses against each other.
+    /// Resonance of the device that nobody holds `[Hz]`, above 0: the two masses against each other.
     pub resonance_hz: f64,
     /// Damping of that resonance over the critical, from 0 to 1.
     pub damping_ratio: f64,
     /// Share of the mass that is on the motor's side, between 0 and 1.
     pub motor_share: f64,
-    /// Way between the two sides on which the transmission gives no force \[m\], at least 0.
+    /// Way between the two sides on which the transmission gives no force `[m]`, at least 0.
     pub backlash: f64,
 }
 
 /// A force of the motor that depends on its position x₁ alone: A sin(2π x₁/pitch).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cogging {
-    /// Amplitude A \[N\], at least 0.
+    /// Amplitude A `[N]`, at least 0.
     pub amplitude: f64,
-    /// \[m\], above 0.
+    /// `[m]`, above 0.
     pub pitch: f64,
 }
 
@@ -78,7 +78,7 @@ impl DrivetrainParams {
 }
 
 impl Transmission {
-    /// Highest resonance \[Hz\]: the loop and its device are integrated in steps that follow it.
+    /// Highest resonance `[Hz]`: the loop and its device are integrated in steps that follow it.
     pub const HIGHEST_RESONANCE: f64 = 5000.0;
 
     fn check(&self) -> Result<(), InvalidParameter> {
@@ -113,7 +113,7 @@ impl Transmission {
         Ok(())
     }
 
-    /// Stiffness \[N/m\] and damping \[N s/m\] in a device of `mass` \[kg\]: with the reduced mass
+    /// Stiffness `[N/m]` and damping `[N s/m]` in a device of `mass` `[kg]`: with the reduced mass
     /// μ = m₁ m₂/m and ω = 2π f they are μ ω² and 2 ζ μ ω.
     #[must_use]
     pub fn stiffness_and_damping(&self, mass: f64) -> (f64, f64) {

@@ -34,9 +34,9 @@ pub struct CollisionJudgement {
 pub struct RenderedCollision {
     /// The intervals of the run.
     pub intervals: Range<usize>,
-    /// Impulse on the object \[N s\].
+    /// Impulse on the object `[N s]`.
     pub impulse: f64,
-    /// Largest force that pushes the object away \[N\].
+    /// Largest force that pushes the object away `[N]`.
     pub peak_force: f64,
     /// (rendered − ideal)/ideal of the impulse; `None` if that is not a finite number.
     pub impulse_error: Option<f64>,
@@ -44,7 +44,7 @@ pub struct RenderedCollision {
     pub peak_force_error: Option<f64>,
 }
 
-/// The collisions of the force `held` over each interval of `grid` \[N\], as ranges of intervals.
+/// The collisions of the force `held` over each interval of `grid` `[N]`, as ranges of intervals.
 pub(crate) fn separated(held: &[f64], grid: &Grid) -> Vec<Range<usize>> {
     let mut runs: Vec<Range<usize>> = Vec::new();
     let mut interval = 0;
@@ -173,7 +173,7 @@ fn end_of_push(held: &[f64], run: &Range<usize>) -> usize {
         .map_or(run.end, |last| last + 1)
 }
 
-/// The force that counts as a push in `run`; what is smaller is a remainder \[N\].
+/// The force that counts as a push in `run`; what is smaller is a remainder `[N]`.
 pub(super) fn least_push(held: &[f64], run: &Range<usize>) -> f64 {
     let forces = run.clone().map(|interval| held[interval].abs());
     REMAINDER * forces.fold(0.0, f64::max)
@@ -215,7 +215,7 @@ fn rendered(
     }
 }
 
-/// Impulse of the force `held` over `intervals` \[N s\].
+/// Impulse of the force `held` over `intervals` `[N s]`.
 fn impulse(held: &[f64], intervals: Range<usize>, grid: &Grid) -> f64 {
     let period = grid.period();
     let in_periods = intervals.map(|interval| held[interval] * (grid.duration(interval) / period));

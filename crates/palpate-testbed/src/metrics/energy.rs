@@ -71,7 +71,7 @@ impl EnergyJudgement {
         Self::sampled(ideal, profile, &held, record)
     }
 
-    /// Judges a closed loop by the force it `held` over each interval \[N\] and the `record` of its
+    /// Judges a closed loop by the force it `held` over each interval `[N]` and the `record` of its
     /// states at the samples, from the first one to the one at the window's end. Samples need not lie
     /// where the held force changes.
     ///

@@ -22,13 +22,13 @@ use crate::profile::ForceProfile;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Fidelity {
-    /// Force rendering error FRE \[%\]. A force of zero all the time scores 100.
+    /// Force rendering error FRE `[%]`. A force of zero all the time scores 100.
     ///
     /// Infinite, as is E, if a held force is not finite or its square is not.
     pub force_rendering_error: f64,
-    /// The least FRE that forces held over these intervals can have \[%\].
+    /// The least FRE that forces held over these intervals can have `[%]`.
     pub hold_floor: f64,
-    /// Mean-force error E \[%\], the part of the error that a renderer can avoid.
+    /// Mean-force error E `[%]`, the part of the error that a renderer can avoid.
     pub mean_force_error: f64,
     /// FRE over floor, 1 at best; `None` if the floor is 0.
     pub error_over_floor: Option<f64>,
@@ -59,7 +59,7 @@ pub(crate) struct ErrorSums {
 }
 
 impl ErrorSums {
-    /// Adds an interval of a length `duration` \[s\] in which a `force` \[N\] was held, J and Q of the ideal.
+    /// Adds an interval of a length `duration` `[s]` in which a `force` `[N]` was held, J and Q of the ideal.
     #[inline]
     pub(crate) fn add(
         &mut self,
@@ -131,7 +131,7 @@ impl<'a> FidelityMeter<'a> {
         }
     }
 
-    /// The force \[N\] held over the next interval; those after the window are not looked at.
+    /// The force `[N]` held over the next interval; those after the window are not looked at.
     #[inline]
     pub fn hold(&mut self, force: f64) {
         let (impulses, squares) = (self.profile.impulses(), self.profile.squared_forces());

@@ -51,12 +51,12 @@ pub struct ForceJudgement {
     pub collisions: Vec<CollisionJudgement>,
     /// Number of rendered collisions in the window.
     pub rendered_collisions: usize,
-    /// Largest held force, pushing or pulling \[N\]; infinite if one is not finite.
+    /// Largest held force, pushing or pulling `[N]`; infinite if one is not finite.
     pub peak_force: f64,
 }
 
 impl ForceJudgement {
-    /// Judges the force on the object `held` over each interval of the window \[N\].
+    /// Judges the force on the object `held` over each interval of the window `[N]`.
     ///
     /// # Errors
     ///

@@ -10,9 +10,9 @@ use crate::profile::{ForceProfile, Snapshot};
 /// and the hand are in the ideal's speed as they are in the rendered one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReboundSpeed {
-    /// Speed at the end of the ideal collision \[m/s\].
+    /// Speed at the end of the ideal collision `[m/s]`.
     pub ideal: f64,
-    /// Speed of the rendered one \[m/s\]; `None` if there was no rendered collision of this number,
+    /// Speed of the rendered one `[m/s]`; `None` if there was no rendered collision of this number,
     /// or device and object had not parted by the next one or by the window's end.
     ///
     /// Samples see them part late by up to a period, in which gravity and the hand have changed the
@@ -41,7 +41,7 @@ impl ReboundSpeed {
         Self::sampled(profile, &held, record)
     }
 
-    /// The same of a loop by the force it `held` over each interval \[N\] and the `record` of its
+    /// The same of a loop by the force it `held` over each interval `[N]` and the `record` of its
     /// states at the samples, as for [`EnergyJudgement`](crate::metrics::EnergyJudgement::sampled).
     ///
     /// # Errors
@@ -81,8 +81,8 @@ impl ReboundSpeed {
     }
 }
 
-/// Speed \[m/s\] at which the two were in touch before `sample`, the first out of contact; the next
-/// collision begins at `until`, and a force below `least` \[N\] is none.
+/// Speed `[m/s]` at which the two were in touch before `sample`, the first out of contact; the next
+/// collision begins at `until`, and a force below `least` `[N]` is none.
 fn parting_speed(record: &[Snapshot], sample: usize, until: usize, least: f64) -> f64 {
     let velocity = |at: &Snapshot| at.device_velocity - at.object_velocity;
     let is_free = |&i: &usize| {

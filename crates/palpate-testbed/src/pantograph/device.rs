@@ -15,19 +15,19 @@ use crate::error::{finite, positive};
 /// k_p e + Σ k_i e T − k_d Δx/T, in which the sum and the whole stay within ± `max_force`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pid {
-    /// x to hold \[m\].
+    /// x to hold `[m]`.
     pub target: f64,
-    /// Proportional gain k_p \[N/m\].
+    /// Proportional gain k_p `[N/m]`.
     pub proportional: f64,
-    /// Integral gain k_i \[N/(m s)\].
+    /// Integral gain k_i `[N/(m s)]`.
     pub integral: f64,
-    /// Derivative gain k_d \[N s/m\].
+    /// Derivative gain k_d `[N s/m]`.
     pub derivative: f64,
-    /// Limit of the force \[N\].
+    /// Limit of the force `[N]`.
     pub max_force: f64,
 }
 
-/// The region in which the motors stay connected, bounds included \[m\].
+/// The region in which the motors stay connected, bounds included `[m]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SafetyBox {
     /// Lowest and highest x.
@@ -55,8 +55,8 @@ struct PidMemory {
 /// # Forces
 ///
 /// The force to render, −f along y, and the controller's along x become torques by the transpose
-/// of the Jacobian **at the last [`sample`](Device::sample)**, each limited to the motor's range,
-/// and the torques are held, however often [`advance`](Device::advance) is called. Before the
+/// of the Jacobian **at the last [`sample`](DevicePlant::sample)**, each limited to the motor's range,
+/// and the torques are held, however often [`advance`](DevicePlant::advance) is called. Before the
 /// first sample every advance counts as a sample of its own, without the controller. The user's
 /// constant force acts on the end-point itself
 /// ([`with_user_force`](Pantograph::with_user_force)), or comes from the motors as the other forces
@@ -134,7 +134,7 @@ impl Pantograph {
         })
     }
 
-    /// The same device with other motor angles \[rad\] and rates \[rad/s\], free to move.
+    /// The same device with other motor angles `[rad]` and rates `[rad/s]`, free to move.
     ///
     /// # Errors
     ///
@@ -162,7 +162,7 @@ impl Pantograph {
         })
     }
 
-    /// The same device pushed by a constant force (x, y) \[N\] at its end-point.
+    /// The same device pushed by a constant force (x, y) `[N]` at its end-point.
     ///
     /// # Errors
     ///
@@ -175,7 +175,7 @@ impl Pantograph {
         Ok(self)
     }
 
-    /// The same device pushed by a constant force (x, y) \[N\] that its motors give, as if it were a
+    /// The same device pushed by a constant force (x, y) `[N]` that its motors give, as if it were a
     /// part of the force to render: torques by the Jacobian at the last sample, held, within the motors'
     /// range together with the other forces, and none once the motors are disconnected. Under
     /// [`Actuation::Ideal`] the force itself acts on the end-point.
@@ -248,19 +248,19 @@ impl Pantograph {
         &self.pose
     }
 
-    /// Rates of the motor joints \[rad/s\].
+    /// Rates of the motor joints `[rad/s]`.
     #[must_use]
     pub fn rates(&self) -> [f64; 2] {
         self.state.rates
     }
 
-    /// True end-point (x, y) \[m\].
+    /// True end-point (x, y) `[m]`.
     #[must_use]
     pub fn end_point(&self) -> [f64; 2] {
         self.pose.position
     }
 
-    /// Velocity of the end-point \[m/s\].
+    /// Velocity of the end-point `[m/s]`.
     #[must_use]
     pub fn end_point_velocity(&self) -> [f64; 2] {
         self.pose.jacobian().map(|row| dot(row, self.state.rates))
@@ -283,13 +283,13 @@ impl Pantograph {
         self.params.geometry.forward(angles).ok()
     }
 
-    /// Mass \[kg\] that a force along y feels in the present pose: 1 / (J M⁻¹ Jᵀ)_yy.
+    /// Mass `[kg]` that a force along y feels in the present pose: 1 / (J M⁻¹ Jᵀ)_yy.
     #[must_use]
     pub fn effective_mass_y(&self) -> f64 {
         self.dynamics.effective_mass_y(&self.pose)
     }
 
-    /// Motor torques of the last advance \[N m\]; zero under [`Actuation::Ideal`].
+    /// Motor torques of the last advance `[N m]`; zero under [`Actuation::Ideal`].
     #[must_use]
     pub fn motor_torques(&self) -> [f64; 2] {
         self.torques
@@ -319,27 +319,27 @@ impl Pantograph {
         self.memory = PidMemory::default();
     }
 
-    /// Work the motors have done on the mechanism so far \[J\].
+    /// Work the motors have done on the mechanism so far `[J]`.
     #[must_use]
     pub fn motor_work(&self) -> f64 {
         self.motor_work
     }
 
-    /// Energy lost so far to friction and to running into a singular pose \[J\].
+    /// Energy lost so far to friction and to running into a singular pose `[J]`.
     #[must_use]
     pub fn dissipated(&self) -> f64 {
         self.state.dissipated
     }
 
-    /// The user's constant force at the end-point \[N\], without what the motors give of it.
+    /// The user's constant force at the end-point `[N]`, without what the motors give of it.
     #[must_use]
     pub fn user_force(&self) -> [f64; 2] {
         self.user_force
     }
 
-    /// Moves on for `duration` \[s\] under motor torques \[N m\], limited to the motors' range, and the
+    /// Moves on for `duration` `[s]` under motor torques `[N m]`, limited to the motors' range, and the
     /// user's force: for whoever stands in for the board that drives the motors. Controller and
-    /// safety box belong to [`advance`](Device::advance) and do nothing here.
+    /// safety box belong to [`advance`](DevicePlant::advance) and do nothing here.
     ///
     /// A torque that is not finite is none, and a duration that is not finite and positive moves
     /// nothing.
@@ -354,8 +354,8 @@ impl Pantograph {
         self.move_on([0.0, 0.0], duration);
     }
 
-    /// Moves on under the torques and a force on the end-point \[N\] beside the user's; how far the
-    /// end-point came \[m\].
+    /// Moves on under the torques and a force on the end-point `[N]` beside the user's; how far the
+    /// end-point came `[m]`.
     fn move_on(&mut self, direct: [f64; 2], duration: f64) -> [f64; 2] {
         let torques = self.torques;
         let (before, angles) = (self.pose.position, self.state.angles);
@@ -413,7 +413,7 @@ impl Pantograph {
 }
 
 impl DevicePlant for Pantograph {
-    /// True y of the end-point \[m\].
+    /// True y of the end-point `[m]`.
     fn position(&self) -> f64 {
         self.pose.position[1]
     }
@@ -477,7 +477,7 @@ impl DevicePlant for Pantograph {
         asked * travel[1]
     }
 
-    /// Kinetic energy, gravity, and minus the user's force at the end-point times its position \[J\].
+    /// Kinetic energy, gravity, and minus the user's force at the end-point times its position `[J]`.
     /// What the motors give of the user's force is in
     /// [`motor_work`](Pantograph::motor_work).
     fn stored_energy(&self) -> f64 {

@@ -25,13 +25,13 @@ use super::params::PantographParams;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dynamics {
     geometry: Geometry,
-    /// Inertias a_i \[kg m²\] of the proximal links with all that hangs on their elbow.
+    /// Inertias a_i `[kg m²]` of the proximal links with all that hangs on their elbow.
     a: [f64; 2],
-    /// Couplings b_i \[kg m²\].
+    /// Couplings b_i `[kg m²]`.
     b: [f64; 2],
-    /// Inertias d_i \[kg m²\] of the distal links about their elbow.
+    /// Inertias d_i `[kg m²]` of the distal links about their elbow.
     d: [f64; 2],
-    /// First moments \[kg m\] along the proximal and the distal links.
+    /// First moments `[kg m]` along the proximal and the distal links.
     proximal_moment: [f64; 2],
     distal_moment: [f64; 2],
     gravity: [f64; 2],
@@ -68,7 +68,7 @@ impl Dynamics {
         }
     }
 
-    /// Mass matrix M(θ) \[kg m²\] seen by the motors.
+    /// Mass matrix M(θ) `[kg m²]` seen by the motors.
     #[must_use]
     pub fn mass_matrix(&self, pose: &ArmPose) -> [[f64; 2]; 2] {
         let w = pose.distal_rates();
@@ -87,7 +87,7 @@ impl Dynamics {
         [[element(0, 0), off], [off, element(1, 1)]]
     }
 
-    /// Centrifugal and Coriolis torques c(θ, θ′) \[N m\], on the left of the equation of motion.
+    /// Centrifugal and Coriolis torques c(θ, θ′) `[N m]`, on the left of the equation of motion.
     #[must_use]
     pub fn coriolis(&self, pose: &ArmPose, rates: [f64; 2]) -> [f64; 2] {
         let (l, distal_length) = (self.geometry.proximal, self.geometry.distal);
@@ -121,7 +121,7 @@ impl Dynamics {
         torque
     }
 
-    /// Torques \[N m\] of gravity about the motors.
+    /// Torques `[N m]` of gravity about the motors.
     #[must_use]
     pub fn gravity_torques(&self, pose: &ArmPose) -> [f64; 2] {
         let w = pose.distal_rates();
@@ -136,7 +136,7 @@ impl Dynamics {
         torque
     }
 
-    /// Kinetic energy \[J\] at motor rates \[rad/s\].
+    /// Kinetic energy `[J]` at motor rates `[rad/s]`.
     #[must_use]
     pub fn kinetic_energy(&self, pose: &ArmPose, rates: [f64; 2]) -> f64 {
         let phi_rates = pose.distal_rates().map(|row| dot(row, rates));
@@ -149,7 +149,7 @@ impl Dynamics {
             .sum()
     }
 
-    /// Potential energy \[J\] in gravity, zero with all centres of mass on their motor's axis.
+    /// Potential energy `[J]` in gravity, zero with all centres of mass on their motor's axis.
     #[must_use]
     pub fn potential_energy(&self, pose: &ArmPose) -> f64 {
         -(0..2)
@@ -160,7 +160,7 @@ impl Dynamics {
             .sum::<f64>()
     }
 
-    /// Mass \[kg\] that a force along y feels at the end-point, 1 / (J M⁻¹ Jᵀ)_yy.
+    /// Mass `[kg]` that a force along y feels at the end-point, 1 / (J M⁻¹ Jᵀ)_yy.
     ///
     /// The motors are free and x may give way. It is infinite where the end-point cannot move
     /// along y.

@@ -1,6 +1,6 @@
 //! Where the end-point is for given motor angles, and back.
 //!
-//! Motor 1 stands at the origin, motor 2 at (d, 0). Angles are counter-clockwise from +x \[rad\], x
+//! Motor 1 stands at the origin, motor 2 at (d, 0). Angles are counter-clockwise from +x `[rad]`, x
 //! points right, y away from the base:
 //!
 //! ```text
@@ -79,11 +79,11 @@ pub enum NoPose {
 /// Lengths of a symmetric five-bar, and how it is put together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Geometry {
-    /// Length l of the links on the motors \[m\].
+    /// Length l of the links on the motors `[m]`.
     pub proximal: f64,
-    /// Length L of the links that meet in the end-point \[m\].
+    /// Length L of the links that meet in the end-point `[m]`.
     pub distal: f64,
-    /// Distance d from motor 1 to motor 2 along +x \[m\]; 0 stacks them on one axis.
+    /// Distance d from motor 1 to motor 2 along +x `[m]`; 0 stacks them on one axis.
     pub base: f64,
     /// Side of the end-point.
     pub assembly: Assembly,
@@ -94,24 +94,24 @@ pub struct Geometry {
 /// A pose that exists: angles, directions of the four links, end-point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ArmPose {
-    /// Motor angles θ1, θ2 \[rad\].
+    /// Motor angles θ1, θ2 `[rad]`.
     pub angles: [f64; 2],
     /// Unit vectors along the proximal links, from the motor to the elbow.
     pub proximal: [[f64; 2]; 2],
     /// Unit vectors along the distal links, from the elbow to the end-point.
     pub distal: [[f64; 2]; 2],
-    /// End-point (x, y) \[m\], in the geometry's own origin.
+    /// End-point (x, y) `[m]`, in the geometry's own origin.
     pub position: [f64; 2],
     /// Sine of the angle from distal link 1 to distal link 2; its sign is the assembly's.
     pub sine: f64,
-    /// Length l \[m\], for the derivatives.
+    /// Length l `[m]`, for the derivatives.
     length: f64,
     /// l / L.
     ratio: f64,
 }
 
 impl Geometry {
-    /// The usual assembly with the origin on motor 1; lengths in \[m\].
+    /// The usual assembly with the origin on motor 1; lengths in `[m]`.
     ///
     /// # Errors
     ///
@@ -152,7 +152,7 @@ impl Geometry {
         }
     }
 
-    /// The pose for motor angles \[rad\].
+    /// The pose for motor angles `[rad]`.
     ///
     /// # Errors
     ///
@@ -196,7 +196,7 @@ impl Geometry {
         })
     }
 
-    /// The motor angles in (−π, π\] \[rad\] that bring the end-point to `position` \[m\] with these
+    /// The motor angles in (−π, π\] `[rad]` that bring the end-point to `position` `[m]` with these
     /// elbows.
     ///
     /// # Errors
@@ -257,13 +257,13 @@ impl Geometry {
 }
 
 impl ArmPose {
-    /// Directions of the distal links \[rad\], by atan2(P − elbow).
+    /// Directions of the distal links `[rad]`, by atan2(P − elbow).
     #[must_use]
     pub fn distal_angles(&self) -> [f64; 2] {
         self.distal.map(|u| u[1].atan2(u[0]))
     }
 
-    /// J = ∂P/∂θ \[m/rad\]; row 0 is x, column i is motor i.
+    /// J = ∂P/∂θ `[m/rad]`; row 0 is x, column i is motor i.
     ///
     /// From |P − A| = |P − B| = L: the end-point moves along a distal link only as fast as that
     /// link's elbow does, u_i · P′ = u_i · l t_i θ_i′. Two such equations give P′ in every pose
@@ -306,7 +306,7 @@ impl ArmPose {
         })
     }
 
-    /// Motor torques JᵀF \[N m\] that balance −F \[N\] at the end-point.
+    /// Motor torques JᵀF `[N m]` that balance −F `[N]` at the end-point.
     #[must_use]
     pub fn torques(&self, force: [f64; 2]) -> [f64; 2] {
         let j = self.jacobian();

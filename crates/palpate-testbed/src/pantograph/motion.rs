@@ -1,7 +1,7 @@
 //! Motion under held torques: integration in time, with joints that stick and slide.
 //!
 //! **Integration.** Dormand and Prince's method of order 5 with its embedded estimate of order 4.
-//! A step is kept if the estimated error of every angle \[rad\] and rate \[rad/s\] stays below 1e-12
+//! A step is kept if the estimated error of every angle `[rad]` and rate `[rad/s]` stays below 1e-12
 //! of (1 + its size), and is at most 2 ms long. Free motion then keeps its energy within 1e-9
 //! relative over 10 s (`tests/pantograph_dynamics.rs`). Close to a singular pose, where the distal
 //! links whirl, it keeps fewer digits.
@@ -19,16 +19,16 @@ use super::kinematics::{ArmPose, dot};
 
 /// Tolerance of a step.
 const TOLERANCE: f64 = 1e-12;
-/// Longest step \[s\].
+/// Longest step `[s]`.
 const LONGEST: f64 = 2e-3;
-/// A step that must be shorter than this \[s\] has met a singular pose.
+/// A step that must be shorter than this `[s]` has met a singular pose.
 const SHORTEST: f64 = 1e-11;
-/// Width \[s\] to which an instant of sticking or sliding is found.
+/// Width `[s]` to which an instant of sticking or sliding is found.
 const EVENT_WIDTH: f64 = 1e-13;
 /// Most steps of one advance per longest step; beyond it the mechanism counts as jammed.
 const STEPS_PER_LONGEST: usize = 20_000;
 
-/// Angles \[rad\], rates \[rad/s\] and the energy lost so far \[J\].
+/// Angles `[rad]`, rates `[rad/s]` and the energy lost so far `[J]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct State {
     pub angles: [f64; 2],
@@ -40,13 +40,13 @@ pub(super) struct State {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct HeldInputs<'a> {
     pub dynamics: &'a Dynamics,
-    /// Motor torques \[N m\].
+    /// Motor torques `[N m]`.
     pub torques: [f64; 2],
-    /// Force on the end-point \[N\].
+    /// Force on the end-point `[N]`.
     pub force: [f64; 2],
-    /// Viscous friction \[N m s/rad\].
+    /// Viscous friction `[N m s/rad]`.
     pub viscous: f64,
-    /// Coulomb friction \[N m\].
+    /// Coulomb friction `[N m]`.
     pub coulomb: f64,
 }
 
@@ -71,7 +71,7 @@ struct Step {
 pub(super) struct Jammed;
 
 impl HeldInputs<'_> {
-    /// Moves `state` on for `duration` \[s\]. On an error `state` is where the mechanism jammed.
+    /// Moves `state` on for `duration` `[s]`. On an error `state` is where the mechanism jammed.
     pub fn advance(&self, state: &mut State, duration: f64) -> Result<(), Jammed> {
         let mut remaining = duration;
         let mut length = remaining.min(LONGEST);
@@ -161,7 +161,7 @@ impl HeldInputs<'_> {
         Some(best.0)
     }
 
-    /// Accelerations \[rad/s²\], and the torques \[N m\] that hold the stuck joints.
+    /// Accelerations `[rad/s²]`, and the torques `[N m]` that hold the stuck joints.
     fn accelerations(
         &self,
         pose: &ArmPose,

@@ -8,12 +8,12 @@ use crate::error::{finite, positive};
 /// One rigid link.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Link {
-    /// Mass \[kg\].
+    /// Mass `[kg]`.
     pub mass: f64,
     /// Centre of mass on the link's line, as a fraction of its length from the joint nearer to the
     /// motor; may lie outside 0 to 1 for a counterweight.
     pub centre: f64,
-    /// Moment of inertia about the centre of mass \[kg m²\].
+    /// Moment of inertia about the centre of mass `[kg m²]`.
     pub inertia: f64,
 }
 
@@ -46,27 +46,27 @@ pub enum Actuation {
 pub struct PantographParams {
     /// Lengths, assembly and origin.
     pub geometry: Geometry,
-    /// Motor angles at the start \[rad\].
+    /// Motor angles at the start `[rad]`.
     pub home: [f64; 2],
     /// The links on motors 1 and 2.
     pub proximal: [Link; 2],
     /// The links from the elbows to the end-point.
     pub distal: [Link; 2],
-    /// Moment of inertia of each rotor as felt at its joint (gear ratio squared) \[kg m²\].
+    /// Moment of inertia of each rotor as felt at its joint (gear ratio squared) `[kg m²]`.
     pub rotor_inertia: f64,
-    /// Mass of handle and joint at the end-point \[kg\].
+    /// Mass of handle and joint at the end-point `[kg]`.
     pub end_point_mass: f64,
-    /// Viscous friction of each motor joint \[N m s/rad\].
+    /// Viscous friction of each motor joint `[N m s/rad]`.
     pub viscous_friction: f64,
-    /// Coulomb friction of each motor joint, sliding and sticking alike \[N m\].
+    /// Coulomb friction of each motor joint, sliding and sticking alike `[N m]`.
     pub coulomb_friction: f64,
-    /// Largest torque of each motor at its joint \[N m\]; infinite for no limit.
+    /// Largest torque of each motor at its joint `[N m]`; infinite for no limit.
     pub max_torque: f64,
     /// Encoder counts per revolution of the joint; `None` measures exactly.
     pub counts_per_rev: Option<f64>,
     /// How forces come about.
     pub actuation: Actuation,
-    /// Gravity \[m/s²\]; zero for a device that lies flat.
+    /// Gravity `[m/s²]`; zero for a device that lies flat.
     pub gravity: [f64; 2],
 }
 

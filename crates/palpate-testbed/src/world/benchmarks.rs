@@ -21,7 +21,7 @@ use super::scene::{
 /// How many starts a benchmark has.
 pub const STARTS: usize = 21;
 
-/// g \[m/s²\]
+/// g `[m/s²]`
 const GRAVITY: f64 = 9.81;
 
 /// A scene to compare renderings in.
@@ -33,11 +33,11 @@ pub struct Benchmark {
     pub title: String,
     /// The scene, with the middle one of its starts.
     pub scene: WorldScene,
-    /// Period of the loop \[s\].
+    /// Period of the loop `[s]`.
     pub period: f64,
-    /// Length of the window \[s\].
+    /// Length of the window `[s]`.
     pub duration: f64,
-    /// How far the first start has the first device from the middle one; the last one is on the other side \[m\].
+    /// How far the first start has the first device from the middle one; the last one is on the other side `[m]`.
     pub spread: Vector,
 }
 
@@ -80,7 +80,7 @@ pub fn benchmarks() -> Vec<Benchmark> {
         .collect()
 }
 
-/// W1: a point is dropped and pressed into a groove of an opening angle \[°\] along y.
+/// W1: a point is dropped and pressed into a groove of an opening angle `[°]` along y.
 ///
 /// Two normals at once, and a corner.
 #[must_use]
@@ -409,7 +409,7 @@ fn on_mesh(
     }
 }
 
-/// K of the tools' contacts \[N/m\].
+/// K of the tools' contacts `[N/m]`.
 const STIFFNESS: f64 = 4000.0;
 const PERIOD: f64 = 0.001;
 

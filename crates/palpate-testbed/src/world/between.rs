@@ -15,7 +15,7 @@ use super::wrapping::{Wrapped, normal_of};
 const MARGIN: f64 = 1e-9;
 /// Sine of the angle of parallel edges.
 const PARALLEL: f64 = 1e-6;
-/// Corners that are beyond a plane by no more than this are in it \[m\].
+/// Corners that are beyond a plane by no more than this are in it `[m]`.
 const IN_PLANE: f64 = 1e-12;
 
 /// A plane between two solids.

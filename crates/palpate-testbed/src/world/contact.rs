@@ -39,7 +39,7 @@ pub enum WorldError {
     TooManySteps {
         /// The limit.
         limit: usize,
-        /// Where it was met \[s\].
+        /// Where it was met `[s]`.
         time: f64,
     },
     /// A motion that is another one with each length of step, see [`CheckedIdeal`](super::CheckedIdeal).
@@ -47,7 +47,7 @@ pub enum WorldError {
         "the motion depends on the steps it is computed by from {time} s on; there is nothing to judge by"
     )]
     Chaotic {
-        /// From when on \[s\].
+        /// From when on `[s]`.
         time: f64,
     },
 }
@@ -63,7 +63,7 @@ pub(super) struct Contact {
     pub second: usize,
     /// Where the point or the sphere's centre is, in the axes of the first.
     pub on_first: Vec3,
-    /// Radius of the sphere, 0 for a point \[m\].
+    /// Radius of the sphere, 0 for a point `[m]`.
     pub radius: f64,
     pub surface: Shape,
     /// Of two boxes or hulls, both of them, and the contact's number among those of the pair.
@@ -81,7 +81,7 @@ pub(super) struct Placed {
     pub position: Vec3,
     pub rotation: Rotation,
     pub velocity: Vec3,
-    /// Angular velocity in world axes \[rad/s\].
+    /// Angular velocity in world axes `[rad/s]`.
     pub turning: Vec3,
 }
 
@@ -102,17 +102,17 @@ pub(super) struct Acceleration {
 /// Penetration, normal and rates of one contact.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Touch {
-    /// p, negative where there is a gap \[m\].
+    /// p, negative where there is a gap `[m]`.
     pub penetration: f64,
-    /// How fast the material of the two approaches there \[m/s\]: p′, but for the ends of a capsule.
+    /// How fast the material of the two approaches there `[m/s]`: p′, but for the ends of a capsule.
     pub rate: f64,
-    /// p′ \[m/s\]
+    /// p′ `[m/s]`
     pub growth: f64,
     /// n, from the second to the first.
     pub normal: Vec3,
-    /// n′ \[1/s\]
+    /// n′ `[1/s]`
     pub normal_rate: Vec3,
-    /// By how much p grows per length of a way against n, and how that changes \[1/s\].
+    /// By how much p grows per length of a way against n, and how that changes `[1/s]`.
     pub slope: f64,
     pub slope_rate: f64,
     /// Midway between the two surfaces.
@@ -183,7 +183,7 @@ impl Touch {
         self.normal_rate * self.normal.dot(z) - self.normal * self.normal_rate.dot(z)
     }
 
-    /// The rate of `rate` \[m/s²\], from the accelerations of the two.
+    /// The rate of `rate` `[m/s²]`, from the accelerations of the two.
     pub fn second_rate(
         &self,
         [first, second]: [&Placed; 2],
@@ -202,12 +202,12 @@ impl Touch {
 
 /// How a surface lies about a place.
 struct Lies {
-    /// \[m\]
+    /// `[m]`
     distance: f64,
-    /// Out of the surface, and how it turns \[1/s\].
+    /// Out of the surface, and how it turns `[1/s]`.
     normal: Vec3,
     normal_rate: Vec3,
-    /// By how much the distance grows per length of a way along the normal, and how that changes \[1/s\].
+    /// By how much the distance grows per length of a way along the normal, and how that changes `[1/s]`.
     slope: f64,
     slope_rate: f64,
 }
@@ -369,7 +369,7 @@ impl Contact {
         feature(&self.surface, self.centre_in_second(placed))
     }
 
-    /// Whether `current` is that, but for `slack` \[m\].
+    /// Whether `current` is that, but for `slack` `[m]`.
     pub fn holds(&self, current: Feature, placed: &[Placed], slack: f64) -> bool {
         current == Feature::Whole
             || self.solids.is_some()

@@ -8,7 +8,7 @@ use super::scene::{Member, WorldScene};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Decisive {
     /// q K: by how much a quantum of the position changes the force of the stiffest contact that the ideal makes with
-    /// the tool, along the axis with the largest quantum \[N\]; 0 if the ideal does not touch the tool.
+    /// the tool, along the axis with the largest quantum `[N]`; 0 if the ideal does not touch the tool.
     pub quantum_force: f64,
     /// The same over the root mean square of the ideal's force on the tool while something touches it; `None` if
     /// nothing does.

@@ -8,22 +8,22 @@ use super::vector::{Rotation, Vec3};
 /// A function over a grid, in the axes of the body that has it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
-    /// Place of the first node \[m\], and how the grid is turned.
+    /// Place of the first node `[m]`, and how the grid is turned.
     first: Vec3,
     rotation: Rotation,
     spacing: f64,
     counts: [usize; 3],
-    /// One for each node, x fastest \[m\].
+    /// One for each node, x fastest `[m]`.
     coefficients: Vec<f64>,
 }
 
 /// The function at a place, in the body's axes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct At {
-    /// \[m\]
+    /// `[m]`
     pub value: f64,
     pub gradient: Vec3,
-    /// How the gradient changes while the place moves with a velocity \[1/s\].
+    /// How the gradient changes while the place moves with a velocity `[1/s]`.
     pub gradient_rate: Vec3,
 }
 
@@ -45,8 +45,8 @@ fn basis(off: f64) -> [f64; 3] {
 }
 
 impl Field {
-    /// A function by its `coefficients` \[m\], one for each of `counts` nodes along each axis, those along x fastest. The
-    /// first node is at `first` \[m\], others at multiples of `spacing` \[m\] along the axes that `orientation` turns the body's to.
+    /// A function by its `coefficients` `[m]`, one for each of `counts` nodes along each axis, those along x fastest. The
+    /// first node is at `first` `[m]`, others at multiples of `spacing` `[m]` along the axes that `orientation` turns the body's to.
     ///
     /// `None` if there are other coefficients than nodes, or fewer than four nodes along an axis.
     #[must_use]

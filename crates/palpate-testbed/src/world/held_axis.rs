@@ -11,7 +11,7 @@ use crate::sprung_mass::SprungMass;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum HeldAxis {
     Moves(SwungMass),
-    /// At this position \[m\].
+    /// At this position `[m]`.
     Stays(f64),
 }
 
@@ -151,7 +151,7 @@ impl DevicePlant for SwungMass {
         work + force_on_object * (self.swing() - before)
     }
 
-    /// m x′²/2 + k (x − x_rest)²/2 − F x \[J\]; damping and tremor change it, too.
+    /// m x′²/2 + k (x − x_rest)²/2 − F x `[J]`; damping and tremor change it, too.
     fn stored_energy(&self) -> f64 {
         let stretched = self.position() - self.rest;
         0.5 * self.mass * self.velocity().powi(2) + 0.5 * self.stiffness * stretched * stretched

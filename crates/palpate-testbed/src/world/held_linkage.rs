@@ -7,7 +7,7 @@ use super::scene::{Vector, WorldDevice};
 use super::vector::Vec3;
 use crate::actuator::ActuatorParams;
 
-/// Longest step of the integration \[s\]. Its error is of order 5; rates of a hand and of a linkage are below 1 kHz.
+/// Longest step of the integration `[s]`. Its error is of order 5; rates of a hand and of a linkage are below 1 kHz.
 const LONGEST_STEP: f64 = 6.25e-5;
 /// A step is at most this part of the lag.
 const STEP_IN_LAGS: f64 = 0.125;

@@ -7,7 +7,7 @@ use super::vector::{Rotation, Vec3, quaternion_rate};
 use crate::InvalidParameter;
 use crate::actuator::{Actuator, ActuatorParams};
 
-/// Longest step of the integration \[s\]: a device turns by a small part of a turn in it.
+/// Longest step of the integration `[s]`: a device turns by a small part of a turn in it.
 const LONGEST_STEP: f64 = 6.25e-5;
 /// Longest step in units of the time in which a device gives way in its hand. The method of order 5 is stable up to 3.3 against a
 /// damper,
@@ -24,24 +24,24 @@ pub struct HeldTurning {
     turning: Turning,
     actuator: ActuatorParams,
     state: [f64; 7],
-    /// Torque that the actuator gives now \[N m\].
+    /// Torque that the actuator gives now `[N m]`.
     torque: Vec3,
     time: f64,
     step: Step,
-    /// Stiffness of the hand while it holds the device \[N m/rad\].
+    /// Stiffness of the hand while it holds the device `[N m/rad]`.
     stiffness: f64,
-    /// Longest step of the integration \[s\].
+    /// Longest step of the integration `[s]`.
     longest: f64,
 }
 
-/// Bound of the rates of a device in its hand \[rad/s\].
+/// Bound of the rates of a device in its hand `[rad/s]`.
 fn rate(turning: &Turning) -> f64 {
     let least = turning.inertia.iter().fold(f64::INFINITY, |a, b| a.min(*b));
     turning.hand.damping / least + SPRING * (turning.hand.stiffness / least).sqrt()
 }
 
 impl HeldTurning {
-    /// Fastest rate of a device in its hand that a loop can follow in the time of a tick \[rad/s\]: the hand's damping over the least
+    /// Fastest rate of a device in its hand that a loop can follow in the time of a tick `[rad/s]`: the hand's damping over the least
     /// moment of inertia, and 2.2 times the root of its stiffness over that.
     pub const FASTEST: f64 = STEP_IN_RATES / LONGEST_STEP;
 
@@ -89,7 +89,7 @@ impl HeldTurning {
         }
     }
 
-    /// The hand's spring is relaxed at `rest` from now on, a unit quaternion \[w, x, y, z\]. What is none changes nothing.
+    /// The hand's spring is relaxed at `rest` from now on, a unit quaternion `[w, x, y, z]`. What is none changes nothing.
     /// Allocates nothing, for a loop's tick.
     pub fn aim_at(&mut self, rest: [f64; 4]) {
         let length = rest.iter().map(|part| part * part).sum::<f64>();
@@ -103,7 +103,7 @@ impl HeldTurning {
         self.turning.hand.stiffness = if is_held { self.stiffness } else { 0.0 };
     }
 
-    /// Unit quaternion \[w, x, y, z\].
+    /// Unit quaternion `[w, x, y, z]`.
     #[must_use]
     pub fn orientation(&self) -> [f64; 4] {
         let q = [0, 1, 2, 3].map(|i: usize| self.state[i]);
@@ -124,7 +124,7 @@ impl HeldTurning {
         turned_by(Vec3(rounded), start)
     }
 
-    /// How fast it turns, in world axes \[rad/s\].
+    /// How fast it turns, in world axes `[rad/s]`.
     #[must_use]
     pub fn angular_velocity(&self) -> Vector {
         let rotation = Rotation::of_quaternion(self.orientation());
@@ -132,8 +132,8 @@ impl HeldTurning {
         self.turning.angular_velocity(&rotation, momentum).0
     }
 
-    /// Moves on for `duration` \[s\] while a torque on the tool is commanded \[N m\]; the delivered angular impulse
-    /// \[N m s\], 0 of a device that gives no torque.
+    /// Moves on for `duration` `[s]` while a torque on the tool is commanded `[N m]`; the delivered angular impulse
+    /// `[N m s]`, 0 of a device that gives no torque.
     pub fn advance(&mut self, command: Vector, duration: f64) -> Vector {
         let ActuatorParams { gain, lag } = self.actuator;
         let aim = self.turning.of_contacts(Vec3(command)) * gain;

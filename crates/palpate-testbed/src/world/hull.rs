@@ -27,7 +27,7 @@ pub struct Hull {
 }
 
 impl Hull {
-    /// Around `points` \[m\]; `None` where they lie in a plane, or the solid has more than 64 corners.
+    /// Around `points` `[m]`; `None` where they lie in a plane, or the solid has more than 64 corners.
     #[must_use]
     pub fn around(points: &[Vector]) -> Option<Self> {
         let points: Vec<Vec3> = points.iter().map(|&point| Vec3(point)).collect();
@@ -53,7 +53,7 @@ impl Hull {
         })
     }
 
-    /// Its corners \[m\].
+    /// Its corners `[m]`.
     #[must_use]
     pub fn corners(&self) -> Vec<Vector> {
         self.wrapped.corners.iter().map(|corner| corner.0).collect()

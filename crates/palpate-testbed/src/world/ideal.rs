@@ -149,7 +149,7 @@ impl WorldIdeal {
         })
     }
 
-    /// Largest penetration of all contacts \[m\].
+    /// Largest penetration of all contacts `[m]`.
     #[must_use]
     pub fn deepest(&self) -> f64 {
         self.encounters

@@ -16,7 +16,7 @@ pub enum Freedom {
 
 /// A joint of a body, as everything stands at t = 0.
 ///
-/// Its coordinate q is the angle \[rad\] about, or the way \[m\] along the axis of the body against the other one, 0 at t = 0.
+/// Its coordinate q is the angle `[rad]` about, or the way `[m]` along the axis of the body against the other one, 0 at t = 0.
 /// A joint that turns holds two points of the axis, half a span on both sides of its own, by a spring K/2 each. One that
 /// slides holds four, as far away along the axis and across it, by K/4 each against motion across the axis. Across is as far as
 /// it can be along that of the body's axes at t = 0 which is least along the axis, the first of equal ones.
@@ -28,21 +28,21 @@ pub struct WorldJoint {
     pub against: Option<usize>,
     /// What it lets the body do.
     pub freedom: Freedom,
-    /// Its middle, in world axes \[m\].
+    /// Its middle, in world axes `[m]`.
     pub point: Vector,
     /// Unit vector along the axis, in world axes.
     pub axis: Vector,
-    /// K, above 0 \[N/m\].
+    /// K, above 0 `[N/m]`.
     pub stiffness: f64,
-    /// Damping beside K, shared likewise, at least 0 \[N s/m\].
+    /// Damping beside K, shared likewise, at least 0 `[N s/m]`.
     pub damping: f64,
-    /// Length of the bearing, above 0 \[m\].
+    /// Length of the bearing, above 0 `[m]`.
     pub span: f64,
-    /// Spring along q, \[N/m\] or \[N m/rad\], at least 0.
+    /// Spring along q, `[N/m]` or `[N m/rad]`, at least 0.
     pub spring: f64,
-    /// Where it is relaxed \[m\] or \[rad\].
+    /// Where it is relaxed `[m]` or `[rad]`.
     pub rest: f64,
-    /// Damping along q, \[N s/m\] or \[N m s/rad\], at least 0.
+    /// Damping along q, `[N s/m]` or `[N m s/rad]`, at least 0.
     pub along_damping: f64,
     /// Beyond these, q is pushed back by K, or by K span²/4 where it is an angle.
     pub limits: Option<[f64; 2]>,
@@ -91,9 +91,9 @@ pub(super) struct Bearing {
 pub(super) struct Hold {
     /// Force and torque about the mass centre on each of the two.
     pub wrenches: Vec<(usize, Vec3, Vec3)>,
-    /// \[J\]
+    /// `[J]`
     pub stored: f64,
-    /// What damping takes \[W\].
+    /// What damping takes `[W]`.
     pub power: f64,
 }
 

@@ -43,7 +43,7 @@ pub struct DeviceJudgement {
     pub touches: Vec<TouchJudgement>,
     /// Number of rendered touches.
     pub rendered_touches: usize,
-    /// Largest held force \[N\].
+    /// Largest held force `[N]`.
     pub peak_force: f64,
 }
 
@@ -55,7 +55,7 @@ pub struct TorqueJudgement {
     pub sum: Option<Fidelity>,
     /// About each axis of the world; `None` where the ideal torque is 0 or rounding, as for forces.
     pub axes: [Option<Fidelity>; 3],
-    /// Largest held torque \[N m\].
+    /// Largest held torque `[N m]`.
     pub peak_torque: f64,
 }
 
@@ -67,13 +67,13 @@ pub struct TorqueJudgement {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct TouchJudgement {
-    /// Begin of its first interval \[s\].
+    /// Begin of its first interval `[s]`.
     pub start: f64,
-    /// End of its last interval \[s\].
+    /// End of its last interval `[s]`.
     pub end: f64,
-    /// ∫ f dt of the ideal on the tool \[N s\].
+    /// ∫ f dt of the ideal on the tool `[N s]`.
     pub ideal_impulse: Vector,
-    /// Largest |f| of the ideal \[N\].
+    /// Largest |f| of the ideal `[N]`.
     pub ideal_peak: f64,
     /// The same of the held forces; `None` if there were fewer touches.
     pub rendered: Option<RenderedTouch>,
@@ -83,11 +83,11 @@ pub struct TouchJudgement {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct RenderedTouch {
-    /// Begin of its first interval \[s\].
+    /// Begin of its first interval `[s]`.
     pub start: f64,
-    /// ∫ f dt on the tool \[N s\].
+    /// ∫ f dt on the tool `[N s]`.
     pub impulse: Vector,
-    /// Largest |f| \[N\].
+    /// Largest |f| `[N]`.
     pub peak: f64,
     /// |rendered − ideal| of the impulse over |ideal|; `None` if that is not a finite number.
     pub impulse_error: Option<f64>,
@@ -117,7 +117,7 @@ pub enum JudgementError {
 }
 
 impl WorldJudgement {
-    /// Judges the force `held` on each tool over each interval of the ideal's grid \[N\]: `held[device][interval]`.
+    /// Judges the force `held` on each tool over each interval of the ideal's grid `[N]`: `held[device][interval]`.
     ///
     /// # Errors
     ///
@@ -134,7 +134,7 @@ impl WorldJudgement {
         Self::of_wrenches(scene, ideal, held, &[])
     }
 
-    /// The same with the torque held on each tool about its mass centre \[N m\]: `torques[device][interval]`. Where one is
+    /// The same with the torque held on each tool about its mass centre `[N m]`: `torques[device][interval]`. Where one is
     /// missing, it counts as 0; that of a device that gives none is not looked at.
     ///
     /// # Errors
@@ -338,7 +338,7 @@ fn touches(
 }
 
 impl DeviceProfile {
-    /// The best that can be held: the mean force on the tool over each interval, along the device's axes \[N\].
+    /// The best that can be held: the mean force on the tool over each interval, along the device's axes `[N]`.
     #[must_use]
     pub fn mean_forces(&self, grid: &Grid) -> Vec<Vector> {
         self.impulses
@@ -358,12 +358,12 @@ pub struct WindowRule {
     /// The window ends half a period after this touch of a tool ends, counted from 1 over all tools; `None` for
     /// no such end.
     pub touches: Option<usize>,
-    /// Longest window \[s\].
+    /// Longest window `[s]`.
     pub longest: f64,
 }
 
 impl WindowRule {
-    /// The window in whole periods \[s\], at least one.
+    /// The window in whole periods `[s]`, at least one.
     ///
     /// # Errors
     ///
@@ -400,7 +400,7 @@ fn whole(periods: f64) -> usize {
 }
 
 impl WorldIdeal {
-    /// When anything begins and ends to touch the tool of a device \[s\]; the end is `None` if that is beyond the
+    /// When anything begins and ends to touch the tool of a device `[s]`; the end is `None` if that is beyond the
     /// window.
     #[must_use]
     pub fn touches_of(&self, device: usize) -> Vec<(f64, Option<f64>)> {

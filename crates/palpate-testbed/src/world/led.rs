@@ -7,9 +7,9 @@ use super::turning::{TurningHand, rotation_vector, turned_by};
 use super::vector::Vec3;
 use crate::InvalidParameter;
 
-/// Mass of a device that no force moves \[kg\], and moments of inertia of one that no torque turns \[kg m²\].
+/// Mass of a device that no force moves `[kg]`, and moments of inertia of one that no torque turns `[kg m²]`.
 const UNMOVED: f64 = 1e15;
-/// An orientation \[w, x, y, z\].
+/// An orientation `[w, x, y, z]`.
 type Quaternion = [f64; 4];
 
 /// A motion of all devices of a scene: straight lines between points in time, and rotations about one axis at one rate.
@@ -22,7 +22,7 @@ pub struct LedPath {
 }
 
 impl LedPath {
-    /// The motion through `positions[point][device]` \[m\] at `times` \[s\], from t = 0.
+    /// The motion through `positions[point][device]` `[m]` at `times` `[s]`, from t = 0.
     ///
     /// # Errors
     ///
@@ -76,7 +76,7 @@ impl LedPath {
         })
     }
 
-    /// The same motion of devices that turn, with `orientations[point][device]`, unit quaternions \[w, x, y, z\]. From point to
+    /// The same motion of devices that turn, with `orientations[point][device]`, unit quaternions `[w, x, y, z]`. From point to
     /// point each device goes the shorter way round.
     ///
     /// # Errors
@@ -110,7 +110,7 @@ impl LedPath {
         !self.orientations.is_empty()
     }
 
-    /// How each device is turned at a time \[s\]; none where that is not known.
+    /// How each device is turned at a time `[s]`; none where that is not known.
     #[must_use]
     pub fn orientations_at(&self, time: f64) -> Vec<Quaternion> {
         if !self.turns() {
@@ -125,13 +125,13 @@ impl LedPath {
             .collect()
     }
 
-    /// The part of a line that is behind it at a time \[s\].
+    /// The part of a line that is behind it at a time `[s]`.
     fn share(&self, segment: usize, time: f64) -> f64 {
         let [from, to] = [self.times[segment], self.times[segment + 1]];
         ((time - from) / (to - from)).clamp(0.0, 1.0)
     }
 
-    /// When it ends \[s\].
+    /// When it ends `[s]`.
     #[must_use]
     pub fn end(&self) -> f64 {
         self.times[self.times.len() - 1]
@@ -143,7 +143,7 @@ impl LedPath {
         self.positions[0].len()
     }
 
-    /// Where each device is at a time \[s\]; before and after the path at its ends \[m\].
+    /// Where each device is at a time `[s]`; before and after the path at its ends `[m]`.
     #[must_use]
     pub fn at(&self, time: f64) -> Vec<Vector> {
         let (segment, _) = self.segment(time);
@@ -157,7 +157,7 @@ impl LedPath {
         .collect()
     }
 
-    /// Number of the line on which it is at a time \[s\], and where that ends \[s\].
+    /// Number of the line on which it is at a time `[s]`, and where that ends `[s]`.
     fn segment(&self, time: f64) -> (usize, f64) {
         let after = self.times.partition_point(|knot| *knot <= time);
         let segment = after.clamp(1, self.times.len() - 1) - 1;
@@ -192,7 +192,7 @@ impl LedPath {
         scene
     }
 
-    /// Moves a run of [`unmoved`](Self::unmoved) on to `end` \[s\], with its devices on the path.
+    /// Moves a run of [`unmoved`](Self::unmoved) on to `end` `[s]`, with its devices on the path.
     pub(super) fn follow(&self, run: &mut Run, end: f64) -> Result<(), WorldError> {
         while run.time < end {
             let (segment, until) = self.segment(run.time);

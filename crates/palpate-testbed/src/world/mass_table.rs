@@ -35,8 +35,8 @@ struct Local {
 
 impl MassTable {
     /// A table along `axes`, unit vectors at right angles along the world's. `places`: increasing coordinates along each of them,
-    /// from the world's origin \[m\]; one alone where nothing changes along an axis. `masses`: a matrix for each place of that grid
-    /// along `axes`, as xx, yy, zz, xy, xz and yz \[kg\], the last axis first. Beyond the grid the nearest place of its boundary
+    /// from the world's origin `[m]`; one alone where nothing changes along an axis. `masses`: a matrix for each place of that grid
+    /// along `axes`, as xx, yy, zz, xy, xz and yz `[kg]`, the last axis first. Beyond the grid the nearest place of its boundary
     /// counts. Of an axis that a device lacks nothing is looked at.
     ///
     /// # Errors
@@ -109,7 +109,7 @@ impl MassTable {
         self.axes.map(|axis| Vec3(axis).dot(vector))
     }
 
-    /// Acceleration in the world \[m/s²\] of `device`, whose table it is, at a place with a velocity, under a force of everything.
+    /// Acceleration in the world `[m/s²]` of `device`, whose table it is, at a place with a velocity, under a force of everything.
     pub(super) fn acceleration(
         &self,
         device: &WorldDevice,
@@ -152,7 +152,7 @@ impl MassTable {
         device.out(Vec3(solved(&lower, own_push)))
     }
 
-    /// vᵀ M v/2 at a place \[J\].
+    /// vᵀ M v/2 at a place `[J]`.
     pub(super) fn kinetic_energy(&self, position: Vec3, velocity: Vec3) -> f64 {
         let velocity = self.own(velocity);
         let momentum = times(&self.at(self.own(position)).mass, velocity);

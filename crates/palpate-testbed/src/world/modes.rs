@@ -9,11 +9,11 @@ use super::motion::{Condition, Instant, Mode, System, slip_direction};
 use super::surface::Feature;
 use super::vector::{Vec3, turned};
 
-/// How far beyond its end a condition on lengths holds \[m\].
+/// How far beyond its end a condition on lengths holds `[m]`.
 const SLACK: f64 = 1e-14;
 /// How far beyond its end a condition on friction holds, relative.
 const FRICTION_SLACK: f64 = 1e-9;
-/// And in speed \[m/s\].
+/// And in speed `[m/s]`.
 const SPEED_SLACK: f64 = 1e-13;
 /// Rounds in which the contacts settle after an event: one contact's new mode can end another one's.
 const ROUNDS: usize = 16;

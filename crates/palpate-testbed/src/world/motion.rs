@@ -55,11 +55,11 @@ pub(super) struct System {
 pub(super) struct Instant {
     pub placed: Vec<Placed>,
     pub touches: Vec<Touch>,
-    /// N of each contact \[N\].
+    /// N of each contact `[N]`.
     pub normal_forces: Vec<f64>,
-    /// Deflection of each bristle that acts \[m\].
+    /// Deflection of each bristle that acts `[m]`.
     pub bristles: Vec<Vec3>,
-    /// Slip of each bristle, e · v_t − (μ N/k_t)′; 0 unless it slips \[m/s\].
+    /// Slip of each bristle, e · v_t − (μ N/k_t)′; 0 unless it slips `[m/s]`.
     pub slips: Vec<f64>,
     /// What the joints do.
     pub holds: Vec<Hold>,
@@ -268,7 +268,7 @@ impl System {
         }
     }
 
-    /// N \[N\] and the deflection of the bristle \[m\].
+    /// N `[N]` and the deflection of the bristle `[m]`.
     fn push(&self, number: usize, mode: Mode, touch: &Touch, state: &[f64]) -> (f64, Vec3) {
         let law = &self.contacts[number].law;
         if matches!(mode, Mode::Free | Mode::Clipped) {
@@ -287,13 +287,13 @@ impl System {
         (normal_force, bristle)
     }
 
-    /// K p + B p′ \[N\], of any sign: what pushes p. The normal force is the slope of p times as large.
+    /// K p + B p′ `[N]`, of any sign: what pushes p. The normal force is the slope of p times as large.
     pub fn raw_normal_force(&self, number: usize, touch: &Touch) -> f64 {
         let law = &self.contacts[number].law;
         law.stiffness * touch.penetration + law.damping * touch.rate
     }
 
-    /// (μ N/k_t)′ \[m/s\]
+    /// (μ N/k_t)′ `[m/s]`
     fn largest_deflection_rate(&self, contact: &Contact, touch: &Touch, now: &Instant) -> f64 {
         let law = &contact.law;
         let mut rate = law.stiffness * touch.growth;
@@ -438,7 +438,7 @@ impl System {
         }
     }
 
-    /// μ N/k_t \[m\], for a pushing contact.
+    /// μ N/k_t `[m]`, for a pushing contact.
     pub fn largest_deflection(&self, number: usize, touch: &Touch) -> f64 {
         let law = &self.contacts[number].law;
         let normal_force = touch.slope * self.raw_normal_force(number, touch).max(0.0);
@@ -470,13 +470,13 @@ impl System {
     }
 }
 
-/// A length \[m\] and a speed \[m/s\] of haptic contact, against which errors count.
+/// A length `[m]` and a speed `[m/s]` of haptic contact, against which errors count.
 const LENGTH: f64 = 1e-3;
 const SPEED: f64 = 0.1;
 
-/// A bristle of a sliding contact turns into the motion within a way of its own length, or of this one where it is shorter \[m\]. A
+/// A bristle of a sliding contact turns into the motion within a way of its own length, or of this one where it is shorter `[m]`. A
 /// force that begins at 0 has a bristle without length, and the equations would be stiff without bound. A bristle this short holds
-/// k_t times as much \[N\], 0.2 mN at 2 kN/m; energy does not depend on where it points.
+/// k_t times as much `[N]`, 0.2 mN at 2 kN/m; energy does not depend on where it points.
 const TURNED_WITHIN: f64 = 1e-7;
 
 /// Where the bristle of a sliding contact points; one without length points along the motion.
@@ -516,7 +516,7 @@ fn angular_velocity(rotation: &Rotation, motion: &FreeMotion, v: Vec3) -> Vec3 {
     })))
 }
 
-/// Force of the hand on its device \[N\].
+/// Force of the hand on its device `[N]`.
 pub(super) fn hand_force(device: &WorldDevice, time: f64, placed: &Placed) -> Vec3 {
     hand_force_at(device, time, placed.position, placed.velocity)
 }
@@ -540,7 +540,7 @@ pub(super) fn hand_force_at(
 }
 
 impl Instant {
-    /// Kinetic energy of devices and free bodies \[J\].
+    /// Kinetic energy of devices and free bodies `[J]`.
     pub fn kinetic_energy(&self, system: &System) -> f64 {
         let devices = system
             .devices
@@ -570,17 +570,17 @@ impl Instant {
         devices.sum::<f64>() + bodies.sum::<f64>()
     }
 
-    /// Sum of the contact forces on the tool of a device \[N\].
+    /// Sum of the contact forces on the tool of a device `[N]`.
     pub fn contact_force(&self, device: usize) -> Vec3 {
         self.forces[device]
     }
 
-    /// Sum of the contact torques on the tool of a device about its mass centre \[N m\].
+    /// Sum of the contact torques on the tool of a device about its mass centre `[N m]`.
     pub fn contact_torque(&self, device: usize) -> Vec3 {
         self.torques[device]
     }
 
-    /// What a contact stores, K p²/2 + k_t |z|²/2 \[J\].
+    /// What a contact stores, K p²/2 + k_t |z|²/2 `[J]`.
     pub fn stored_energy(&self, system: &System, number: usize) -> f64 {
         let law = &system.contacts[number].law;
         let p = self.touches[number].penetration.max(0.0);

@@ -23,8 +23,8 @@ impl Overlap {
         })
     }
 
-    /// Penetration of each contact \[m\], negative where there is a gap, for tools at `tools` \[m\] and bodies at
-    /// `bodies`, the centre of mass \[m\] and a unit quaternion \[w, x, y, z\] of each, in the order of the scene.
+    /// Penetration of each contact `[m]`, negative where there is a gap, for tools at `tools` `[m]` and bodies at
+    /// `bodies`, the centre of mass `[m]` and a unit quaternion `[w, x, y, z]` of each, in the order of the scene.
     /// The contacts are in the order of [`WorldState::contacts`](super::WorldState). What is missing is where it is
     /// at the start.
     #[must_use]
@@ -65,7 +65,7 @@ impl Overlap {
             .collect()
     }
 
-    /// The largest of them, 0 where nothing overlaps \[m\].
+    /// The largest of them, 0 where nothing overlaps `[m]`.
     #[must_use]
     pub fn deepest(&self, tools: &[Vector], bodies: &[(Vector, [f64; 4])]) -> f64 {
         self.penetrations(tools, bodies)

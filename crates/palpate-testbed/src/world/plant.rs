@@ -22,16 +22,16 @@ const WHOLE: f64 = 1e-9;
 /// Timing of a loop, and its actuators.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlantParams {
-    /// Period T, finite and above 0 \[s\].
+    /// Period T, finite and above 0 `[s]`.
     pub period: f64,
-    /// From a sample to the begin of the force computed from it, 0 to 1024 periods, whole or not \[s\].
+    /// From a sample to the begin of the force computed from it, 0 to 1024 periods, whole or not `[s]`.
     pub delay: f64,
     /// Gain and lag of every axis.
     pub actuator: ActuatorParams,
 }
 
 impl PlantParams {
-    /// A loop of that period \[s\] that gives what is commanded at once.
+    /// A loop of that period `[s]` that gives what is commanded at once.
     #[must_use]
     pub fn perfect(period: f64) -> Self {
         Self {
@@ -76,7 +76,7 @@ impl PlantParams {
 #[derive(Debug, Clone)]
 pub struct WorldPlant {
     params: PlantParams,
-    /// Whole periods and the rest of the delay \[s\].
+    /// Whole periods and the rest of the delay `[s]`.
     delay: (usize, f64),
     devices: Vec<PlantDevice>,
     /// Commands that do not act yet, and the one that does.
@@ -175,32 +175,32 @@ impl WorldPlant {
         self.params
     }
 
-    /// Time of this sample \[s\].
+    /// Time of this sample `[s]`.
     #[must_use]
     pub fn time(&self) -> f64 {
         self.samples as f64 * self.params.period
     }
 
-    /// What the sensors say now: positions, rounded along each of a device's axes to its quantum \[m\].
+    /// What the sensors say now: positions, rounded along each of a device's axes to its quantum `[m]`.
     #[must_use]
     pub fn measure(&self) -> Vec<Vector> {
         self.each(|device, axis| device.samplers[axis].sample(device.position(axis)))
     }
 
-    /// Where the tools' centres are now \[m\].
+    /// Where the tools' centres are now `[m]`.
     #[must_use]
     pub fn positions(&self) -> Vec<Vector> {
         self.each(PlantDevice::position)
     }
 
-    /// How fast they move now \[m/s\].
+    /// How fast they move now `[m/s]`.
     #[must_use]
     pub fn velocities(&self) -> Vec<Vector> {
         self.each(PlantDevice::velocity)
     }
 
     /// How the sensors say the tools are turned now: the rotation vector of each from the start, rounded to its
-    /// quantum, as a unit quaternion \[w, x, y, z\]; not turned for a device that does not turn.
+    /// quantum, as a unit quaternion `[w, x, y, z]`; not turned for a device that does not turn.
     #[must_use]
     pub fn measure_orientations(&self) -> Vec<[f64; 4]> {
         self.turned(HeldTurning::measured)
@@ -219,7 +219,7 @@ impl WorldPlant {
             .collect()
     }
 
-    /// How fast the tools turn now, in world axes \[rad/s\].
+    /// How fast the tools turn now, in world axes `[rad/s]`.
     #[must_use]
     pub fn angular_velocities(&self) -> Vec<Vector> {
         let turnings = self.devices.iter().map(|device| device.turning.as_ref());
@@ -238,13 +238,13 @@ impl WorldPlant {
             .collect()
     }
 
-    /// Takes the force on each tool \[N\] computed from this sample, one for each device, and moves on to the next
+    /// Takes the force on each tool `[N]` computed from this sample, one for each device, and moves on to the next
     /// sample. What is missing counts as 0 N, what is too much is not looked at.
     pub fn hold(&mut self, forces: &[Vector]) {
         self.hold_wrenches(forces, &[]);
     }
 
-    /// The same with a torque on each tool about its mass centre \[N m\], which a device that does not turn does not
+    /// The same with a torque on each tool about its mass centre `[N m]`, which a device that does not turn does not
     /// take.
     pub fn hold_wrenches(&mut self, forces: &[Vector], torques: &[Vector]) {
         let of = |list: &[Vector], number: usize| list.get(number).copied().unwrap_or_default();
@@ -334,7 +334,7 @@ impl WorldPlant {
         Grid::cut_at(edges, period)
     }
 
-    /// Mean force on the tool of a device \[N\] over each interval of [`grid`](Self::grid) up to now.
+    /// Mean force on the tool of a device `[N]` over each interval of [`grid`](Self::grid) up to now.
     ///
     /// # Panics
     ///
@@ -348,7 +348,7 @@ impl WorldPlant {
         own.map(|mean| device.out(Vec3(mean)).0).collect()
     }
 
-    /// Mean torque on the tool of a device \[N m\] likewise.
+    /// Mean torque on the tool of a device `[N m]` likewise.
     ///
     /// # Panics
     ///
@@ -367,7 +367,7 @@ impl WorldPlant {
     }
 }
 
-/// The delay in whole periods and the rest \[s\].
+/// The delay in whole periods and the rest `[s]`.
 fn whole_and_rest(params: &PlantParams) -> Result<(usize, f64), InvalidParameter> {
     let periods = params.delay / params.period;
     InvalidParameter::unless(

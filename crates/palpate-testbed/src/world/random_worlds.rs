@@ -58,28 +58,28 @@ pub struct RandomWorld {
     pub kind: WorldKind,
     /// The scene; its sensors have no quantum, set one where it is wanted.
     pub scene: WorldScene,
-    /// Stiffness K of the tool's contacts \[N/m\]; the second wall of a groove has another.
+    /// Stiffness K of the tool's contacts `[N/m]`; the second wall of a groove has another.
     pub stiffness: f64,
-    /// Masses as a renderer may be told, see [`RandomHands`] \[kg\].
+    /// Masses as a renderer may be told, see [`RandomHands`] `[kg]`.
     pub told_mass: Vector,
     /// The ideal over the window.
     pub ideal: WorldIdeal,
 }
 
-/// Longest window \[s\].
+/// Longest window `[s]`.
 const LONGEST: f64 = 0.3;
 /// A window ends after this touch.
 const TOUCHES: usize = 4;
 /// Fewest intervals of a window.
 const FEWEST: usize = 6;
-/// A scene with a larger mean force is left out \[N\].
+/// A scene with a larger mean force is left out `[N]`.
 const LARGEST_FORCE: f64 = 200.0;
-/// g \[m/s²\]
+/// g `[m/s²]`
 const GRAVITY: f64 = 9.81;
 /// Material damping B over 2 √(K m), m about the tool's mass: so little that a bounce keeps 97 % of its speed.
 const DAMPING_RATIO: f64 = 0.01;
 
-/// So many random scenes for a loop of a period \[s\]; the same for the same seed.
+/// So many random scenes for a loop of a period `[s]`; the same for the same seed.
 ///
 /// The window is at most 0.3 s, ends soon after the fourth touch, and before
 /// the ideal's motion depends on how it is computed. Scenes without a touch, with one at the start, with mean forces above

@@ -5,16 +5,16 @@ use super::scene::{Member, Vector};
 /// The contact force on the tool of one device, along each axis that the device has, cut into the intervals of a grid.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct DeviceProfile {
-    /// ∫ f dt over each interval \[N s\].
+    /// ∫ f dt over each interval `[N s]`.
     pub impulses: Vec<Vector>,
-    /// ∫ f² dt along each axis over each interval \[N² s\].
+    /// ∫ f² dt along each axis over each interval `[N² s]`.
     pub squares: Vec<Vector>,
-    /// Largest |f| in each interval \[N\].
+    /// Largest |f| in each interval `[N]`.
     pub peaks: Vec<f64>,
     /// ∫ τ dt over each interval of the torque about the tool's mass centre; empty for a device that does not turn
-    /// \[N m s\].
+    /// `[N m s]`.
     pub torque_impulses: Vec<Vector>,
-    /// ∫ τ² dt about each axis likewise \[N² m² s\].
+    /// ∫ τ² dt about each axis likewise `[N² m² s]`.
     pub torque_squares: Vec<Vector>,
 }
 
@@ -27,66 +27,66 @@ pub struct Encounter {
     pub contact: usize,
     /// The two, that which has the sphere or the corner first.
     pub between: [Member; 2],
-    /// Begin \[s\]; 0 for a contact that is there at the start.
+    /// Begin `[s]`; 0 for a contact that is there at the start.
     pub start: f64,
-    /// End \[s\], `None` if the contact lasts beyond the window.
+    /// End `[s]`, `None` if the contact lasts beyond the window.
     pub end: Option<f64>,
-    /// ∫ N dt \[N s\].
+    /// ∫ N dt `[N s]`.
     pub normal_impulse: f64,
-    /// ∫ of the force on the first of the two \[N s\].
+    /// ∫ of the force on the first of the two `[N s]`.
     pub impulse: Vector,
-    /// Energy dissipated in it \[J\].
+    /// Energy dissipated in it `[J]`.
     pub dissipated: f64,
-    /// Largest N \[N\].
+    /// Largest N `[N]`.
     pub peak_force: f64,
-    /// Largest penetration \[m\].
+    /// Largest penetration `[m]`.
     pub deepest: f64,
 }
 
 /// Where a device is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeviceState {
-    /// \[m\]
+    /// `[m]`
     pub position: Vector,
-    /// \[m/s\]
+    /// `[m/s]`
     pub velocity: Vector,
-    /// Contact force on its tool \[N\].
+    /// Contact force on its tool `[N]`.
     pub force: Vector,
-    /// Force of the hand on it \[N\].
+    /// Force of the hand on it `[N]`.
     pub hand_force: Vector,
-    /// Unit quaternion \[w, x, y, z\]; not turned for a device that does not turn.
+    /// Unit quaternion `[w, x, y, z]`; not turned for a device that does not turn.
     pub orientation: [f64; 4],
-    /// In world axes \[rad/s\].
+    /// In world axes `[rad/s]`.
     pub angular_velocity: Vector,
-    /// Contact torque on its tool about the mass centre, in world axes \[N m\].
+    /// Contact torque on its tool about the mass centre, in world axes `[N m]`.
     pub torque: Vector,
 }
 
 /// Where a body is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyState {
-    /// Centre of mass \[m\].
+    /// Centre of mass `[m]`.
     pub position: Vector,
-    /// Unit quaternion \[w, x, y, z\].
+    /// Unit quaternion `[w, x, y, z]`.
     pub orientation: [f64; 4],
-    /// \[m/s\]
+    /// `[m/s]`
     pub velocity: Vector,
-    /// In world axes \[rad/s\].
+    /// In world axes `[rad/s]`.
     pub angular_velocity: Vector,
-    /// About the centre of mass, in world axes \[kg m²/s\]; 0 for a fixed body.
+    /// About the centre of mass, in world axes `[kg m²/s]`; 0 for a fixed body.
     pub angular_momentum: Vector,
 }
 
 /// How a contact is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactState {
-    /// p \[m\], negative where there is a gap.
+    /// p `[m]`, negative where there is a gap.
     pub penetration: f64,
     /// From the second of the two to the first.
     pub normal: Vector,
-    /// N \[N\].
+    /// N `[N]`.
     pub normal_force: f64,
-    /// Deflection z of the bristle \[m\].
+    /// Deflection z of the bristle `[m]`.
     pub bristle: Vector,
 }
 
@@ -95,20 +95,20 @@ pub struct ContactState {
 /// kinetic + stored + dissipated = kinetic and stored at the start + hand work + work of the bodies' forces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorldBooks {
-    /// Kinetic energy of devices and bodies \[J\].
+    /// Kinetic energy of devices and bodies `[J]`.
     pub kinetic: f64,
-    /// In the contacts' springs and bristles \[J\].
+    /// In the contacts' springs and bristles `[J]`.
     pub stored: f64,
-    /// By the contacts, never falling \[J\].
+    /// By the contacts, never falling `[J]`.
     pub dissipated: f64,
-    /// By the hands on their devices, their springs and dampers included \[J\].
+    /// By the hands on their devices, their springs and dampers included `[J]`.
     pub hand_work: f64,
-    /// By the constant forces on the bodies \[J\].
+    /// By the constant forces on the bodies `[J]`.
     pub body_work: f64,
 }
 
 impl WorldBooks {
-    /// What must not change: kinetic + stored + dissipated − hand work − work of the bodies' forces \[J\].
+    /// What must not change: kinetic + stored + dissipated − hand work − work of the bodies' forces `[J]`.
     #[must_use]
     pub fn balance(&self) -> f64 {
         self.kinetic + self.stored + self.dissipated - self.hand_work - self.body_work
@@ -118,7 +118,7 @@ impl WorldBooks {
 /// Everything at one edge of the grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldState {
-    /// \[s\]
+    /// `[s]`
     pub time: f64,
     /// In the order of the scene.
     pub devices: Vec<DeviceState>,

@@ -12,11 +12,11 @@ use super::surface::{feature, nearest};
 use super::vector::{Rotation, Vec3};
 use super::wrapping::{Wrapped, normal_of};
 
-/// Of a difference in time \[s\]. Short, because it reaches back over the instant at which a contact begins.
+/// Of a difference in time `[s]`. Short, because it reaches back over the instant at which a contact begins.
 const STEP: f64 = 5e-8;
 /// Rounds of Ridders' method; each at least halves what is left.
 const ROUNDS: usize = 60;
-/// Where two angles are the same \[rad\].
+/// Where two angles are the same `[rad]`.
 const SAME: f64 = 4e-16;
 
 /// The solid that a capsule is on.

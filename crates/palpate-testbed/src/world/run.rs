@@ -11,9 +11,9 @@ use super::vector::{Rotation, Vec3};
 const MOST_STEPS: usize = 200_000;
 /// Parts of a step at whose ends every contact is looked at.
 const PARTS: u32 = 4;
-/// An event is located to this time \[s\].
+/// An event is located to this time `[s]`.
 const EVENT_WIDTH: f64 = 1e-15;
-/// Shortest step of the error control \[s\].
+/// Shortest step of the error control `[s]`.
 const SHORTEST_STEP: f64 = 1e-13;
 
 /// A contact in progress.
@@ -80,7 +80,7 @@ impl<'a> Run<'a> {
         self.state[place + 3..place + 6].copy_from_slice(&velocity);
     }
 
-    /// Turns a device, if it is one that turns, to an orientation with an angular velocity in world axes \[rad/s\];
+    /// Turns a device, if it is one that turns, to an orientation with an angular velocity in world axes `[rad/s]`;
     /// [`settle_anew`](Self::settle_anew) has to follow.
     pub fn lead_turning(&mut self, device: usize, orientation: [f64; 4], velocity: Vec3) {
         let Some(turning) = &self.system.devices[device].turning else {
@@ -109,7 +109,7 @@ impl<'a> Run<'a> {
         self.note_changes();
     }
 
-    /// Moves on to `end` \[s\].
+    /// Moves on to `end` `[s]`.
     pub fn advance(&mut self, end: f64) -> Result<(), WorldError> {
         let begin = self.time;
         // In time from the interval's begin, which has more digits.

@@ -12,7 +12,7 @@ use crate::InvalidParameter;
 use crate::error::{finite, positive};
 use crate::hand::Sinusoid;
 
-/// Three numbers along the axes of the world's frame, for instance a position \[m\] or a force \[N\].
+/// Three numbers along the axes of the world's frame, for instance a position `[m]` or a force `[N]`.
 pub type Vector = [f64; 3];
 
 /// A device in three axes or in six, the hand that holds it, and the tool that it moves.
@@ -25,15 +25,15 @@ pub struct WorldDevice {
     pub name: String,
     /// The device's axes: unit vectors at right angles, along the world's axes; `None` for the world's own.
     pub own_axes: Option<[Vector; 3]>,
-    /// Moved mass m along each axis, above 0 \[kg\]; infinite along an axis that the device lacks. Its mechanism holds it there:
+    /// Moved mass m along each axis, above 0 `[kg]`; infinite along an axis that the device lacks. Its mechanism holds it there:
     /// it stays, and no motor gives a force along that axis, so none is judged.
     pub mass: Vector,
     /// The mass matrix by the tool's place, of a linkage; `None` if its mass is the same everywhere. It tells how the device moves;
     /// [`mass`](Self::mass), that along its axes at the start, says what counts how much in a judgement.
     pub mass_table: Option<Arc<MassTable>>,
-    /// Position of the tool's centre, that of mass, at t = 0 \[m\].
+    /// Position of the tool's centre, that of mass, at t = 0 `[m]`.
     pub position: Vector,
-    /// Velocity at t = 0 \[m/s\].
+    /// Velocity at t = 0 `[m/s]`.
     pub velocity: Vector,
     /// The tool, about the centre of mass.
     pub tool: Tool,
@@ -41,7 +41,7 @@ pub struct WorldDevice {
     pub turning: Option<Turning>,
     /// The hand.
     pub hand: WorldHand,
-    /// Quantum of the position sensor along each of the device's axes, 0 for a perfect one \[m\].
+    /// Quantum of the position sensor along each of the device's axes, 0 for a perfect one `[m]`.
     pub quantum: Vector,
 }
 
@@ -55,7 +55,7 @@ pub enum Tool {
 }
 
 impl Tool {
-    /// A sphere of that radius \[m\], 0 for a point.
+    /// A sphere of that radius `[m]`, 0 for a point.
     #[must_use]
     pub fn sphere(radius: f64) -> Self {
         Self::Solid(Shape::Sphere { radius })
@@ -65,24 +65,24 @@ impl Tool {
 /// A sphere of a tool that has several.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SphereAt {
-    /// Its centre in the tool's axes \[m\].
+    /// Its centre in the tool's axes `[m]`.
     pub centre: Vector,
-    /// Its radius, 0 for a point \[m\].
+    /// Its radius, 0 for a point `[m]`.
     pub radius: f64,
 }
 
 /// A hand in three axes: a force, a spring and a damper.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct WorldHand {
-    /// Constant force F \[N\].
+    /// Constant force F `[N]`.
     pub force: Vector,
-    /// Stiffness k, at least 0 \[N/m\].
+    /// Stiffness k, at least 0 `[N/m]`.
     pub stiffness: f64,
-    /// Damping b, at least 0 \[N s/m\].
+    /// Damping b, at least 0 `[N s/m]`.
     pub damping: f64,
-    /// Where the spring is relaxed \[m\].
+    /// Where the spring is relaxed `[m]`.
     pub rest: Vector,
-    /// Tremor forces along each of the device's axes, their amplitudes in \[N\]; they add up.
+    /// Tremor forces along each of the device's axes, their amplitudes in `[N]`; they add up.
     pub tremor: [Vec<Sinusoid>; 3],
 }
 
@@ -93,9 +93,9 @@ pub struct WorldBody {
     pub name: String,
     /// Shape in the body's own axes, about its centre of mass.
     pub shape: Shape,
-    /// Centre of mass at t = 0 \[m\].
+    /// Centre of mass at t = 0 `[m]`.
     pub position: Vector,
-    /// Unit quaternion \[w, x, y, z\] from the body's axes to the world's at t = 0.
+    /// Unit quaternion `[w, x, y, z]` from the body's axes to the world's at t = 0.
     pub orientation: [f64; 4],
     /// How it moves; `None` if it is fixed.
     pub motion: Option<FreeMotion>,
@@ -104,20 +104,20 @@ pub struct WorldBody {
 /// Mass, start and force of a body that moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeMotion {
-    /// Mass, finite and above 0 \[kg\].
+    /// Mass, finite and above 0 `[kg]`.
     pub mass: f64,
-    /// Moments of inertia about the centre of mass along the body's axes, finite and above 0 \[kg m²\].
+    /// Moments of inertia about the centre of mass along the body's axes, finite and above 0 `[kg m²]`.
     pub inertia: Vector,
-    /// Velocity of the centre of mass at t = 0 \[m/s\].
+    /// Velocity of the centre of mass at t = 0 `[m/s]`.
     pub velocity: Vector,
-    /// Angular velocity at t = 0, in world axes \[rad/s\].
+    /// Angular velocity at t = 0, in world axes `[rad/s]`.
     pub angular_velocity: Vector,
-    /// Constant force at the centre of mass \[N\].
+    /// Constant force at the centre of mass `[N]`.
     pub force: Vector,
 }
 
 impl FreeMotion {
-    /// A body of that mass \[kg\] at rest, whose `shape` it fills evenly. No force but those of contacts pulls
+    /// A body of that mass `[kg]` at rest, whose `shape` it fills evenly. No force but those of contacts pulls
     /// at it.
     #[must_use]
     pub fn of(shape: &Shape, mass: f64) -> Self {
@@ -130,7 +130,7 @@ impl FreeMotion {
         }
     }
 
-    /// The same body under a constant force \[N\].
+    /// The same body under a constant force `[N]`.
     #[must_use]
     pub fn pulled_by(self, force: Vector) -> Self {
         Self { force, ..self }
@@ -140,35 +140,35 @@ impl FreeMotion {
 /// The shape of a body.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
-    /// All points within a radius, above 0 \[m\].
+    /// All points within a radius, above 0 `[m]`.
     Sphere {
-        /// Radius \[m\].
+        /// Radius `[m]`.
         radius: f64,
     },
     /// All points x with normal · x ≤ offset, of a fixed body.
     HalfSpace {
         /// Unit vector out of the solid, in the body's axes.
         normal: Vector,
-        /// Where the surface is along the normal, from the body's position \[m\].
+        /// Where the surface is along the normal, from the body's position `[m]`.
         offset: f64,
     },
     /// A block along the body's axes.
     Box {
-        /// Half of its length along each axis, above 0 \[m\].
+        /// Half of its length along each axis, above 0 `[m]`.
         half_extents: Vector,
     },
     /// All points within a radius of a segment along the body's z axis.
     Capsule {
-        /// Radius, above 0 \[m\].
+        /// Radius, above 0 `[m]`.
         radius: f64,
-        /// Half of the segment's length, above 0 \[m\].
+        /// Half of the segment's length, above 0 `[m]`.
         half_length: f64,
     },
     /// A cylinder along the body's z axis.
     Cylinder {
-        /// Radius, above 0 \[m\].
+        /// Radius, above 0 `[m]`.
         radius: f64,
-        /// Half of its length, above 0 \[m\].
+        /// Half of its length, above 0 `[m]`.
         half_length: f64,
     },
     /// A surface of triangles in the body's axes.
@@ -178,7 +178,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Moments of inertia \[kg m²\] about the centre along the body's axes, if `mass` \[kg\] fills it evenly;
+    /// Moments of inertia `[kg m²]` about the centre along the body's axes, if `mass` `[kg]` fills it evenly;
     /// infinite for a half-space, which has to be fixed, and for an open mesh.
     #[must_use]
     pub fn inertia(&self, mass: f64) -> Vector {
@@ -216,18 +216,18 @@ impl Shape {
 /// bristle of stiffness k_t whose deflection is cut to μ N/k_t.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactLaw {
-    /// K, above 0 \[N/m\].
+    /// K, above 0 `[N/m]`.
     pub stiffness: f64,
-    /// B, at least 0 \[N s/m\].
+    /// B, at least 0 `[N s/m]`.
     pub damping: f64,
     /// μ, at least 0.
     pub friction: f64,
-    /// k_t, above 0 \[N/m\].
+    /// k_t, above 0 `[N/m]`.
     pub friction_stiffness: f64,
 }
 
 impl ContactLaw {
-    /// A spring of that stiffness \[N/m\] without damping and friction.
+    /// A spring of that stiffness `[N/m]` without damping and friction.
     #[must_use]
     pub fn spring(stiffness: f64) -> Self {
         Self {
@@ -238,13 +238,13 @@ impl ContactLaw {
         }
     }
 
-    /// The same law with damping \[N s/m\].
+    /// The same law with damping `[N s/m]`.
     #[must_use]
     pub fn damped(self, damping: f64) -> Self {
         Self { damping, ..self }
     }
 
-    /// The same law with friction of a coefficient and a bristle's stiffness \[N/m\].
+    /// The same law with friction of a coefficient and a bristle's stiffness `[N/m]`.
     #[must_use]
     pub fn rough(self, friction: f64, friction_stiffness: f64) -> Self {
         Self {

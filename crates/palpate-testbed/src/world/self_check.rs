@@ -9,7 +9,7 @@ use super::led::LedPath;
 use super::scene::WorldScene;
 use crate::grid::Grid;
 
-/// Largest E of the ideal against itself \[%\].
+/// Largest E of the ideal against itself `[%]`.
 pub const LARGEST_ERROR: f64 = 0.01;
 
 /// The local error of the other solution, over [`TOLERANCE`]: steps about four times as long.
@@ -20,10 +20,10 @@ const COARSER: f64 = 1000.0;
 pub struct CheckedIdeal {
     /// The finer one, over the part of the window for which both agree.
     pub ideal: WorldIdeal,
-    /// Mean-force error E of the coarser one against it, over that part \[%\]; below [`LARGEST_ERROR`]. All
+    /// Mean-force error E of the coarser one against it, over that part `[%]`; below [`LARGEST_ERROR`]. All
     /// devices and axes together, in the norm of the devices' mobility.
     pub error: f64,
-    /// Time from which on they do not agree \[s\]; `None` if they do so for the whole window.
+    /// Time from which on they do not agree `[s]`; `None` if they do so for the whole window.
     pub chaotic_from: Option<f64>,
 }
 
@@ -83,7 +83,7 @@ impl CheckedIdeal {
     }
 }
 
-/// E \[%\] of one solution against the other over the first interval, the first two, and so on.
+/// E `[%]` of one solution against the other over the first interval, the first two, and so on.
 fn errors(scene: &WorldScene, ideal: &WorldIdeal, other: &WorldIdeal) -> Vec<f64> {
     let (mut of_ideal, mut apart) = (0.0, 0.0);
     (0..ideal.grid.intervals())

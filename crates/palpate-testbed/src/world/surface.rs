@@ -38,7 +38,7 @@ pub(super) enum Feature {
 /// How a surface lies with respect to a point, in the body's axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Nearest {
-    /// Distance of the point above the surface, negative inside \[m\].
+    /// Distance of the point above the surface, negative inside `[m]`.
     pub distance: f64,
     /// Unit vector from the surface towards the outside.
     pub normal: Vec3,
@@ -49,12 +49,12 @@ pub(super) struct Nearest {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Curvature {
     Flat,
-    /// About a point, at that distance \[m\].
+    /// About a point, at that distance `[m]`.
     Point(f64),
-    /// About a line along a unit vector, at that distance \[m\].
+    /// About a line along a unit vector, at that distance `[m]`.
     Line(Vec3, f64),
     /// About a circle around the z axis, at that distance from it, with the outward unit vector and the
-    /// distance from the axis \[m\].
+    /// distance from the axis `[m]`.
     Circle {
         distance: f64,
         outward: Vec3,
@@ -256,7 +256,7 @@ pub(super) fn feature(shape: &Shape, point: Vec3) -> Feature {
 }
 
 /// Whether `current` is still the nearest feature of `shape` to a `point`, or another one is nearer by no
-/// more than about `slack` \[m\].
+/// more than about `slack` `[m]`.
 pub(super) fn holds(shape: &Shape, current: Feature, point: Vec3, slack: f64) -> bool {
     let found = feature(shape, point);
     if found == current || matches!(current, Feature::OnMesh(_)) {

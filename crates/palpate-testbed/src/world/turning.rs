@@ -14,33 +14,33 @@ use crate::hand::Sinusoid;
 /// not act.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Turning {
-    /// Moments of inertia about the mass centre along the tool's axes, finite and above 0 \[kg m²\].
+    /// Moments of inertia about the mass centre along the tool's axes, finite and above 0 `[kg m²]`.
     pub inertia: Vector,
-    /// Unit quaternion \[w, x, y, z\] from the tool's axes to the world's at t = 0.
+    /// Unit quaternion `[w, x, y, z]` from the tool's axes to the world's at t = 0.
     pub orientation: [f64; 4],
-    /// Angular velocity at t = 0, in world axes \[rad/s\].
+    /// Angular velocity at t = 0, in world axes `[rad/s]`.
     pub angular_velocity: Vector,
     /// The hand.
     pub hand: TurningHand,
     /// Whether the device gives a torque. If not, the hand alone turns the tool: it takes up the contact torque itself, feels
     /// none of a motor, and none is judged.
     pub gives_torque: bool,
-    /// Quantum of each component of the measured rotation vector from the start, 0 for a perfect sensor \[rad\].
+    /// Quantum of each component of the measured rotation vector from the start, 0 for a perfect sensor `[rad]`.
     pub quantum: f64,
 }
 
 /// How a hand turns a device: a torque, a spring and a damper.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TurningHand {
-    /// Constant torque T in world axes \[N m\].
+    /// Constant torque T in world axes `[N m]`.
     pub torque: Vector,
-    /// Stiffness k, at least 0 \[N m/rad\].
+    /// Stiffness k, at least 0 `[N m/rad]`.
     pub stiffness: f64,
-    /// Damping b, at least 0 \[N m s/rad\].
+    /// Damping b, at least 0 `[N m s/rad]`.
     pub damping: f64,
-    /// The orientation in which the spring is relaxed, a unit quaternion \[w, x, y, z\].
+    /// The orientation in which the spring is relaxed, a unit quaternion `[w, x, y, z]`.
     pub rest: [f64; 4],
-    /// Tremor torques about each axis of the world, their amplitudes in \[N m\]; they add up.
+    /// Tremor torques about each axis of the world, their amplitudes in `[N m]`; they add up.
     pub tremor: [Vec<Sinusoid>; 3],
 }
 
@@ -78,7 +78,7 @@ impl Turning {
         Ok(())
     }
 
-    /// Torque of the hand \[N m\] on the device as it is turned by `q` and turns with ω.
+    /// Torque of the hand `[N m]` on the device as it is turned by `q` and turns with ω.
     pub(super) fn hand_torque(&self, time: f64, q: [f64; 4], omega: Vec3) -> Vec3 {
         let hand = &self.hand;
         let tremor = |axis: usize| -> f64 {
@@ -93,7 +93,7 @@ impl Turning {
         torque
     }
 
-    /// What of a contact torque \[N m\] acts on the device.
+    /// What of a contact torque `[N m]` acts on the device.
     pub(super) fn of_contacts(&self, torque: Vec3) -> Vec3 {
         if self.gives_torque {
             torque
@@ -102,7 +102,7 @@ impl Turning {
         }
     }
 
-    /// Angular momentum that the device has at an angular velocity \[kg m²/s\].
+    /// Angular momentum that the device has at an angular velocity `[kg m²/s]`.
     pub(super) fn angular_momentum(&self, rotation: &Rotation, omega: Vec3) -> Vec3 {
         let own = rotation.back(omega);
         rotation.out(Vec3(std::array::from_fn(|i| own.0[i] * self.inertia[i])))
@@ -114,7 +114,7 @@ impl Turning {
         rotation.out(Vec3(std::array::from_fn(|i| own.0[i] / self.inertia[i])))
     }
 
-    /// What torques about the world's axes are weighted by: the mobility about each at t = 0 \[1/(kg m²)\].
+    /// What torques about the world's axes are weighted by: the mobility about each at t = 0 `[1/(kg m²)]`.
     #[must_use]
     pub fn mobility(&self) -> Vector {
         let rotation = Rotation::of_quaternion(self.orientation);
@@ -134,7 +134,7 @@ pub(super) fn product(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
     [a[0] * b[0] - v.dot(w), x, y, z]
 }
 
-/// The rotation vector in world axes from one orientation to another, of at most half a turn \[rad\].
+/// The rotation vector in world axes from one orientation to another, of at most half a turn `[rad]`.
 pub(super) fn rotation_vector(from: [f64; 4], to: [f64; 4]) -> Vec3 {
     let [w, x, y, z] = product(to, [from[0], -from[1], -from[2], -from[3]]);
     let side = if w < 0.0 { -1.0 } else { 1.0 };

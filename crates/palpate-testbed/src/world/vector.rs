@@ -87,7 +87,7 @@ impl SubAssign for Vec3 {
 pub(super) struct Rotation([Vec3; 3]);
 
 impl Rotation {
-    /// Of a quaternion \[w, x, y, z\] of any length above 0.
+    /// Of a quaternion `[w, x, y, z]` of any length above 0.
     pub fn of_quaternion(q: [f64; 4]) -> Self {
         let [w, x, y, z] = q;
         let s = 2.0 / (w * w + x * x + y * y + z * z);

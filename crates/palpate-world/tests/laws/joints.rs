@@ -49,7 +49,7 @@ fn started(bodies: Vec<Body>, joints: Vec<Joint>) -> (WorldRenderer, WorldState)
     (renderer, state)
 }
 
-/// Moments of inertia of a block \[kg m^2\].
+/// Moments of inertia of a block `[kg m^2]`.
 fn moments(mass: f64) -> Vector {
     let [a, b, c] = SIZE.map(|x| x * x * mass / 12.0);
     [b + c, a + c, a + b]

@@ -6,11 +6,11 @@ use std::f64::consts::TAU;
 use super::super::scene::Vector;
 use crate::world::vector::Vec3;
 
-/// Vertices \[m\], and triangles by the numbers of their corners.
+/// Vertices `[m]`, and triangles by the numbers of their corners.
 pub type Triangles = (Vec<Vector>, Vec<[u32; 3]>);
 
 /// A sphere with bumps and hollows: along a direction (x, y, z) its surface is at
-/// radius + height sin(waves x) sin(waves y) sin(waves z) from the centre \[m\].
+/// radius + height sin(waves x) sin(waves y) sin(waves z) from the centre `[m]`.
 ///
 /// `cells` is how many squares, of two triangles each, lie along each edge of the cube that it is made from: it has
 /// 12 cells² triangles.
@@ -54,8 +54,8 @@ pub fn bumpy_sphere(radius: f64, height: f64, waves: f64, cells: u32) -> Triangl
 
 /// The solid that a profile sweeps around the z axis.
 ///
-/// `profile` has points (distance from the axis, z) \[m\]; the first and the last are on the axis, and the solid lies to the left
-/// of the way from one to the next. No piece is longer than `longest` \[m\], and around the axis there are `segments` pieces.
+/// `profile` has points (distance from the axis, z) `[m]`; the first and the last are on the axis, and the solid lies to the left
+/// of the way from one to the next. No piece is longer than `longest` `[m]`, and around the axis there are `segments` pieces.
 ///
 /// `None` where the profile has fewer than three points, does not begin and end on the axis, or touches it between, there
 /// are fewer than 3 segments, or `longest` is not above 0.

@@ -19,7 +19,7 @@ impl TriangleMesh {
         self.edges.iter().all(|edge| edge.faces.len() == 2)
     }
 
-    /// Moments of inertia \[kg m²\] about the origin along the axes of a body of `mass` \[kg\] that fills the mesh evenly;
+    /// Moments of inertia `[kg m²]` about the origin along the axes of a body of `mass` `[kg]` that fills the mesh evenly;
     /// infinite for an open mesh. The axes should be principal ones: products of inertia are not looked at.
     ///
     /// By the theorem of Gauss: ∫ x² dV = ∫ x³/3 n_x dA, and 1 in place of x² likewise.

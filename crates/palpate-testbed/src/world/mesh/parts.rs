@@ -27,7 +27,7 @@ pub(in crate::world) enum OnMesh {
 /// How a part lies with respect to a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lie {
-    /// Distance of the point in front of it, negative behind a face \[m\].
+    /// Distance of the point in front of it, negative behind a face `[m]`.
     pub distance: f64,
     /// Unit vector from it to the point, for a face out of the solid.
     pub normal: Vec3,
@@ -79,7 +79,7 @@ impl TriangleMesh {
     }
 }
 
-/// Penetration \[m\] of a sphere, the unit normal, and its rate, while the sphere's centre moves with a velocity: by the
+/// Penetration `[m]` of a sphere, the unit normal, and its rate, while the sphere's centre moves with a velocity: by the
 /// formula of what the contact is at. All in the mesh's axes.
 pub(in crate::world) fn nearest(
     mesh: &TriangleMesh,

@@ -142,7 +142,7 @@ impl TriangleMesh {
         best
     }
 
-    /// The part of the whole mesh that is nearest, and its distance \[m\].
+    /// The part of the whole mesh that is nearest, and its distance `[m]`.
     fn nearest_of_all(&self, point: Vec3) -> (Part, f64) {
         let mut reach = self.cell_side();
         // The furthest that a double can say, from anywhere.

@@ -46,7 +46,7 @@ pub struct TriangleMesh {
     pub(super) edges_of: Vec<[usize; 3]>,
     pub(super) edges_at: Vec<Vec<usize>>,
     pub(super) faces_at: Vec<Vec<usize>>,
-    /// A ball around each face: its centre and radius \[m\].
+    /// A ball around each face: its centre and radius `[m]`.
     balls: Vec<(Vec3, f64)>,
     side: f64,
     /// Whether any of its edges is hollow and a bend.
@@ -70,7 +70,7 @@ impl fmt::Debug for TriangleMesh {
 }
 
 impl TriangleMesh {
-    /// The same surface with points \[m\] by which it touches other shapes than spheres; `shared_by` of them, at least one,
+    /// The same surface with points `[m]` by which it touches other shapes than spheres; `shared_by` of them, at least one,
     /// share a contact's law.
     #[must_use]
     pub fn with_points(self, points: &[Vector], shared_by: usize) -> Self {
@@ -100,13 +100,13 @@ impl TriangleMesh {
         self.field.as_ref()
     }
 
-    /// Largest distance of a vertex from the origin \[m\].
+    /// Largest distance of a vertex from the origin `[m]`.
     pub(in crate::world) fn reach(&self) -> f64 {
         let each = self.vertices.iter().map(|vertex| vertex.norm());
         each.fold(0.0, f64::max)
     }
 
-    /// A mesh of `vertices` \[m\] and faces, each by the numbers of its corners from 0.
+    /// A mesh of `vertices` `[m]` and faces, each by the numbers of its corners from 0.
     ///
     /// # Errors
     ///
@@ -199,7 +199,7 @@ impl TriangleMesh {
         Ok(mesh)
     }
 
-    /// Its vertices \[m\].
+    /// Its vertices `[m]`.
     #[must_use]
     pub fn vertices(&self) -> Vec<Vector> {
         self.vertices.iter().map(|vertex| vertex.0).collect()
@@ -224,7 +224,7 @@ impl TriangleMesh {
         })
     }
 
-    /// The faces of which a part may be within `reach` \[m\] of a place, each once, in order.
+    /// The faces of which a part may be within `reach` `[m]` of a place, each once, in order.
     pub(super) fn near(&self, place: Vec3, reach: f64) -> Vec<usize> {
         let corner = Vec3([reach; 3]);
         let is_near = |&face: &usize| {
@@ -248,7 +248,7 @@ impl TriangleMesh {
         found
     }
 
-    /// Length of about three of its edges \[m\].
+    /// Length of about three of its edges `[m]`.
     pub(super) fn cell_side(&self) -> f64 {
         self.side
     }
