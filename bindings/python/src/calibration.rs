@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use palpate_calibrate::{Calibration, ExcitationParams, Phase, Quantity, measure};
 use palpate_study::calibrated::{NotCalibrated, excite};
-use palpate_study::calibration::{CalibrationReport, GainFrom, ExcitedMotion, shown};
+use palpate_study::calibration::{CalibrationReport, ExcitedMotion, GainFrom, shown};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -14,13 +14,13 @@ use palpate_session::RecordedWorld;
 use palpate_sim::closed_loop::LoopError;
 use palpate_sim::hand_replay::{HandError, HandModel, REACH};
 use palpate_sim::replay::ReplayError;
-use palpate_testbed::reference::ReferenceError;
 use palpate_study::hand_replay::{HandReplayError, HandReplayStep};
 use palpate_study::recording::{
     NoScene, RecordingReplay, RecordingReplayError, ReplayOf, ReplayedRecording, StatedHand,
     TicksError, scene_of, shortcomings,
 };
 use palpate_study::text::digits;
+use palpate_testbed::reference::ReferenceError;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

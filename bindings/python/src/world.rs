@@ -8,7 +8,7 @@ use palpate_rt::BoundedWorld;
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_world::{
-    Effort, NOT_TURNED, WorldPart, Quaternion, Sample, Tool, Vector, WorldError, WorldState,
+    Effort, NOT_TURNED, Quaternion, Sample, Tool, Vector, WorldError, WorldPart, WorldState,
 };
 use pyo3::prelude::*;
 

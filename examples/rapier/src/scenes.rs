@@ -1,7 +1,7 @@
 //! Scenes in which contacts of an engine are judged: those of `python -m palpate.engines.table`.
 
 use palpate_testbed::world::{
-    ContactLaw, Member, FreeMotion, Pair, Shape, Tool, Vector, WorldBody, WorldDevice, WorldHand,
+    ContactLaw, FreeMotion, Member, Pair, Shape, Tool, Vector, WorldBody, WorldDevice, WorldHand,
     WorldScene,
 };
 

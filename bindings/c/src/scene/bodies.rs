@@ -4,7 +4,7 @@ use core::ffi::c_char;
 use std::borrow::ToOwned;
 use std::format;
 
-use palpate_world::{Party, WorldPart, Tool};
+use palpate_world::{Party, Tool, WorldPart};
 
 use super::{BodyParams, DeviceParams, Scene, Shape, at, named, wrong};
 use crate::edge::status;
