@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use palpate::Range;
 use palpate_world::{
     Body, Contact, ContactLaw, Free, Motion, NOT_TURNED, Quaternion, Shape, Vector, World,
-    WorldField, WorldGuard, WorldPart, out_of_range,
+    WorldField as Field, WorldGuard, WorldPart, out_of_range,
 };
 use serde::Deserialize;
 use toml::Spanned;
@@ -208,7 +208,7 @@ impl WorldFile {
 
     /// A fault at a field of a part of the world.
     #[must_use]
-    pub fn at(&self, place: WorldPart, field: WorldField, message: String) -> SceneError {
+    pub fn at(&self, place: WorldPart, field: Field, message: String) -> SceneError {
         let span = self.places.of(place, field);
         SceneError::at(&self.name, &self.source, span, message)
     }
@@ -241,11 +241,8 @@ impl Reading {
             );
             self.fault(raw.format.span(), message);
         }
-        self.places.take(
-            WorldPart::Loop,
-            WorldField::Period,
-            raw.r#loop.period_s.clone(),
-        );
+        self.places
+            .take(WorldPart::Loop, Field::Period, raw.r#loop.period_s.clone());
         let period = self.number("period_s", raw.r#loop.period_s.clone(), Range::Positive);
         let timed = [
             &raw.told.delay_s,
@@ -257,7 +254,7 @@ impl Reading {
         ];
         if let Some(delay) = timed.into_iter().flatten().next() {
             self.places
-                .take(WorldPart::Loop, WorldField::Actuation, delay.clone());
+                .take(WorldPart::Loop, Field::Actuation, delay.clone());
         }
         let RawLoop {
             delay_s,
@@ -353,11 +350,11 @@ impl Reading {
     ) -> WorldRender {
         if let Some(mass) = &raw.device_mass_kg {
             self.places
-                .take(WorldPart::Method, WorldField::DeviceMass, mass.clone());
+                .take(WorldPart::Method, Field::DeviceMass, mass.clone());
         }
         if let Some(damping) = &raw.damping_n_s_per_m {
             self.places
-                .take(WorldPart::Method, WorldField::Damping, damping.clone());
+                .take(WorldPart::Method, Field::Damping, damping.clone());
         }
         // Of each device along the axes that it has.
         let told_mass = raw.device_mass_kg.as_ref();
@@ -386,11 +383,8 @@ impl Reading {
             }
         }
         let told_inertia = raw.device_inertia_kg_m2.map(|inertia| {
-            self.places.take(
-                WorldPart::Method,
-                WorldField::DeviceInertia,
-                inertia.clone(),
-            );
+            self.places
+                .take(WorldPart::Method, Field::DeviceInertia, inertia.clone());
             let key = "device_inertia_kg_m2";
             self.numbers(key, inertia.span(), inertia.get_ref(), Range::Positive);
             inertia.into_inner()
@@ -402,10 +396,7 @@ impl Reading {
         WorldRender {
             method: raw.method.map_or_else(
                 || "coupled".into(),
-                |method| {
-                    self.places
-                        .take(WorldPart::Method, WorldField::Method, method)
-                },
+                |method| self.places.take(WorldPart::Method, Field::Method, method),
             ),
             device_mass: masses,
             damping: raw
@@ -447,7 +438,7 @@ impl Reading {
 
     /// The shape of what has this name.
     pub(super) fn shape(&mut self, place: WorldPart, name: &str, raw: Spanned<RawShape>) -> Shape {
-        self.places.take(place, WorldField::Shape, raw.clone());
+        self.places.take(place, Field::Shape, raw.clone());
         for (key, length) in raw.get_ref().lengths() {
             // A tool may be a point, or have points.
             let range = match (place, raw.get_ref()) {
@@ -459,13 +450,13 @@ impl Reading {
             self.numbers(key, raw.span(), &[length], range);
         }
         let fields = [
-            WorldField::Radius,
-            WorldField::HalfExtents,
-            WorldField::HalfLength,
-            WorldField::Normal,
-            WorldField::Offset,
-            WorldField::Spheres,
-            WorldField::Centre,
+            Field::Radius,
+            Field::HalfExtents,
+            Field::HalfLength,
+            Field::Normal,
+            Field::Offset,
+            Field::Spheres,
+            Field::Centre,
         ];
         for field in fields {
             self.places.take(place, field, raw.clone());
@@ -520,10 +511,10 @@ impl Reading {
         let motion = match (raw.fixed, raw.mass_kg) {
             (false, Some(mass)) => {
                 let free = Free {
-                    mass: self.places.take(place, WorldField::Mass, mass),
+                    mass: self.places.take(place, Field::Mass, mass),
                     inertia: raw
                         .inertia_kg_m2
-                        .map(|inertia| self.places.take(place, WorldField::Inertia, inertia)),
+                        .map(|inertia| self.places.take(place, Field::Inertia, inertia)),
                     velocity: self.vector("velocity_m_per_s", raw.velocity_m_per_s, [0.0; 3]),
                     angular_velocity: self.vector(
                         "angular_velocity_rad_per_s",
@@ -556,12 +547,10 @@ impl Reading {
             }
         };
         let orientation = raw.orientation.map_or(NOT_TURNED, |orientation| {
-            let orientation = self
-                .places
-                .take(place, WorldField::Orientation, orientation);
+            let orientation = self.places.take(place, Field::Orientation, orientation);
             unit(orientation)
         });
-        let name = self.places.take(place, WorldField::Name, raw.name);
+        let name = self.places.take(place, Field::Name, raw.name);
         Body {
             shape: self.shape(place, &name, raw.shape),
             name,
@@ -577,10 +566,10 @@ impl Reading {
         let place = WorldPart::Contact(index);
         self.places.part(place, raw.span());
         let raw = raw.into_inner();
-        let Pair(between) = self.places.take(place, WorldField::Between, raw.between);
+        let Pair(between) = self.places.take(place, Field::Between, raw.between);
         let stiffness = self
             .places
-            .take(place, WorldField::Stiffness, raw.stiffness_n_per_m);
+            .take(place, Field::Stiffness, raw.stiffness_n_per_m);
         // What is wrong with the stiffness is said once.
         let is_wrong = out_of_range("", stiffness, Range::Positive).is_some();
         let usual = if is_wrong { 1.0 } else { stiffness };
@@ -591,10 +580,10 @@ impl Reading {
             between,
             law: ContactLaw {
                 stiffness,
-                damping: or(WorldField::Damping, raw.damping_n_s_per_m, 0.0),
-                friction: or(WorldField::Friction, raw.friction, 0.0),
+                damping: or(Field::Damping, raw.damping_n_s_per_m, 0.0),
+                friction: or(Field::Friction, raw.friction, 0.0),
                 friction_stiffness: or(
-                    WorldField::FrictionStiffness,
+                    Field::FrictionStiffness,
                     raw.friction_stiffness_n_per_m,
                     usual,
                 ),
