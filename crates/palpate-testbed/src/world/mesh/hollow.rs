@@ -27,7 +27,7 @@ impl TriangleMesh {
     }
 
     /// The faces on which the shortest way out of a bent surface ends, to where the sphere overlaps nothing of it. `None` if there is no
-    /// way, or it is longer than `longest` \[m\].
+    /// way, or it is longer than `longest` `[m]`.
     pub(super) fn out_of_all(
         &self,
         surface: &[Push],
