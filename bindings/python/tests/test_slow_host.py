@@ -92,7 +92,8 @@ def test_the_example_pushes_its_ball_away(capsys: pytest.CaptureFixture[str]) ->
     assert "the ball has got" in capsys.readouterr().out
 
 
-def test_a_ball_of_the_host_gets_the_impulse_that_the_hand_gave() -> None:
+def pushed_away() -> tuple[Any, SlowProgress, np.ndarray]:
+    """A ball that the device has pushed away, how far the loop has come, and its ticks."""
     ball, slow = Ball(), host(bodies=1, contacts=1)
     pointer = device((0.0, 0.0, 0.0))
     with loop(pointer, slow) as running:
@@ -109,15 +110,24 @@ def test_a_ball_of_the_host_gets_the_impulse_that_the_hand_gave() -> None:
 
         until("the ball to be pushed away", steps_and_is_away)
         assert slow.progress.refusal is None
-        ticks = running.read(wait=PATIENCE)
-    impulse = before.impulses[0].linear
-    assert impulse == pytest.approx(ball.MASS * ball.velocity, rel=1e-9, abs=1e-12)
-    assert impulse[0] > 0.01 and np.abs(before.copies[0] - ball.place).max() < 0.01
-    # What the device was given is what the ball got. A force is held until the next tick, which a busy machine has later.
-    assert ticks["contact_force_1_n"][ticks["penetration_m"] > 0].max() < 0.0
-    held = np.append(np.diff(ticks["t_s"]), 0.0)
-    given = -np.nansum(np.where(ticks["pair"] == 0, ticks["commanded_force_1_n"], 0.0) * held)
-    assert given == pytest.approx(impulse[0], rel=0.2)
+        return ball, before, running.read(wait=PATIENCE)
+
+
+def test_a_ball_of_the_host_gets_the_impulse_that_the_hand_gave() -> None:
+    def gets_what_the_hand_gave() -> bool:
+        ball, progress, ticks = pushed_away()
+        impulse = progress.impulses[0].linear
+        assert impulse == pytest.approx(ball.MASS * ball.velocity, rel=1e-9, abs=1e-12)
+        # A force is held until the next tick: where a busy machine has that late, the hand gave another impulse.
+        if np.nanmax(ticks["period_s"]) > 0.003:
+            return False
+        assert impulse[0] > 0.01 and np.abs(progress.copies[0] - ball.place).max() < 0.01
+        assert ticks["contact_force_1_n"][ticks["penetration_m"] > 0].max() < 0.0
+        held = np.where(ticks["pair"] == 0, ticks["commanded_force_1_n"], 0.0)
+        assert -np.nansum(held) * 0.002 == pytest.approx(impulse[0], rel=0.15)
+        return True
+
+    until("a run without a late tick", gets_what_the_hand_gave)
 
 
 def test_a_model_of_a_tick_that_has_not_been_is_refused_by_name() -> None:
