@@ -2,9 +2,9 @@
 //!
 //! Faces whose normals differ by less than [`SHARP`] from one to the next are one bent surface, and so are those of a
 //! [hollow](super::hollow), also where it goes all around the sphere, as a conical hole does: the sphere is pushed along the
-//! shortest way out of all of them, as by a surface without facets. Where that way is longer than [`STEEP`] times the depth, or there is none, as in a tube that is too narrow,
-//! only those are one surface that differ by less than [`SHARP`] from the deepest. Surfaces push by themselves, each as a
-//! half-space does.
+//! shortest way out of all of them, as by a surface without facets. Where that way is longer than [`STEEP`] times the depth, or
+//! there is none, as in a tube that is too narrow, only those are one surface that differ by less than [`SHARP`] from the
+//! deepest. Surfaces push by themselves, each as a half-space does.
 
 use super::hollow::Around;
 use super::topology::SHARP;
