@@ -3,8 +3,7 @@
 use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, TextAnchor};
 
-/// A place on the page `[px]`.
-pub(super) type PagePoint = (f64, f64);
+use super::drawing::PagePoint;
 
 /// A straight line.
 pub(super) fn line(
