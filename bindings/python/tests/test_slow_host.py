@@ -65,16 +65,16 @@ def test_a_published_floor_pushes_as_its_stiffness_says_and_fades_where_nothing_
 
         def is_pressed(ticks: np.ndarray) -> bool:
             slow.publish(slow.progress, [], [floor()])
-            return bool((ticks["contact_force_3_n"] > 1.0).sum() > 100)
+            return bool((ticks["contact_force_3_n"] > 0.5).sum() > 200)
 
         ticks = read_until(made, "a floor that pushes", is_pressed)
         until("a floor that fades", lambda: slow.progress.is_stale)
         until("no force", lambda: made.status.force == NONE)
-    # The hand gives way until its spring and that of the floor are in balance.
-    pressed = ticks[ticks["contact_force_3_n"] > 1.0][-20:]
+    # The hand gives way until its spring and that of the floor are in balance, at about 0.9 N.
+    pressed = ticks[ticks["contact_force_3_n"] > 0.5][-20:]
     assert np.allclose(pressed["contact_force_3_n"], STIFFNESS * pressed["penetration_m"], rtol=0.02)
     # What is commanded is the mean over the period that comes, which a late tick makes another one.
-    all_pressed = ticks[ticks["contact_force_3_n"] > 1.0]
+    all_pressed = ticks[ticks["contact_force_3_n"] > 0.5]
     on_time = all_pressed[np.abs(all_pressed["period_s"] - 0.002) < 1e-4][-20:]
     assert np.median(on_time["commanded_force_3_n"]) == pytest.approx(np.median(on_time["contact_force_3_n"]), rel=0.05)
     assert (pressed["pair"] == 0).all()
