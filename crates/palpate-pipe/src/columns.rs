@@ -16,8 +16,8 @@ pub enum AnswerColumn {
     Fault,
 }
 
-/// The columns of a row of a recording that a pipe has, in the order in which it tells of them. Beside each stands what
-/// a pipe calls it, where that is not its name without the unit: what a pipe is for, and what its input calls so.
+/// The columns of a row of a recording that a pipe has, in the order in which it tells of them. Beside each stands the
+/// pipe's own name of it, where that is another one than the column's name without its unit.
 const OF_ROW: [(&str, Option<&str>); 15] = [
     ("force_on_device_n", Some("force")),
     ("force_on_object_n", None),

@@ -54,10 +54,10 @@ impl Default for BodyParams {
 }
 
 impl BodyParams {
-    /// A body of that name and shape. What else is wrong with its numbers says the check of a world.
+    /// A body of that name and shape. The check of a world finds what else is wrong with its numbers.
     ///
     /// # Errors
-    /// A fixed body with a velocity: it would stand still and say nothing.
+    /// A fixed body with a velocity: the body would stand still, and no message would say so.
     pub(super) fn body(&self, name: &str, shape: Shape) -> Result<Body, Refusal<'static>> {
         let motion = if self.mass == f64::INFINITY {
             for (key, value) in [
