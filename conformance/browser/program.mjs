@@ -1,5 +1,6 @@
 // The real program, started as a user starts it.
 
+import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
 import { existsSync, mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -62,6 +63,15 @@ export async function startLive(...args) {
         child.on("exit", (code, by) => done(code ?? by));
         child.kill(signal);
       });
+    },
+    /**
+     * Ends it, and checks that it has ended as it should. A loop that a busy machine lets miss its deadlines can create
+     * energy, and safety has the motors off then, which is said.
+     */
+    async endsWell(signal) {
+      const code = await this.end(signal);
+      const isTripped = code === 5 && /\b[1-9]\d* deadlines missed/.test(said) && /\nerror: .*safety had the motors off/.test(said);
+      assert.ok(code === 0 || isTripped, `it ended with ${code}: ${said}`);
     },
     forget() {
       rmSync(folder, { recursive: true, force: true });

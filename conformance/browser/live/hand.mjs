@@ -34,7 +34,7 @@ test("the page loads, keeps its own security policy, and shows curves", async ()
   );
   assert.deepEqual(unnamed, [], "everything that can be used has a name");
   await open.leave();
-  assert.equal(await live.end(), 0);
+  await live.endsWell();
   live.forget();
 });
 

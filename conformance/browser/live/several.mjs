@@ -113,7 +113,7 @@ test("of two devices the one that is taken hold of moves, then the other one, th
   await open.until("both hands hold", () => palpate.model.state.hand_m !== null);
   assert.deepEqual([await open.get(handAt, 0), await open.get(handAt, 1)], [[-0.0202, 0.0005, 0.016], [0.0202, -0.0003, 0.016]]);
   await open.leave();
-  assert.equal(await live.end(), 0);
+  await live.endsWell();
   live.forget();
 });
 
@@ -167,7 +167,7 @@ test("two fingers hold the cube, one mouse after the other, and both forces are 
   assert.equal(await open.get(() => palpate.view.paused), true);
   await picture(open, "pinch");
   await open.leave();
-  assert.equal(await live.end(), 0);
+  await live.endsWell();
   live.forget();
 });
 
@@ -182,7 +182,7 @@ test("a finger chooses on a narrow screen, and two methods each have both tools"
   await open.until("the sentence says each lane", () => /basic: left\s.*; coupled: left\s.* right/.test(document.querySelector("#seen").textContent));
   await picture(open, "pinch-narrow");
   await open.leave();
-  assert.equal(await live.end(), 0);
+  await live.endsWell();
   live.forget();
 });
 
@@ -201,6 +201,6 @@ test("beside a device that is not led from the page, the other one is", async ()
   await open.until("the hand was led", () => palpate.model.state.further_hands[0].hand_m[0] > 0.0202 + 2.5e-3);
   assert.equal(await open.get(handAt, 0), null);
   await open.leave();
-  assert.equal(await live.end(), 0);
+  await live.endsWell();
   live.forget();
 });

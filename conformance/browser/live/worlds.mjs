@@ -72,7 +72,7 @@ test("a world is drawn, and a tool that is dragged pushes its block", async () =
   assert.equal(await open.get(() => palpate.model.droppedFrames >= 0), true);
   await open.shot?.("world");
   await open.leave();
-  assert.equal(await live.end(), 0);
+  await live.endsWell();
   live.forget();
 });
 
@@ -125,7 +125,7 @@ test("the tool of a device of six axes is turned by the mouse and by keys", asyn
   await open.until("it begins as it began", () => palpate.model.state.hand_orientation === null);
   await open.shot?.("six-axes");
   await open.leave();
-  assert.equal(await live.end(), 0);
+  await live.endsWell();
   live.forget();
 });
 
@@ -139,6 +139,6 @@ test("two methods stand side by side, and begin anew", async () => {
   await open.page.click("#restart");
   await open.until("another run", (before) => palpate.model.run !== before, run);
   await open.leave();
-  assert.equal(await live.end(), 0);
+  await live.endsWell();
   live.forget();
 });
