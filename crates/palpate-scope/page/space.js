@@ -2,15 +2,10 @@
 
 import {
   AmbientLight,
-  BoxGeometry,
-  BufferAttribute,
-  BufferGeometry,
-  CapsuleGeometry,
   Color,
   CylinderGeometry,
   DirectionalLight,
   EdgesGeometry,
-  GridHelper,
   Group,
   LineBasicMaterial,
   LineSegments,
@@ -18,7 +13,6 @@ import {
   MeshLambertMaterial,
   PerspectiveCamera,
   Plane,
-  PlaneGeometry,
   Quaternion,
   Raycaster,
   Scene,
@@ -27,17 +21,24 @@ import {
   Vector3,
   WebGLRenderer,
 } from "./vendor/three/three.js";
+import { extent, hidden, solid } from "./shapes.js";
 import { theme } from "./theme.js";
 
 /** How long the arrow of a force is [m/N], for a world of a tenth of a metre. */
 const ARROW_M_PER_N = 0.02;
 const MOST_ARROWS = 65;
+/** An arrow is no longer than this many times the world's reach: it would leave the picture. */
+const LONGEST_ARROW = 1.2;
+/** Sides of the squares that stand for surfaces without an end, in reaches of the world: several close in what they hold. */
+const ONE_SURFACE = 5;
+const OF_SEVERAL = 3;
 const UP = new Vector3(0, 0, 1);
-const SEGMENTS = 32;
 /** Where the camera stands about the z axis at first [rad]. */
 const AZIMUTH = -2.1;
 /** Width over height of a view below which the camera goes further away, so that nothing is cut off at its sides. */
 const NARROW = 0.65;
+/** A surface is seen from outside where its normal is this much towards the eye. */
+const SEEN_FROM_OUTSIDE = 0.1;
 const BODY = "#c58b3b";
 
 export class Space {
@@ -45,6 +46,7 @@ export class Space {
   constructor(canvas) {
     this.canvas = canvas;
     this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.renderer.localClippingEnabled = true;
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.camera = new PerspectiveCamera(35, 1, 1e-3, 100);
     this.camera.up.copy(UP);
@@ -80,7 +82,7 @@ export class Space {
     // With room to move about.
     this.distance = 5 * this.reach;
     if (isNew) {
-      this.azimuth = across(world.tools);
+      this.azimuth = outside(world.bodies, across(world.tools), this.elevation);
     }
     for (const lane of this.lanes) {
       lane.fit(this.centre, this.reach);
@@ -247,6 +249,7 @@ class LaneScene {
       mesh.position.set(...tool.position_m);
       const [w, x, y, z] = tool.orientation;
       mesh.quaternion.set(x, y, z, w);
+      mesh.add(hidden(mesh, theme.lanes[lane]));
       this.scene.add(mesh);
       return mesh;
     });
@@ -263,12 +266,15 @@ class LaneScene {
   }
 
   fit(centre, reach) {
-    for (const mesh of this.bodies) {
-      mesh.userData.fit?.(centre, reach);
-    }
+    const surfaces = this.bodies.filter(({ userData }) => userData.fit);
+    const size = (surfaces.length > 1 ? OF_SEVERAL : ONE_SURFACE) * reach;
+    const outsides = surfaces.map(({ userData }) => userData.outside());
+    surfaces.forEach(({ userData }, number) => userData.fit(centre, size, outsides.filter((_, other) => other !== number)));
     this.targets.forEach((target) => target.scale.setScalar(0.05 * reach));
     this.arrows.metresPerNewton = (ARROW_M_PER_N * reach) / 0.05;
     this.felt.metresPerNewton = this.arrows.metresPerNewton;
+    this.arrows.longest = LONGEST_ARROW * reach;
+    this.felt.longest = this.arrows.longest;
     this.arrows.thickness = 0.012 * reach;
     this.felt.thickness = 0.02 * reach;
   }
@@ -302,6 +308,7 @@ class Arrows {
   constructor(colour) {
     this.group = new Group();
     this.metresPerNewton = ARROW_M_PER_N;
+    this.longest = Infinity;
     this.thickness = 1e-3;
     // One unit long along y, from 0.
     const shaft = new CylinderGeometry(0.5, 0.5, 1, 8).translate(0, 0.5, 0);
@@ -322,7 +329,7 @@ class Arrows {
     this.shown = 0;
     this.arrows.forEach(({ shaft, head }, number) => {
       const { point, force } = forces[number] ?? {};
-      const length = force ? Math.hypot(...force) * this.metresPerNewton : 0;
+      const length = force ? Math.min(Math.hypot(...force) * this.metresPerNewton, this.longest) : 0;
       const isSeen = length > 0.2 * this.thickness;
       shaft.visible = isSeen;
       head.visible = isSeen;
@@ -357,108 +364,25 @@ export function across(tools) {
   return nearness(sides[0]) >= nearness(sides[1]) ? sides[0] : sides[1];
 }
 
-/** How far a shape reaches from its middle [m]. */
-function extent(shape) {
-  const [[kind, keys]] = Object.entries(shape);
-  switch (kind) {
-    case "box":
-      return 0.5 * Math.hypot(...keys.size_m);
-    case "capsule":
-    case "cylinder":
-      return keys.radius_m + 0.5 * keys.length_m;
-    case "spheres":
-      return Math.max(...keys.map(({ centre_m, radius_m }) => Math.hypot(...centre_m) + radius_m), 0.005);
-    case "mesh":
-      return Math.sqrt(corners(keys).reduce((most, [x, y, z]) => Math.max(most, x * x + y * y + z * z), 0));
-    default:
-      return keys.radius_m ?? 0.005;
-  }
-}
-
-/** A shape as something to draw, with its edges where it has some. */
-function solid(shape, colour, isFixed) {
-  const [[kind, keys]] = Object.entries(shape);
-  if (kind === "half_space") {
-    return surface(keys, colour);
-  }
-  const material = new MeshLambertMaterial({ color: colour });
-  const group = new Group();
-  if (kind === "spheres") {
-    for (const { centre_m, radius_m } of keys) {
-      const ball = solid({ sphere: { radius_m } }, colour, isFixed);
-      ball.position.set(...centre_m);
-      group.add(ball);
-    }
-    return group;
-  }
-  const geometry = {
-    // A point is drawn as a small ball.
-    sphere: () => new SphereGeometry(keys.radius_m || 0.002, SEGMENTS, SEGMENTS / 2),
-    box: () => new BoxGeometry(...keys.size_m),
-    capsule: () => new CapsuleGeometry(keys.radius_m, keys.length_m, 8, SEGMENTS).rotateX(Math.PI / 2),
-    cylinder: () => new CylinderGeometry(keys.radius_m, keys.radius_m, keys.length_m, SEGMENTS).rotateX(Math.PI / 2),
-    mesh: () => triangles(keys),
-  }[kind]();
-  group.add(new Mesh(geometry, material));
-  const edges = new LineBasicMaterial({ color: theme.quiet });
-  // A mesh that was made coarser has edges that the surface has not.
-  if (kind === "box" || kind === "cylinder" || (kind === "mesh" && !keys.coarse)) {
-    group.add(new LineSegments(new EdgesGeometry(geometry, 30), edges));
-  } else if (kind === "sphere" && keys.radius_m && !isFixed) {
-    // A ball that turns shows it.
-    group.add(new LineSegments(rings(keys.radius_m * 1.002), edges));
-  }
-  return group;
-}
-
-/** The corners of a mesh [m]. */
-function corners({ vertices_m: flat }) {
-  return Array.from({ length: flat.length / 3 }, (_, k) => flat.slice(3 * k, 3 * k + 3));
-}
-
-/** The triangles of a mesh, each with corners of its own: a facet is flat. */
-function triangles(keys) {
-  const places = corners(keys);
-  const flat = new Float32Array(keys.faces.flatMap((face) => face.flatMap((corner) => places[corner])));
-  const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(flat, 3));
-  geometry.computeVertexNormals();
-  return geometry;
-}
-
-/** Two great circles of a ball. */
-function rings(radius) {
-  const points = [];
-  for (let k = 0; k < 48; k += 1) {
-    for (const end of [k, k + 1]) {
-      const [c, s] = [Math.cos((end * Math.PI) / 24), Math.sin((end * Math.PI) / 24)];
-      points.push([c * radius, 0, s * radius]);
-    }
-  }
-  const turned = points.map(([x, , z]) => [0, x, z]);
-  const flat = new Float32Array([...points, ...turned].flat());
-  return new BufferGeometry().setAttribute("position", new BufferAttribute(flat, 3));
-}
-
-/** The surface of a half-space, as far as the world reaches, with a grid. */
-function surface({ normal, offset_m }, colour) {
-  const group = new Group();
-  const inner = new Group();
-  group.add(inner);
-  group.userData.fit = (centre, reach) => {
-    inner.clear();
-    // In the axes of its body, as the normal is.
-    group.updateMatrixWorld();
-    const middle = group.worldToLocal(centre.clone());
-    const n = new Vector3(...normal);
-    const size = 5 * reach;
-    const material = new MeshLambertMaterial({ color: colour, transparent: true, opacity: 0.55, side: 2, depthWrite: false });
-    const plane = new Mesh(new PlaneGeometry(size, size), material);
-    plane.quaternion.setFromUnitVectors(UP, n);
-    const grid = new GridHelper(size, 10, theme.rule, theme.rule);
-    grid.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), n);
-    inner.add(plane, grid);
-    // The foot of the world's middle on the surface.
-    inner.position.copy(middle).addScaledVector(n, offset_m - n.dot(middle));
+/**
+ * The angle about z nearest to one [rad] from where one looks at as many surfaces as can be from outside, as into a groove along
+ * its walls.
+ */
+export function outside(bodies, azimuth, elevation) {
+  const normals = bodies
+    .filter(({ shape }) => "half_space" in shape)
+    .map(({ shape, orientation: [w, x, y, z] }) => new Vector3(...shape.half_space.normal).applyQuaternion(new Quaternion(x, y, z, w)));
+  const seen = (angle) => {
+    const to = new Vector3(Math.cos(angle), Math.sin(angle), Math.tan(elevation)).normalize();
+    return normals.filter((normal) => normal.dot(to) > SEEN_FROM_OUTSIDE).length;
   };
-  return group;
+  let best = azimuth;
+  for (let step = 1; step <= 36; step += 1) {
+    for (const angle of [azimuth + (step * Math.PI) / 36, azimuth - (step * Math.PI) / 36]) {
+      if (seen(angle) > seen(best)) {
+        best = angle;
+      }
+    }
+  }
+  return best;
 }

@@ -64,6 +64,7 @@ pub const FILES: &[File] = &[
     file!("/save.js", SCRIPT, "save.js"),
     file!("/scene.js", SCRIPT, "scene.js"),
     file!("/seen.js", SCRIPT, "seen.js"),
+    file!("/shapes.js", SCRIPT, "shapes.js"),
     file!("/si.js", SCRIPT, "si.js"),
     file!("/slide.js", SCRIPT, "slide.js"),
     file!("/status.js", SCRIPT, "status.js"),
