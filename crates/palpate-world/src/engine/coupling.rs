@@ -219,14 +219,13 @@ impl Coupling {
             book.held += period.mean.dot(&moved);
             book.carried += self.coupled.axes[tool].across(&period.mean).dot(&moved);
             device.conclude(&period, elapsed);
-            if !period.touched && !state.commands.is_expected(tool) {
-                self.walk_back(device, elapsed);
+            if period.touched || state.commands.is_expected(tool) {
+                self.coupled
+                    .walk_back_in_contact(&mut device.avatar, elapsed);
+            } else {
+                self.coupled.walk_back(&mut device.avatar, elapsed);
             }
-            let norm = device.offset.norm();
-            if norm > self.coupled.offset_limit {
-                device.offset *= self.coupled.offset_limit / norm;
-                state.limited.offset = true;
-            }
+            state.limited.offset |= self.coupled.limit_offset(&mut device.avatar);
             for (touch, (pair, book)) in state
                 .meeting
                 .touches
@@ -257,18 +256,6 @@ impl Coupling {
         }
     }
 
-    /// The avatar of a tool that touches nothing goes back to its device.
-    fn walk_back(&self, device: &mut TrackedDevice, elapsed: f64) {
-        let norm = device.offset.norm();
-        let most = self.coupled.offset_return * elapsed;
-        if norm <= most {
-            device.offset = Vector3::zeros();
-        } else {
-            device.offset *= 1.0 - most / norm;
-        }
-        device.velocity_offset *= 1.0 - (elapsed / self.coupled.velocity_return).min(1.0);
-    }
-
     /// The avatars, where the period of the command to come begins.
     fn place(&self, state: &mut EngineState) {
         let pieces = state.commands.look_ahead(self.in_loop.period);
@@ -294,8 +281,9 @@ impl Coupling {
                 }
             }
             let part = &mut state.meeting.tools[tool];
-            part.rigid.position = device.measured + device.of(|axis| axis.offset) + device.offset;
-            part.rigid.velocity = device.of(|axis| axis.velocity) + device.velocity_offset;
+            part.rigid.position =
+                device.measured + device.of(|axis| axis.offset) + device.avatar.offset;
+            part.rigid.velocity = device.of(|axis| axis.velocity) + device.avatar.velocity_offset;
             part.mobility.linear = device.of(|axis| axis.mobility);
             part.drive = Drive {
                 damping_rate: device.of(|axis| axis.damping_rate),
@@ -353,7 +341,7 @@ impl Coupling {
                 let mobility = device.ahead[axis].mobility;
                 if touched && mobility > 0.0 {
                     // What is owed at the beginning of the period that this force governs.
-                    held[axis] += device.velocity_offset[axis] / (mobility * duration);
+                    held[axis] += device.avatar.velocity_offset[axis] / (mobility * duration);
                 }
             }
             let intended = state.commands.command(tool, &held, duration);
@@ -398,10 +386,10 @@ impl Coupling {
             let velocity = of(|axis| axis.velocity);
             shown.position = position.into();
             shown.velocity = velocity.into();
-            shown.offset = device.offset.into();
-            shown.velocity_offset = device.velocity_offset.into();
-            shown.avatar_position = (position + device.offset).into();
-            shown.avatar_velocity = (velocity + device.velocity_offset).into();
+            shown.offset = device.avatar.offset.into();
+            shown.velocity_offset = device.avatar.velocity_offset.into();
+            shown.avatar_position = (position + device.avatar.offset).into();
+            shown.avatar_velocity = (velocity + device.avatar.velocity_offset).into();
             shown.force = state.forces[tool];
             shown.mass = Some(of(|axis| 1.0 / axis.mobility).into());
         }
@@ -409,29 +397,30 @@ impl Coupling {
 }
 
 impl TrackedDevice {
-    /// The offset of the avatar at the end of a period: avatar under the forces of the contacts, device under what it
-    /// was held by for `elapsed` `[s]`, with what is now known of the device.
+    /// The offset of the avatar after `elapsed` `[s]` from sample to sample: avatar under the forces of the contacts, device
+    /// under what it was held by, with what is now known of the device. Where that time is not the period that was planned, the
+    /// contacts' mean force went on as long as what was held for it: else a tick that is late would leave the avatar with a
+    /// part of the hand's impulse that no contact has taken from it.
     fn conclude(&mut self, period: &Period, elapsed: f64) {
         for axis in 0..3 {
             let known = self.observers[axis].motion;
             let apart = AxisMotion {
                 offset: 0.0,
-                velocity: self.velocity_offset[axis],
+                velocity: self.avatar.velocity_offset[axis],
                 external: 0.0,
                 ..known
             };
-            let held = period.held[axis] * (elapsed / period.duration);
             let force = AxisForce {
-                mean: period.mean[axis] - held,
+                mean: period.mean[axis] - period.held[axis],
                 lead: period.lead[axis],
                 impulse_deviation: 0.0,
                 bias: 0.0,
                 bias_lead: 0.0,
                 share: 1.0,
             };
-            let change = apart.under(&force, period.duration);
-            self.offset[axis] += change.travel;
-            self.velocity_offset[axis] += change.gained;
+            let change = apart.under(&force, elapsed);
+            self.avatar.offset[axis] += change.travel;
+            self.avatar.velocity_offset[axis] += change.gained;
         }
     }
 }

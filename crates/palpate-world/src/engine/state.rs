@@ -6,6 +6,7 @@ use super::image::ImageOffset;
 use super::meeting::Meeting;
 use super::pairs::Pair;
 use crate::commands::Commands;
+use crate::method::coupled_avatar::Avatar;
 use crate::observer::{AxisMotion, AxisObserver, AxisPrior};
 use crate::rigid::Vector3;
 use crate::tracking::Tracking;
@@ -43,10 +44,8 @@ pub(super) struct TrackedDevice {
     pub observers: [AxisObserver; 3],
     /// The device where the period of the next command begins.
     pub ahead: [AxisMotion; 3],
-    /// o: position of the avatar less that of the device `[m]`, at the beginning of the period.
-    pub offset: Vector3,
-    /// w: velocity of the avatar less that of the device `[m/s]`.
-    pub velocity_offset: Vector3,
+    /// At the beginning of the period.
+    pub avatar: Avatar,
     pub period: Option<Period>,
 }
 
@@ -71,8 +70,7 @@ impl TrackedDevice {
             measured,
             observers,
             ahead: observers.each_ref().map(|observer| observer.motion),
-            offset: Vector3::zeros(),
-            velocity_offset: Vector3::zeros(),
+            avatar: Avatar::none(),
             period: None,
         }
     }

@@ -1,5 +1,6 @@
 //! Coupled rendering: devices and world are predicted together, and the mean of the contact force is held.
 
+use super::coupled_avatar::Avatar;
 use super::coupled_books::Moved;
 use super::coupled_motions::Motions;
 use super::coupled_turning::Turning;
@@ -51,24 +52,6 @@ pub(crate) struct TrackedDevice {
     ahead: Motions,
     /// Whether something touched it in the interval that has ended.
     touched: bool,
-}
-
-/// An avatar against its device.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Avatar {
-    /// o: its position less the device's `[m]`.
-    pub offset: Vector3,
-    /// w: its velocity less the device's `[m/s]`.
-    pub velocity_offset: Vector3,
-}
-
-impl Avatar {
-    fn none() -> Self {
-        Self {
-            offset: Vector3::zeros(),
-            velocity_offset: Vector3::zeros(),
-        }
-    }
 }
 
 impl TrackedDevice {
@@ -312,9 +295,9 @@ impl Coupled {
             let is_free = !touched && !is_expected;
             let external = start.of(|axis| axis.external);
             let back = if is_free {
-                self.walk_back(device, elapsed)
+                self.walk_back(&mut device.avatar, elapsed)
             } else {
-                self.walk_back_in_contact(device, elapsed)
+                self.walk_back_in_contact(&mut device.avatar, elapsed)
             };
             let book = &mut state.books.devices[tool];
             book.walked_back += start.weighted(&external, &back);
@@ -324,50 +307,12 @@ impl Coupled {
                 let back = turning.walk_back(self.turn_return * elapsed, kept);
                 book.walked_back += torque.dot(&back);
             }
-            let norm = device.avatar.offset.norm();
-            if norm > self.offset_limit {
-                device.avatar.offset *= self.offset_limit / norm;
-                limited.offset = true;
-            }
+            limited.offset |= self.limit_offset(&mut device.avatar);
             if let Some((turning, _)) = &mut device.turning {
                 limited.offset |= turning.limit_offset(self.turn_limit);
             }
         }
         effort
-    }
-
-    /// The avatar of a tool that touches nothing goes back to its device. Returns the change of its offset.
-    fn walk_back(&self, device: &mut TrackedDevice, elapsed: f64) -> Vector3 {
-        let Avatar {
-            offset,
-            velocity_offset,
-        } = &mut device.avatar;
-        let norm = offset.norm();
-        let most = self.offset_return * elapsed;
-        let back = if norm <= most {
-            -*offset
-        } else {
-            *offset * (-most / norm)
-        };
-        *offset += back;
-        *velocity_offset *= 1.0 - (elapsed / self.velocity_return).min(1.0);
-        back
-    }
-
-    /// In contact the avatar keeps its offset, since to go back while a force changes costs energy. What is beyond
-    /// [`KEPT_IN_CONTACT`] comes from lost samples or a wrong one: else a wall would stand off its place by it for as long as
-    /// it is pressed. That goes back within [`BACK_IN_CONTACT`] or so, no faster than in free motion. Returns the change of the offset.
-    fn walk_back_in_contact(&self, device: &mut TrackedDevice, elapsed: f64) -> Vector3 {
-        let offset = &mut device.avatar.offset;
-        let norm = offset.norm();
-        let beyond = norm - KEPT_IN_CONTACT * self.offset_limit;
-        if beyond <= 0.0 {
-            return Vector3::zeros();
-        }
-        let most = (beyond / BACK_IN_CONTACT).min(self.offset_return) * elapsed;
-        let back = *offset * (-most / norm);
-        *offset += back;
-        back
     }
 
     pub fn plan(
@@ -517,11 +462,6 @@ impl Coupled {
             })
     }
 }
-
-/// Part of the offset's limit that a tool in contact keeps.
-const KEPT_IN_CONTACT: f64 = 0.05;
-/// Time in which the rest of it goes back in contact `[s]`.
-const BACK_IN_CONTACT: f64 = 1.0;
 
 /// Forces below this are none, where nothing touches a tool `[N]`.
 pub(crate) const LEAST_FORCE: f64 = 1e-6;

@@ -1,6 +1,6 @@
 //! The energy that a device and its avatar gain over an interval.
 
-use super::coupled::Avatar;
+use super::coupled_avatar::Avatar;
 use super::coupled_motions::Motions;
 use crate::linkage::Linkage;
 use crate::rigid::Vector3;

@@ -5,6 +5,7 @@
 
 mod basic;
 pub(crate) mod coupled;
+pub(crate) mod coupled_avatar;
 mod coupled_books;
 mod coupled_motions;
 mod coupled_params;

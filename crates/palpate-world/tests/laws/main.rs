@@ -23,6 +23,7 @@ mod hulls;
 mod ideal;
 mod joints;
 mod kick;
+mod late_ticks;
 mod local;
 mod orientations;
 mod resting;
