@@ -107,6 +107,9 @@ pub fn compare(
     method: &Bound<'_, PyAny>,
 ) -> PyResult<(String, String, String)> {
     let methods = chosen(method)?;
+    if scenes.is_empty() {
+        return Err(refused("scenes is empty, but must have 1 scene or more"));
+    }
     let compared: Vec<_> = scenes
         .iter()
         .map(|scene| (scene.get().name.clone(), scene.get().scene().clone()))

@@ -1,7 +1,7 @@
 //! `suite`: methods on random plants, whole or in parts.
 
 use palpate_study::suite::report::SuiteReport;
-use palpate_study::suite::{self, Column, Score, Set};
+use palpate_study::suite::{self, Column, MOST_PLANTS, Score, Set};
 use pyo3::prelude::*;
 
 use crate::figures::drawn;
@@ -62,6 +62,17 @@ impl Judging {
     }
 }
 
+/// Refuses no plants, and more than the program draws.
+fn check_plants(plants: usize) -> PyResult<()> {
+    if (1..=MOST_PLANTS as usize).contains(&plants) {
+        Ok(())
+    } else {
+        Err(refused(format!(
+            "plants is {plants}, but must be 1 to {MOST_PLANTS}"
+        )))
+    }
+}
+
 /// Judges methods on random plants.
 #[pyfunction]
 pub fn run_suite(
@@ -71,9 +82,7 @@ pub fn run_suite(
     plants: usize,
     method: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Shown> {
-    if plants == 0 {
-        return Err(refused("plants is 0, but must be 1 or more"));
-    }
+    check_plants(plants)?;
     let judging = Judging::of(set, seed, method)?;
     let threads = threads()?;
     let (judging, judged) = interruptible(py, move |stop| {
@@ -129,8 +138,10 @@ pub fn suite_part(
 #[pyfunction]
 pub fn suite_names(
     set: &str,
+    plants: usize,
     method: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(Vec<String>, Vec<String>)> {
+    check_plants(plants)?;
     let judging = Judging::of(set, 0, method)?;
     let conditions = judging.set.conditions();
     Ok((

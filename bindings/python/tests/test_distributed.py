@@ -128,6 +128,7 @@ def test_parts_of_another_study_are_told_apart(root: Path, tmp_path: Path) -> No
         (lambda: study.make(4, tmp_path), ValueError, "part is 4, but must be 1 to 3"),
         (lambda: distributed.suite(parts=0), ValueError, "parts is 0, but must be 1 or more"),
         (lambda: distributed.suite(plants=3, parts=4), ValueError, "parts is 4, but there are 3 plants"),
+        (lambda: distributed.suite(plants=10**12), ValueError, "plants is 1000000000000, but must be 1 to 1000000"),
         (lambda: distributed.map(cells=2, parts=7), ValueError, "parts is 7, but the map has 6 cells"),
         (lambda: distributed.map(cells=1), ValueError, "a map has 2 to 1000 cells along each axis, not 1"),
         (lambda: distributed.map(dealy=1), TypeError, "no argument of palpate.map is called dealy"),

@@ -64,6 +64,8 @@ def test_scenes_are_compared_as_by_the_program(program: Any, root: Path) -> None
     assert one.scenes[0].methods[0].method == "basic" and len(one.scenes) == 1
     assert str(one).strip() == program("compare", scenes[0], "--method", "basic").strip()
     assert palpate.compare([light_block()], method="basic").scenes[0].scene == "A light block"
+    with pytest.raises(ValueError, match="scenes is empty, but must have 1 scene or more"):
+        palpate.compare([])
 
 
 def test_a_scene_of_python_is_that_of_its_file(program: Any, tmp_path: Path) -> None:

@@ -81,7 +81,11 @@ def test_random_plants_are_judged_as_by_the_program(program: Any, root: Path) ->
         assert palpate.suite(name, ["hfcr", "coupled"], plants=3) == theirs
     other = program.json("suite", "--plants", 2, "--seed", 7, "--method", "basic")
     assert palpate.suite(method="basic", plants=2, seed=7) == other
-    for wrong, words in [({"set": "moon"}, 'set is "moon", but must be'), ({"plants": 0}, "plants is 0, but must be 1")]:
+    for wrong, words in [
+        ({"set": "moon"}, 'set is "moon", but must be'),
+        ({"plants": 0}, "plants is 0, but must be 1 to 1000000"),
+        ({"plants": 10**12}, "plants is 1000000000000, but must be 1 to 1000000"),
+    ]:
         with pytest.raises(ValueError, match=words):
             palpate.suite(**wrong)
 

@@ -241,7 +241,7 @@ def compare(scenes: SceneLike | Iterable[SceneLike], method: str | Sequence[str]
     """Compares methods on several scenes, as `palpate compare` does.
 
     Args:
-        scenes: Scenes, or paths of scene files.
+        scenes: Scenes, or paths of scene files, at least one.
         method: Name of a method, of `palpate.METHODS`, several names, or `"all"`.
 
     Returns:
@@ -249,7 +249,7 @@ def compare(scenes: SceneLike | Iterable[SceneLike], method: str | Sequence[str]
         the field `cannot`, which says why, in place of its numbers.
 
     Raises:
-        ValueError: A scene that cannot be run.
+        ValueError: A scene that cannot be run, or no scene.
         OSError: A file that cannot be read.
     """
     *made, figure = _palpate.compare(_scenes(scenes), method)

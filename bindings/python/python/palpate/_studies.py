@@ -122,13 +122,13 @@ def suite(
         set: Family of plants: `"paper"`, `"desk"`, `"real"`, `"steps"` or `"calibrated"`.
         method: Name of a method, several names, or `"all"`. `None`: those that the set is for.
         seed: Seed of the draws.
-        plants: Number of plants.
+        plants: Number of plants, at most a million.
 
     Returns:
         The report: `columns`, one for each method, with the distribution of its errors.
 
     Raises:
-        ValueError: A set or a method that there is not.
+        ValueError: A set or a method that there is not, another number of plants.
     """
     fields, text, figure = _palpate.run_suite(set, seed, plants, method)
     return Report._of((fields, text), figure)

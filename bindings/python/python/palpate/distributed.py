@@ -214,7 +214,7 @@ class SuiteStudy(Study):
         if parts > plants:
             raise ValueError(f"parts is {parts}, but there are {plants} plants")
         self.set, self.method, self.seed, self.plants = set, method, seed, plants
-        self._conditions, self._columns = _palpate.suite_names(set, method)
+        self._conditions, self._columns = _palpate.suite_names(set, plants, method)
 
     def merge(self, folder: str | os.PathLike[str]) -> Report:
         """The report on all plants: what `palpate.suite` returns.

@@ -18,6 +18,7 @@ use crate::engine::{BODY, body, wrong};
 use crate::fields::read;
 use crate::names::refused;
 use crate::real_time::heard::Heard;
+use crate::renderer::safety_params;
 
 /// The tool, room for models, and the loop, as the Python files hand them over.
 #[derive(Clone, Copy, FromPyObject)]
@@ -79,12 +80,7 @@ impl SlowHost {
     fn new(given: &Bound<'_, PyDict>) -> PyResult<Self> {
         let given: Given = read(given)?;
         given.renderer([true; 3])?;
-        if !(given.soft_start.is_finite() && given.soft_start >= 0.0) {
-            return Err(refused(format!(
-                "soft_start is {}, but must be a finite number of at least 0",
-                given.soft_start
-            )));
-        }
+        safety_params(None, None, given.soft_start)?;
         Ok(Self {
             given,
             end: Mutex::new(None),

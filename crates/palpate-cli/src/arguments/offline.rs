@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueHint};
 use palpate_record::unit::LengthUnit;
 use palpate_scene::HandForceAt;
+use palpate_study::suite::MOST_PLANTS;
 use palpate_study::sweep::Quantity;
 
 use super::{
@@ -198,7 +199,7 @@ pub struct SuiteArguments {
     pub set: PlantSet,
     /// Number of plants
     #[arg(long, value_name = "COUNT", default_value_t = 200,
-          value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+          value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_PLANTS)))]
     pub plants: u32,
     /// Seed of the random numbers
     #[arg(long, value_name = "SEED", default_value_t = 1, value_parser = whole::<u64>)]

@@ -33,6 +33,9 @@ use palpate_sim::closed_loop::{Bench, LoopError};
 /// Delays that every plant of the paper's set is judged with `[samples]`.
 pub const DELAYS: [usize; 2] = [0, 1];
 
+/// Most plants that may be asked for.
+pub const MOST_PLANTS: u32 = 1_000_000;
+
 /// Collisions of the ideal over which a plant is judged.
 pub const COLLISIONS: usize = 3;
 

@@ -131,7 +131,7 @@ class SlowHost(_palpate.SlowHost):
         lag: Time constant of the actuators [s].
         gain: Delivered over commanded force.
         force_limit: Largest length of the force [N]; `math.inf`: that of the device.
-        soft_start: Time over which a force comes in where a start or a recovery finds contact [s].
+        soft_start: Time over which a force comes in where a start or a recovery finds contact, at most 60 [s].
 
     Raises:
         ValueError: Everything that is wrong, a line for each.
