@@ -198,6 +198,8 @@ def test_a_sample_that_cannot_be_used_gives_no_force() -> None:
     assert world.step([0, math.nan, 0]).tolist() == [0, 0, 0]
     assert world.output is not None and (world.output.fault, world.output.fault_device) == ("position-not-finite", "tool")
     assert world.output.fault in palpate.FAULTS
+    assert world.step([0, 1e300, 0]).tolist() == [0, 0, 0]
+    assert (world.output.fault, world.output.fault_device) == ("overflow", "tool")
     for wrong in ([0, 0], [[0, 0, 0], [0, 0, 0]], 0.0):
         with pytest.raises(ValueError, match="must have"):
             world.step(wrong)

@@ -58,13 +58,18 @@ impl Tracking {
         let was_seen = self.is_seen;
         self.is_seen = false;
         for tool in 0..self.trusted.len() {
-            let finite = sample.positions.get(tool).is_some_and(|position| {
-                let square: f64 = position.iter().map(|x| x * x).sum();
-                square.is_finite()
-            });
-            if !finite {
+            let position = sample.positions.get(tool);
+            let fault = match position {
+                Some(position) if position.iter().all(|x| x.is_finite()) => {
+                    // Of numbers beyond 1e154 no distance can be reckoned.
+                    let square: f64 = position.iter().map(|x| x * x).sum();
+                    (!square.is_finite()).then_some(Fault::Overflow)
+                }
+                _ => Some(Fault::PositionNotFinite),
+            };
+            if let Some(fault) = fault {
                 return Err(WorldFault {
-                    fault: Fault::PositionNotFinite,
+                    fault,
                     tool: Some(tool),
                 });
             }

@@ -73,7 +73,7 @@ pub enum Fault {
     JumpTooFast,
     /// The device orientation is no quaternion of length 1, or it is missing.
     OrientationNotUnit,
-    /// The force or the object's motion would not be a finite number.
+    /// The force or the object's motion would not be a finite number; in a world also a position beyond 1e154 m.
     Overflow,
 }
 

@@ -36,7 +36,8 @@ class WorldOutput(NamedTuple):
     effort: Effort
     """What the tick has cost."""
     fault: str | None
-    """Why the sample was refused, one of `palpate.FAULTS`; `None` where it was not. All forces are then 0."""
+    """Why the sample was refused, one of `palpate.FAULTS`; `None` where it was not. All forces are then 0. Positions have to be
+    within 1e154 m: farther ones are `overflow`."""
     fault_device: str | None
     """The device that the fault is of, where it is one's."""
 

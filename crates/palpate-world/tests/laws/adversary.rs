@@ -149,6 +149,10 @@ fn a_sample_that_is_no_number_gives_no_force_and_says_whose_it_is() {
             (Fault::PositionNotFinite, Some(1))
         );
         assert_eq!(output.forces, [[0.0; 3]; 2]);
+        // It is a number, and no distance from it is.
+        let far = [pressed[0], [1e300; 3]];
+        let fault = renderer.step(&mut state, &Sample::at(&far)).fault.unwrap();
+        assert_eq!((fault.fault, fault.tool), (Fault::Overflow, Some(1)));
         // A leap is not believed, until the next sample confirms it.
         renderer.step(&mut state, &Sample::at(&pressed));
         let leapt = [[0.0, 0.0, 5.0], apart];
