@@ -25,6 +25,8 @@ pub(super) struct Around<'a> {
     /// In the mesh's axes, and in front of the surface `[m]`.
     pub centre: &'a Vector3,
     pub radius: f64,
+    /// Largest number of triangles about it that did not fit.
+    pub left_out: &'a mut u32,
 }
 
 /// Numbers of triangles about a sphere, as bits.
@@ -62,11 +64,13 @@ impl Around<'_> {
     /// The triangles about the sphere where its centre is `place`, as far as one bent surface may go on.
     fn about_wide(&mut self, place: &Vector3) -> About<'_> {
         let wider = (WIDE - 1.0) * self.radius;
-        if self.gathered.holds(place, wider) {
+        let about = if self.gathered.holds(place, wider) {
             self.gathered.about(self.mesh, place, self.radius)
         } else {
             self.lifted.about(self.mesh, place, self.radius + wider)
-        }
+        };
+        *self.left_out = about.left_out.max(*self.left_out);
+        about
     }
 
     /// Says of a triangle whether it is one bent surface with some of them.
@@ -290,5 +294,56 @@ mod tests {
             );
             assert!(largest > 1e-3 && jump < 1e-14 && work < 5e-12);
         }
+    }
+
+    /// More small triangles than fit lie within reach of the wider sphere about the lifted one, and out of reach of the sphere itself.
+    #[test]
+    fn triangles_about_a_lifted_sphere_that_do_not_fit_are_said() {
+        const SIDES: u32 = 24;
+        const PARTS: u32 = 8;
+        let (sine, _) = 45.0_f64.to_radians().sin_cos();
+        let foot = 0.003;
+        let corner = |slant: f64, side: u32, part: u32| {
+            let [from, to] = [side, side + 1].map(|number| {
+                let about = TAU * f64::from(number) / f64::from(SIDES);
+                Vector3::new(about.cos(), about.sin(), 1.0) * slant * sine
+            });
+            let place = from + (to - from) * (f64::from(part) / f64::from(PARTS));
+            <[f64; 3]>::from(place)
+        };
+        let mut vertices = vec![[0.0; 3]];
+        vertices.extend((0..SIDES).map(|side| corner(foot, side, 0)));
+        let all = SIDES * PARTS;
+        for slant in [foot + 0.001, foot + 0.00105] {
+            vertices.extend((0..all).map(|k| corner(slant, k / PARTS, k % PARTS)));
+        }
+        let mut faces = Vec::new();
+        for side in 0..SIDES {
+            let [a, b] = [side, side + 1].map(|number| 1 + number % SIDES);
+            faces.push([0, a, b]);
+            let on_ring = |k: u32| 1 + SIDES + k % all;
+            for k in side * PARTS..(side + 1) * PARTS {
+                let [c, d] = [k, k + 1].map(on_ring);
+                faces.extend([[a, c, d], [c, c + all, d + all], [c, d + all, d]]);
+            }
+            faces.push([a, on_ring((side + 1) * PARTS), b]);
+        }
+        let mesh = Arc::new(Mesh::new(&vertices, &faces).unwrap());
+        let left_out = |below: f64| {
+            let at = |position| Rigid {
+                position,
+                orientation: Rotation::identity(),
+                velocity: Vector3::zeros(),
+                spin: Vector3::zeros(),
+            };
+            let mut surface = Surface::new(mesh.clone(), [0, 1], Vector3::zeros(), RADIUS);
+            let tip = RADIUS / sine;
+            for height in [0.012, tip - below] {
+                surface.look(&at(Vector3::z() * height), &at(Vector3::zeros()));
+            }
+            surface.take_left_out()
+        };
+        assert_eq!(left_out(-1e-4), 0);
+        assert!(left_out(2e-4) > 0);
     }
 }

@@ -280,6 +280,7 @@ impl Surface {
             lifted: &mut self.lifted,
             centre,
             radius,
+            left_out: &mut self.left_out,
         };
         let surface = pushes.deepest_surface(Some(&mut around));
         let near = around.about().near;
@@ -321,6 +322,7 @@ impl Surface {
             lifted: &mut self.lifted,
             centre,
             radius: self.radius,
+            left_out: &mut self.left_out,
         });
         let before = self.memory.found;
         let mut now = [None; POINTS_PER_MESH];
