@@ -2,12 +2,12 @@
 #![allow(missing_docs)]
 #![allow(clippy::print_stdout)] // what was measured
 
+mod pressed;
+
 use palpate_scene::world::{WorldFile, WorldScene};
-use palpate_sim::world::{WorldBench, WorldRun, as_judged};
-use palpate_testbed::world::{Overlap, PlantParams, WorldPlant};
+use palpate_sim::world::{WorldBench, WorldRun};
 use palpate_world::{
-    BasicParams, CoupledParams, Prior, Sample, SubSteps, VirtualCouplingParams, WorldLoop,
-    WorldRenderer,
+    BasicParams, CoupledParams, Prior, SubSteps, VirtualCouplingParams, WorldLoop, WorldRenderer,
 };
 
 const NAMES: [&str; 4] = ["box", "box-stiff", "dumbbell", "peg"];
@@ -247,44 +247,14 @@ duration_s = 0.2
     assert!(all < 1.0 && basic > 10.0 * all, "{all} {basic}");
 }
 
-/// Ripple of the force and the torque in the last second, each as the standard deviation over the mean's length, and
-/// the largest penetration, of a peg that a hand presses into its hole for so long.
-fn pressed(scene: &WorldScene, seconds: usize) -> [f64; 3] {
-    let judged = as_judged(scene);
-    let overlap = Overlap::new(&judged).unwrap();
-    let mut plant = WorldPlant::new(&judged, PlantParams::perfect(0.001)).unwrap();
-    let renderer = scene.renderer("coupled").unwrap();
-    let mut state = renderer.start();
-    let mut last = [Vec::new(), Vec::new()];
-    let mut deepest = 0.0_f64;
-    for sample in 0..1000 * seconds {
-        let (measured, turned) = (plant.measure(), plant.measure_orientations());
-        let output = renderer.step(&mut state, &Sample::at(&measured).turned(&turned));
-        assert_eq!(output.fault, None);
-        if sample >= 1000 * (seconds - 1) {
-            last[0].push(output.forces[0]);
-            last[1].push(output.torques[0]);
-        }
-        let pose = [(plant.positions()[0], plant.orientations()[0])];
-        let depths = overlap.penetrations_of_poses(&pose, &[]);
-        deepest = depths.into_iter().fold(deepest, f64::max);
-        plant.hold_wrenches(output.forces, output.torques);
-    }
-    let ripple = last.map(|all| {
-        let count = all.len() as f64;
-        let mean = [0, 1, 2].map(|i: usize| all.iter().map(|one| one[i]).sum::<f64>() / count);
-        let size = mean.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let apart = |one: &[f64; 3]| -> f64 { (0..3).map(|i| (one[i] - mean[i]).powi(2)).sum() };
-        let spread = (all.iter().map(apart).sum::<f64>() / count).sqrt();
-        100.0 * spread / size
-    });
-    [ripple[0], ripple[1], deepest]
+fn pressed_by_coupled(scene: &WorldScene, seconds: usize) -> [f64; 3] {
+    pressed::pressed(scene, &scene.renderer("coupled").unwrap(), seconds).unwrap()
 }
 
 #[test]
 fn a_peg_that_a_hand_presses_for_a_minute_stays_in_its_hole_and_is_quiet() {
     let mut scene = scene("peg");
-    let [force, torque, deepest] = pressed(&scene, 60);
+    let [force, torque, deepest] = pressed_by_coupled(&scene, 60);
     println!(
         "5 kN/m, 2 um: ripple of the force {force:.2} %, of the torque {torque:.2} %; deepest {:.3} mm",
         1e3 * deepest
@@ -301,7 +271,7 @@ fn a_peg_that_a_hand_presses_for_a_minute_stays_in_its_hole_and_is_quiet() {
     ] {
         scene = measured(scene, quantum, angle);
         scene.world.contacts[0].law.stiffness = stiffness;
-        let [force, torque, deepest] = pressed(&scene, 2);
+        let [force, torque, deepest] = pressed_by_coupled(&scene, 2);
         println!(
             "{stiffness} N/m, {quantum} m: ripple of the force {force:.2} %, of the torque {torque:.2} %; deepest {:.3} mm",
             1e3 * deepest

@@ -19,6 +19,7 @@ mod god_object;
 mod going_on;
 mod grasp;
 mod guard;
+mod held;
 mod hulls;
 mod ideal;
 mod joints;

@@ -1,0 +1,183 @@
+//! Scenes that are held for long, by every method: coupled rendering, told wrong masses, beside each other one with its best setting of
+//! those that `tune` tries.
+#![allow(clippy::print_stdout)] // what was measured
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // numbers of samples
+#![allow(dead_code, reason = "the parts of the scenes that other tests use")]
+
+#[path = "../../palpate-world/tests/laws/common.rs"]
+mod common;
+#[path = "../../palpate-world/tests/laws/held.rs"]
+mod held;
+#[path = "../../palpate-world/tests/laws/ideal.rs"]
+mod ideal;
+#[path = "../../palpate-sim/tests/pressed/mod.rs"]
+mod pressed;
+
+use held::{FINGER, PINCHED, PRESSED, RESTING_PERIOD, TRAY, drift, resting, resting_stiffness};
+use palpate_scene::world::{WorldFile, WorldScene, WorldSettings};
+use palpate_study::world::candidates::{Scale, Tunable};
+use palpate_world::{BasicParams, CoupledParams, Tool, Vector, WorldMethod, WorldRenderer};
+use rayon::prelude::*;
+
+const OTHERS: [&str; 4] = ["basic", "virtual-damper", "virtual-coupling", "god-object"];
+
+/// What a method gives with its best setting, of how many, and with how many of them the scene fell apart while the best was looked for: a
+/// sample was refused, or what was held is not there any more.
+struct Best<const N: usize> {
+    numbers: Option<[f64; N]>,
+    settings: usize,
+    lost: usize,
+}
+
+/// How long a setting is tried, to find the one of the least first number, and how long that one is then judged `[s]`.
+const TRIED: usize = 10;
+const JUDGED: usize = 60;
+
+fn best<const N: usize>(
+    name: &str,
+    scales: &[Scale],
+    tools: usize,
+    numbers: impl Fn(WorldMethod, usize) -> Option<[f64; N]> + Sync,
+) -> Best<N> {
+    let feels_torque = scales.iter().any(|scale| scale.gyration.is_some());
+    let methods: Vec<WorldMethod> = match Tunable::named(name) {
+        None => vec![BasicParams::default().into()],
+        Some(tunable) => {
+            let settings = scales.iter().flat_map(|scale| tunable.candidates(*scale));
+            let method = |it: WorldSettings| it.method(name, tools, feels_torque).unwrap();
+            settings.filter_map(method).collect()
+        }
+    };
+    let settings = methods.len();
+    let one = |method: WorldMethod| {
+        let numbers = numbers(method.clone(), TRIED)?;
+        let are_finite = numbers.iter().all(|number| number.is_finite());
+        are_finite.then_some((numbers[0].abs(), method))
+    };
+    let kept: Vec<(f64, WorldMethod)> = methods.into_par_iter().filter_map(one).collect();
+    let lost = settings - kept.len();
+    let best = kept
+        .into_iter()
+        .min_by(|one, other| one.0.total_cmp(&other.0));
+    Best {
+        numbers: best.and_then(|(_, method)| numbers(method, JUDGED)),
+        settings,
+        lost,
+    }
+}
+
+/// The largest of each number that coupled rendering gives, told 1.5 and 0.67 times the masses.
+fn coupled<const N: usize>(
+    mass: Vector,
+    tools: usize,
+    quantum: f64,
+    numbers: impl Fn(WorldMethod, usize) -> Option<[f64; N]>,
+) -> [f64; N] {
+    let all = [1.5, 0.67].map(|told| {
+        let params = CoupledParams::new(vec![mass.map(|mass| told * mass); tools]);
+        numbers(params.with_encoder_quantum(quantum).into(), JUDGED).unwrap()
+    });
+    std::array::from_fn(|number| all[0][number].abs().max(all[1][number].abs()))
+}
+
+/// Prints a row for each method.
+fn table<const N: usize>(title: &str, coupled: [f64; N], others: impl Fn(&str) -> Best<N>) {
+    let row = |numbers: [f64; N]| numbers.map(|it| format!("{it:.4}")).join(" | ");
+    println!("{title}");
+    for name in OTHERS {
+        let best = others(name);
+        let numbers = best.numbers.map_or_else(|| "none".to_owned(), row);
+        println!(
+            "  {name}: {numbers} ({} of {} lost)",
+            best.lost, best.settings
+        );
+    }
+    println!("  coupled: {}", row(coupled));
+}
+
+fn scale(stiffness: f64, period: f64, mass: Vector) -> Scale {
+    Scale {
+        stiffness,
+        period,
+        mass: mass.iter().product::<f64>().cbrt(),
+        gyration: None,
+    }
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn a_cube_that_is_pinched_for_ten_seconds() {
+    for (period, quantum) in [(0.001, 2e-6), (0.001, 1e-5), (0.004, 2e-6)] {
+        let drift = |method: WorldMethod, _| Some([1e6 * drift(method, period, quantum)?]);
+        let scales = [scale(PINCHED, period, FINGER)];
+        table(
+            &format!("{period} s, {quantum} m: drift um"),
+            coupled(FINGER, 2, quantum, drift),
+            |name| best(name, &scales, 2, drift),
+        );
+    }
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn a_light_box_on_a_tool_at_rest() {
+    for kc in [8.0, 15.0, 30.0] {
+        for quantum in [0.0, 2e-6] {
+            let ripple = |method: WorldMethod, _| {
+                let it = resting(method, kc, quantum)?;
+                Some([100.0 * it.ripple, 1e6 * it.place])
+            };
+            // Of one of the four contacts, and of all together.
+            let scales = [0.25, 1.0]
+                .map(|share| scale(share * resting_stiffness(kc), RESTING_PERIOD, [TRAY; 3]));
+            table(
+                &format!("Kc {kc}, {quantum} m: ripple %, lower by um"),
+                coupled([TRAY; 3], 1, quantum, ripple),
+                |name| best(name, &scales, 1, ripple),
+            );
+        }
+    }
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn pressed_into_a_groove_for_a_minute() {
+    for (period, stiffness, friction) in [(0.001, 2e4, 0.0), (0.001, 2e4, 0.4), (0.01, 1000.0, 0.0)]
+    {
+        let numbers = |method: WorldMethod, seconds: usize| {
+            let it = held::pressed(method, period, stiffness, friction, seconds as f64)?;
+            Some([100.0 * it.ripple, 100.0 * it.mean, 1e6 * it.place])
+        };
+        let scales = [scale(stiffness, period, PRESSED)];
+        table(
+            &format!(
+                "{period} s, {stiffness} N/m, friction {friction}: ripple %, mean off %, place um"
+            ),
+            coupled(PRESSED, 1, 2e-6, numbers),
+            |name| best(name, &scales, 1, numbers),
+        );
+    }
+}
+
+fn peg() -> WorldScene {
+    let source = include_str!("../../../experiments/worlds/peg.toml");
+    WorldFile::parse("peg.toml", source).unwrap().scene
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn a_peg_that_is_pressed_for_a_minute() {
+    let scene = peg();
+    let renders = |method: WorldMethod, seconds: usize| {
+        let renderer = WorldRenderer::new(&scene.world, scene.in_loop(), method).ok()?;
+        let [force, torque, deepest] = pressed::pressed(&scene, &renderer, seconds)?;
+        Some([force, torque, 1e3 * deepest])
+    };
+    let scales = [Scale::of(&scene)];
+    table(
+        "ripple of the force %, of the torque %, deepest mm",
+        renders(scene.method("coupled").unwrap(), JUDGED).unwrap(),
+        |name| best(name, &scales, 1, renders),
+    );
+    assert!(scene.world.tools.iter().any(Tool::feels_torque));
+}
