@@ -158,21 +158,13 @@ pub fn check_periods(name: &str, value: Option<f64>) -> PyResult<()> {
 
 /// The side of a contact by its name.
 pub fn side_named(name: &str) -> PyResult<Side> {
-    match name {
-        "positive" => Ok(Side::Positive),
-        "negative" => Ok(Side::Negative),
-        other => Err(not_a_word("side", other, &["positive", "negative"])),
-    }
+    Side::named(name).ok_or_else(|| not_a_word("side", name, &Side::ALL.map(Side::name)))
 }
 
 /// What a guard does, by its name.
 pub fn guard_named(name: &str) -> PyResult<GuardMode> {
-    match name {
-        "off" => Ok(GuardMode::Off),
-        "report" => Ok(GuardMode::Report),
-        "limit" => Ok(GuardMode::Limit),
-        other => Err(not_a_word("guard", other, &["off", "report", "limit"])),
-    }
+    let words = GuardMode::ALL.map(GuardMode::name);
+    GuardMode::named(name).ok_or_else(|| not_a_word("guard", name, &words))
 }
 
 fn not_allowed(parameter: Parameter, value: f64, allowed: Allowed) -> PyErr {

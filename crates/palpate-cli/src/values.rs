@@ -319,19 +319,14 @@ pub fn periods(text: &str) -> Result<f64, String> {
 
 /// A side of the device.
 pub fn side(text: &str) -> Result<Side, String> {
-    match text {
-        "positive" => Ok(Side::Positive),
-        "negative" => Ok(Side::Negative),
-        _ => Err("the sides are positive and negative".into()),
-    }
+    Side::named(text)
+        .ok_or_else(|| format!("the sides are {}", Side::ALL.map(Side::name).join(" and ")))
 }
 
 /// What a guard does.
 pub fn guard(text: &str) -> Result<GuardMode, String> {
-    match text {
-        "off" => Ok(GuardMode::Off),
-        "report" => Ok(GuardMode::Report),
-        "limit" => Ok(GuardMode::Limit),
-        _ => Err("the guard is off, report or limit".into()),
-    }
+    GuardMode::named(text).ok_or_else(|| {
+        let [off, report, limit] = GuardMode::ALL.map(GuardMode::name);
+        format!("the guard is {off}, {report} or {limit}")
+    })
 }

@@ -132,6 +132,25 @@ pub enum GuardMode {
 }
 
 impl GuardMode {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Off, Self::Report, Self::Limit];
+
+    /// Its name in files, flags and arguments.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Report => "report",
+            Self::Limit => "limit",
+        }
+    }
+
+    /// What a guard of that name does.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|mode| mode.name() == name)
+    }
+
     /// The guard against device speeds up to `largest_speed` `[m/s]`, with an `allowance` `[J]`.
     #[must_use]
     pub fn guard(self, largest_speed: f64, allowance: f64) -> Guard<f64> {
