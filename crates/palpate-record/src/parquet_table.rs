@@ -12,7 +12,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
 /// The values of a column.
-pub(crate) enum Column {
+pub(crate) enum ColumnValues {
     Counts(Vec<i64>),
     Numbers(Vec<f64>),
     Names(Vec<ByteArray>),
@@ -25,7 +25,7 @@ pub(crate) fn write(
     table: &str,
     names: &[&str],
     metadata: Vec<(String, String)>,
-    groups: impl IntoIterator<Item = io::Result<Vec<Column>>>,
+    groups: impl IntoIterator<Item = io::Result<Vec<ColumnValues>>>,
 ) -> io::Result<()> {
     let mut groups = groups.into_iter();
     let first = match groups.next() {
@@ -53,7 +53,7 @@ fn begin(
     table: &str,
     names: &[&str],
     metadata: Vec<(String, String)>,
-    columns: &[Column],
+    columns: &[ColumnValues],
 ) -> Result<SerializedFileWriter<Waiting>, ParquetError> {
     let fields = names
         .iter()
@@ -74,18 +74,21 @@ fn begin(
     SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties))
 }
 
-fn group(file: &mut SerializedFileWriter<Waiting>, columns: &[Column]) -> Result<(), ParquetError> {
+fn group(
+    file: &mut SerializedFileWriter<Waiting>,
+    columns: &[ColumnValues],
+) -> Result<(), ParquetError> {
     let mut group = file.next_row_group()?;
     for column in columns {
         if let Some(mut writer) = group.next_column()? {
             match column {
-                Column::Counts(values) => writer
+                ColumnValues::Counts(values) => writer
                     .typed::<Int64Type>()
                     .write_batch(values, None, None)?,
-                Column::Numbers(values) => writer
+                ColumnValues::Numbers(values) => writer
                     .typed::<DoubleType>()
                     .write_batch(values, None, None)?,
-                Column::Names(values) => writer
+                ColumnValues::Names(values) => writer
                     .typed::<ByteArrayType>()
                     .write_batch(values, None, None)?,
             };
@@ -96,7 +99,7 @@ fn group(file: &mut SerializedFileWriter<Waiting>, columns: &[Column]) -> Result
     Ok(())
 }
 
-impl Column {
+impl ColumnValues {
     fn field(&self, name: &str) -> Result<Arc<Type>, ParquetError> {
         let (physical, logical) = match self {
             Self::Counts(_) => (Physical::INT64, None),

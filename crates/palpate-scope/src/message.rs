@@ -196,7 +196,7 @@ pub enum ServerMessage<'a> {
         /// Title of the scene.
         title: &'a str,
         /// Columns of the samples.
-        columns: Vec<Column>,
+        columns: Vec<ToldColumn>,
         /// Methods there are.
         methods: Vec<Method>,
         /// What may be set.
@@ -277,7 +277,7 @@ impl<'a> ServerMessage<'a> {
             protocol: 1,
             version: env!("CARGO_PKG_VERSION"),
             title: &scene.title,
-            columns: columns().map(Column::from).collect(),
+            columns: columns().map(ToldColumn::from).collect(),
             methods: MethodName::ALL
                 .into_iter()
                 .map(|method| Method {
@@ -306,14 +306,14 @@ impl<'a> ServerMessage<'a> {
 
 /// A column of the samples.
 #[derive(Clone, Debug, Serialize)]
-pub struct Column {
+pub struct ToldColumn {
     /// Its name.
     pub name: &'static str,
     /// Its unit.
     pub unit: &'static str,
 }
 
-impl From<&palpate_record::recording::Column> for Column {
+impl From<&palpate_record::recording::Column> for ToldColumn {
     fn from(column: &palpate_record::recording::Column) -> Self {
         Self {
             name: column.name,

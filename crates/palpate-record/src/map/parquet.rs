@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use parquet::data_type::ByteArray;
 
 use super::{Format, Map, Row};
-use crate::parquet_table::{self, Column, count};
+use crate::parquet_table::{self, ColumnValues, count};
 
 /// Writes a map as Parquet. A wall's swing at rest, of which there is none, is a NaN.
 ///
@@ -21,13 +21,14 @@ pub fn write_parquet(map: &Map, out: &mut dyn Write) -> io::Result<()> {
     parquet_table::write(out, "map", format.columns(), receipt, rows)
 }
 
-fn columns(rows: &[Row], format: Format) -> Vec<Column> {
-    let numbers = |of: &dyn Fn(&Row) -> f64| Column::Numbers(rows.iter().map(of).collect());
+fn columns(rows: &[Row], format: Format) -> Vec<ColumnValues> {
+    let numbers = |of: &dyn Fn(&Row) -> f64| ColumnValues::Numbers(rows.iter().map(of).collect());
     let names = |of: &dyn Fn(&Row) -> &str| {
-        Column::Names(rows.iter().map(|row| ByteArray::from(of(row))).collect())
+        ColumnValues::Names(rows.iter().map(|row| ByteArray::from(of(row))).collect())
     };
-    let counts =
-        |of: &dyn Fn(&Row) -> u64| Column::Counts(rows.iter().map(|row| count(of(row))).collect());
+    let counts = |of: &dyn Fn(&Row) -> u64| {
+        ColumnValues::Counts(rows.iter().map(|row| count(of(row))).collect())
+    };
     let mut columns = vec![
         counts(&|row| row.cell),
         numbers(&|row| row.kappa),

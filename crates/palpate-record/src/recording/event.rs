@@ -16,7 +16,7 @@ pub struct Event {
 }
 
 /// A column of the events.
-pub(super) struct Column {
+pub(super) struct EventColumn {
     pub name: &'static str,
     /// What the type of the message calls its values, in ROS 2.
     pub message_type: &'static str,
@@ -24,23 +24,23 @@ pub(super) struct Column {
 }
 
 /// The columns of the events, in the order in which files have them.
-pub(super) const COLUMNS: [Column; 4] = [
-    Column {
+pub(super) const COLUMNS: [EventColumn; 4] = [
+    EventColumn {
         name: "sequence",
         message_type: "uint64",
         meaning: "number of the tick",
     },
-    Column {
+    EventColumn {
         name: "t_s",
         message_type: "float64",
         meaning: "since the loop's start [s]",
     },
-    Column {
+    EventColumn {
         name: "kind",
         message_type: "string",
         meaning: "what kind of thing, in kebab case",
     },
-    Column {
+    EventColumn {
         name: "text",
         message_type: "string",
         meaning: "what happened, in words",

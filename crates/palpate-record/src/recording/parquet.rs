@@ -35,20 +35,22 @@ impl Recording {
     }
 }
 
-fn values(columns: &[&'static Column], rows: &[Row]) -> Vec<parquet_table::Column> {
+fn values(columns: &[&'static Column], rows: &[Row]) -> Vec<parquet_table::ColumnValues> {
     columns
         .iter()
         .map(|column| {
             let values = rows.iter().map(|row| column.value(row));
             match column.kind {
-                Kind::Number => parquet_table::Column::Numbers(values.map(Value::number).collect()),
+                Kind::Number => {
+                    parquet_table::ColumnValues::Numbers(values.map(Value::number).collect())
+                }
                 Kind::Count | Kind::ShortCount => {
-                    parquet_table::Column::Counts(values.map(whole).collect())
+                    parquet_table::ColumnValues::Counts(values.map(whole).collect())
                 }
                 Kind::Flags | Kind::Phase => {
                     let bytes =
                         |value: Value| ByteArray::from(value.text().into_owned().into_bytes());
-                    parquet_table::Column::Names(values.map(bytes).collect())
+                    parquet_table::ColumnValues::Names(values.map(bytes).collect())
                 }
             }
         })

@@ -28,6 +28,7 @@ const NOT_TURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 /// Why the motion of a world's devices cannot be read.
 #[derive(Debug, Error)]
 #[error("{file}{}: {fault}", line.map_or_else(String::new, |line| format!(":{line}")))]
+#[non_exhaustive]
 pub struct WorldTraceError {
     /// The name the caller gave.
     pub file: String,
