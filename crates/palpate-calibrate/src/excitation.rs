@@ -98,6 +98,7 @@ impl ExcitationParams {
 /// A parameter of an excitation that is out of its range.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("{name} is {value} {unit}, but must be {least} to {most} {unit}")]
+#[non_exhaustive]
 pub struct ExcitationError {
     /// What it is.
     pub name: &'static str,

@@ -18,6 +18,7 @@ const FOUND_BY: &str = "found_by";
 /// A fault in a calibrated device file, with its place.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{file}:{line}:{column}: {message}")]
+#[non_exhaustive]
 pub struct CalibrationError {
     /// Name of the file.
     pub file: String,

@@ -39,6 +39,7 @@ const LEAST_OF_MEAN: f64 = 0.1;
 
 /// Why nothing is said of a loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Declined {
     /// There are as many positions as commands in a whole excitation, and here there are not.
     Length {

@@ -21,6 +21,7 @@ pub enum Placed {
 
 /// Why a contact cannot lie there.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum PlaceError {
     /// A device with one axis is not placed.
     #[error("the device `{device}` has one axis")]

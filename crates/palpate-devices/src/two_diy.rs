@@ -138,6 +138,7 @@ impl Setup {
 
 /// A 2DIY whose board has not answered in the end that it holds no torque.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct NotLetGo {
     /// Why.
     pub error: DeviceError,

@@ -63,6 +63,7 @@ pub struct Served<Summary> {
 
 /// A stream could not be served, or not ended as it should.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ServeError {
     /// The system gives no thread.
     #[error("no thread for the pipe: {0}")]

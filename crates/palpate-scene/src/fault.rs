@@ -15,6 +15,7 @@ pub(crate) type Span = Range<usize>;
 /// A fault in a scene file or in the device file it names, with its place.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{file}:{line}:{column}: {message}")]
+#[non_exhaustive]
 pub struct SceneError {
     /// Name of the file.
     pub file: String,

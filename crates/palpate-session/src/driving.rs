@@ -28,6 +28,7 @@ pub struct Ran<D: Device, C: Clock, R: Renders> {
 
 /// Why a loop could not begin.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum DriveError {
     /// Its recording cannot be written.
     #[error(transparent)]

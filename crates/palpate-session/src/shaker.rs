@@ -40,6 +40,7 @@ pub enum ShakeError {
 
 /// Why an excitation says nothing of the device.
 #[derive(Clone, Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ShakeDeclined {
     /// Too many samples are missing.
     #[error(

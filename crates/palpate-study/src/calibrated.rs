@@ -16,6 +16,7 @@ use crate::calibration::ExcitedMotion;
 
 /// Why the device of a scene has no calibration.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum NotCalibrated {
     /// A parameter of the excitation is out of its range.
     #[error(transparent)]

@@ -7,6 +7,7 @@
 /// leak   = held - work_on_avatar
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct ContactBook {
     /// K p^2/2 + k_t |z|^2/2 at the last sample.
     pub stored: f64,
@@ -44,6 +45,7 @@ impl ContactBook {
 /// stored = the same at the start + outside - work - dissipated + step_error
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct JointBook {
     /// Energy of its springs at the last sample.
     pub stored: f64,
@@ -63,6 +65,7 @@ pub struct JointBook {
 /// kinetic + potential = the same at the start + work + outside + step_error
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct BodyBook {
     /// Kinetic energy at the last sample.
     pub kinetic: f64,
@@ -125,6 +128,7 @@ pub struct Books {
 /// Sums of the books of what is gone from a world. What it had when it went is taken out as outside work, so that nothing
 /// is stored there and nothing moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Gone {
     /// Of all contacts that are gone.
     pub contacts: ContactBook,

@@ -82,6 +82,7 @@ impl Limited {
 
 /// Why a sample was refused: all forces are then 0, and the bodies wait.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct WorldFault {
     /// What is wrong.
     pub fault: Fault,

@@ -27,6 +27,7 @@ pub struct Commands {
 /// A force that is not sent.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("force on axis {axis} is {value}; allowed: finite [N]")]
+#[non_exhaustive]
 pub struct CommandError {
     /// x, y or z.
     pub axis: char,

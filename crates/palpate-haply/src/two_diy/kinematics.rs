@@ -30,6 +30,7 @@ pub struct Geometry {
 
 /// Why there is no pose, and hence no force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum NoPose {
     /// An angle is NaN or infinite.
     #[error("an angle is not a number")]

@@ -30,6 +30,7 @@ const LAST_TRY: Duration = Duration::from_secs(2);
 
 /// Why nothing was sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Unsent {
     /// Somebody else is sending no force right now.
     Busy,

@@ -11,6 +11,7 @@ const SLACK: f64 = 2.0;
 
 /// Angles that cannot be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Implausible {
     /// This once; the next sample may be good.
     Once(&'static str),

@@ -208,6 +208,7 @@ impl SafetyParams {
 /// A limit that cannot be kept.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("safety: {name} is {value}; allowed: {allowed}")]
+#[non_exhaustive]
 pub struct SafetyError {
     /// Which.
     pub name: &'static str,

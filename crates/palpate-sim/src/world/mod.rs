@@ -101,6 +101,7 @@ impl Refusal {
 
 /// Why a world cannot be run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum WorldBenchError {
     /// The world, its loop or its method cannot be rendered: at least one fault.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]

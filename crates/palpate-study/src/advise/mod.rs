@@ -27,6 +27,7 @@ const TRIED: usize = 24;
 /// The advice on a device, and on a contact where one is asked for.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct Advice {
     /// Name and version of this JSON.
     #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
@@ -82,6 +83,7 @@ pub struct DeviceReport {
 /// The contact that is asked for.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct ContactReport {
     /// Stiffness of the contact `[N/m]`.
     pub stiffness_n_per_m: f64,
@@ -151,6 +153,7 @@ pub enum Verdict {
 /// What a method can do on the device.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct MethodAdvice {
     /// Name of the method.
     pub method: &'static str,
@@ -192,6 +195,7 @@ pub struct Judged {
 /// A limit of a method.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct Reach {
     /// None where not even the easiest is stable.
     pub value: Option<f64>,

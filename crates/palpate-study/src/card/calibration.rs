@@ -9,6 +9,7 @@ const RUN_FORMAT: &str = "palpate calibrate 1";
 /// What a device file says.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct CalibrationCard {
     /// The device file.
     pub file: String,
@@ -27,6 +28,7 @@ pub struct CalibrationCard {
 /// A value of a device file.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct FoundCard {
     /// Key of the file, with the unit.
     pub key: &'static str,
@@ -43,6 +45,7 @@ pub struct FoundCard {
 /// A part of the motion of a calibration, and the same as the fit foresees it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct MotionCard {
     /// Times `[s]`.
     pub t_s: Vec<f64>,

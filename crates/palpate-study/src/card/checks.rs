@@ -28,6 +28,7 @@ const LIMITED_SHARE: f64 = 0.01;
 /// Something that was looked at.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct Check {
     /// What was looked at.
     pub name: &'static str,

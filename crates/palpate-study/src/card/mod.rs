@@ -41,6 +41,7 @@ pub const MOST_RECORDINGS: usize = 3;
 /// What is to be said of a device, from real data with their source.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct Card {
     /// Name and version of this JSON.
     #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]

@@ -27,6 +27,7 @@ const MASSES_PER_DECADE: i32 = 1;
 /// What can be rendered on a device.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct ReachCard {
     /// Mass of the device that was simulated `[kg]`.
     pub device_mass_kg: f64,
@@ -68,6 +69,7 @@ pub struct ReachCard {
 /// E and hold floor small enough, and steady at rest and pressed in a hand.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct MethodReachCard {
     /// The method.
     pub method: &'static str,

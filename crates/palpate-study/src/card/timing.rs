@@ -16,6 +16,7 @@ const SHORTEST: f64 = 1e-7;
 /// How the loop of a recording kept time.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct TimingCard {
     /// The recording.
     pub recording: String,
@@ -48,6 +49,7 @@ pub struct TimingCard {
 /// Durations `[s]`.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct Distribution {
     /// How many there are.
     pub count: u64,
@@ -66,6 +68,7 @@ pub struct Distribution {
 /// How often values come: bin `i` reaches from edge `i` to edge `i + 1`.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct Histogram {
     /// Edges of the bins `[s]`, one more than there are bins.
     pub edges_s: Vec<f64>,

@@ -17,6 +17,7 @@ const FORMAT: &str = "palpate claims 1";
 /// The claims of the paper, and what was found.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct ClaimsReport {
     /// One entry for each claim.
     pub claims: Vec<ClaimReport>,
@@ -28,6 +29,7 @@ pub struct ClaimsReport {
 /// A claim, what was found, and whether it holds here.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct ClaimReport {
     /// The numbers that were found.
     pub found: Vec<FoundReport>,
@@ -44,6 +46,7 @@ pub struct ClaimReport {
 /// A number that was found.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct FoundReport {
     /// Whether the claim holds for this number, if it is one that decides.
     pub fits: Option<bool>,

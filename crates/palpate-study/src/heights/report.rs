@@ -16,6 +16,7 @@ const FORMAT: &str = "palpate heights 1";
 /// What came of the start heights of some scenes.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct HeightsReport {
     /// Name and version of this JSON.
     #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
@@ -33,6 +34,7 @@ pub struct HeightsReport {
 /// What the columns did on one scene.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct SceneReport {
     /// The scene's title.
     pub title: String,
@@ -45,6 +47,7 @@ pub struct SceneReport {
 /// What a column did on one scene.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct ColumnReport {
     /// Name of the column.
     pub name: String,
@@ -68,6 +71,7 @@ pub struct ColumnReport {
 /// An error over the start heights `[%]`.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct ErrorReport {
     /// At the scene's own start height.
     pub own: f64,

@@ -12,6 +12,7 @@ const PER_DECADE: i32 = 2;
 
 /// The limits of methods over the object's mass.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Reach {
     /// Object masses, from light to heavy `[kg]`.
     pub masses: Vec<f64>,

@@ -31,6 +31,7 @@ pub const FAITHFUL_PERCENT: f64 = 20.0;
 /// The report on a map, or a part of one.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct MapReport {
     /// Name and version of this JSON.
     #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
@@ -60,6 +61,7 @@ pub struct MapReport {
 /// What every cell of a map has in common.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct SceneReport {
     /// Effective mass of the device `[kg]`, if it is known.
     pub device_mass_kg: f64,
@@ -86,6 +88,7 @@ pub struct SceneReport {
 /// What a method can render of the map.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct MethodReport {
     /// `undamped` or `damped`.
     pub plant: &'static str,
@@ -108,6 +111,7 @@ pub struct MethodReport {
 /// Contacts that stay, of a method.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct StayReport {
     /// Share of the objects, walls left out, that come to rest on the device by their weight.
     pub rests_percent: f64,
@@ -124,6 +128,7 @@ pub struct StayReport {
 /// What it took to compute a map.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct Work {
     /// Ticks.
     pub ticks: u64,

@@ -98,6 +98,7 @@ pub struct RecordingReport {
 /// Ticks that are missing in one place.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct GapReport {
     /// The last tick before; none before the first.
     pub after_tick: Option<u64>,

@@ -10,6 +10,7 @@ const FORMAT: &str = "palpate figure 1";
 /// A drawing that was written.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct DrawingReport {
     /// Files that were written.
     pub files: [String; 1],

@@ -106,6 +106,7 @@ pub struct Report {
 /// What a method did.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct MethodReport {
     /// Name of the method.
     pub method: &'static str,
@@ -165,6 +166,7 @@ pub struct MethodReport {
 /// A collision of the ideal, and the rendered one beside it.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct CollisionReport {
     /// When it begins `[s]`.
     pub start_s: f64,

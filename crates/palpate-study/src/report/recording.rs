@@ -9,6 +9,7 @@ use crate::text::{counted, digits};
 /// A recording: what is in it, and what is not.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct FromRecording {
     /// Its file.
     pub file: String,

@@ -45,6 +45,7 @@ pub struct SuiteReport {
 /// What a column did on all plants.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct ColumnReport {
     /// Name of the column.
     pub name: String,
@@ -61,6 +62,7 @@ pub struct ColumnReport {
 /// What a column did on all plants under one condition.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct ConditionReport {
     /// Delay of the loop, of the paper's set `[samples]`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -85,6 +87,7 @@ pub struct ConditionReport {
 /// An infinite one is `null` in JSON.
 #[derive(Serialize, Default)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct Quantiles {
     /// What half are below.
     pub median: f64,

@@ -21,6 +21,7 @@ const FORMAT: &str = "palpate sweep 1";
 /// What every column did at every value of a quantity.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct SweepReport {
     /// Name and version of this JSON.
     #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
@@ -38,6 +39,7 @@ pub struct SweepReport {
 /// What the columns did at one value.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct ValueReport {
     /// The value.
     pub value: f64,
@@ -52,6 +54,7 @@ pub struct ValueReport {
 /// What a column did at one value.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct ColumnReport {
     /// Name of the column.
     pub name: String,

@@ -16,6 +16,7 @@ const FORMAT: &str = "palpate tune 1";
 /// How a method's error and leak depend on its damping.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct TuneReport {
     /// Name and version of this JSON.
     #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
@@ -48,6 +49,7 @@ pub struct TuneReport {
 /// A value of the damping, and what it does.
 #[derive(Debug, Serialize, Clone, Copy)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct PointReport {
     /// The damping or cap `[N s/m]`.
     pub value_n_s_per_m: f64,

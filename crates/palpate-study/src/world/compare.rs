@@ -40,6 +40,7 @@ pub const COLUMNS: [&str; 16] = [
 /// Every world that was compared, in the order given.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct WorldComparison {
     /// Name and version of this JSON.
     #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
@@ -74,6 +75,7 @@ pub struct WorldRows {
 /// A method on a world.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct WorldRow {
     /// Name of the method.
     pub method: &'static str,
@@ -99,6 +101,7 @@ pub enum WorldOutcome {
 /// What a method did on a world.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct WorldFigures {
     /// How many settings were tried, of which the one with the least E stands here, found with knowledge of the ideal;
     /// none where the scene says the settings, or there are none.

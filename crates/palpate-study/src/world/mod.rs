@@ -22,6 +22,7 @@ const FORMAT: &str = "palpate world 1";
 /// What methods made of a world.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct WorldReport {
     /// Name and version of this JSON.
     #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
@@ -61,6 +62,7 @@ pub struct WorldReport {
 /// How much the sensor and the hand of a device decide about the error of its force.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct DecisiveReport {
     /// Name of the device.
     pub name: String,
@@ -77,6 +79,7 @@ pub struct DecisiveReport {
 /// What a method made of a world.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct WorldMethodReport {
     /// Name of the method.
     pub method: String,
@@ -106,6 +109,7 @@ pub struct WorldMethodReport {
 /// A sample that the renderer refused, and why.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct RefusalReport {
     /// When it was taken.
     pub time_s: f64,
@@ -122,6 +126,7 @@ pub struct RefusalReport {
 /// How the force on one device was rendered.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct WorldDeviceReport {
     /// Name of the device.
     pub name: String,
@@ -148,6 +153,7 @@ pub struct WorldDeviceReport {
 /// How the torque on one device, about its mass centre, was rendered.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct TorqueReport {
     /// Errors over its axes; none if the ideal has no torque.
     pub sum: Option<FidelityReport>,
@@ -160,6 +166,7 @@ pub struct TorqueReport {
 /// Errors of held forces, in percent of the ideal's root mean square. An infinite one is `null`.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct FidelityReport {
     /// E, the part that a renderer can avoid.
     pub mean_force_error_percent: f64,

@@ -8,6 +8,7 @@ use crate::text::digits;
 /// The settings of a method of worlds.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct SettingReport {
     /// Damping.
     #[serde(skip_serializing_if = "Option::is_none")]

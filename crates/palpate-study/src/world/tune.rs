@@ -94,6 +94,7 @@ pub fn best(tuned: &[Tuned], objective: Objective) -> Option<&Tuned> {
 /// How a method depends on its settings on a world.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct WorldTuneReport {
     /// Name and version of this JSON.
     #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
@@ -122,6 +123,7 @@ pub struct WorldTuneReport {
 /// A setting and what it does.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct WorldPointReport {
     /// The setting, under the keys of scene files.
     pub settings: SettingReport,

@@ -18,6 +18,7 @@ pub(super) const MOST_CORNERS: usize = 64;
 
 /// What is wrong with a scene, or with the attempt to solve it.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum WorldError {
     /// A parameter outside its range.
     #[error(transparent)]

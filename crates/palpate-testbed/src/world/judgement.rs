@@ -97,6 +97,7 @@ pub struct RenderedTouch {
 
 /// Forces that do not fit the ideal they are judged by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum JudgementError {
     /// Not one record of forces for each device.
     #[error("there are forces of {given} devices, and the ideal has {expected}")]

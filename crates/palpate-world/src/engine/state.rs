@@ -114,6 +114,7 @@ pub struct EngineContact {
 
 /// Energy at the port of a device, over all periods that have ended `[J]`; positive: to the hand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct PortBook {
     /// Work of the force that was held on the device as it was measured.
     pub port_work: f64,
@@ -125,6 +126,7 @@ pub struct PortBook {
 
 /// The books of contacts with an engine's bodies.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct EngineBooks {
     /// Of each point of contact, in the order of [`EngineState::contacts`]. `observed` is what the stored energy changed
     /// by because a sample moved an avatar, or the engine a body, to another place than was expected.

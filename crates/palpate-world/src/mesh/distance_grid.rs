@@ -57,6 +57,7 @@ struct Nodes {
 
 /// How far the surface of a grid is from that of its mesh, over all corners and middles of triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct GridError {
     /// `[m]`
     pub largest: f64,

@@ -18,6 +18,7 @@ const FLAT: f64 = 1e-3;
 /// A triangle mesh that is not one.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("triangle {triangle} of the mesh: {reason}")]
+#[non_exhaustive]
 pub struct InvalidMesh {
     /// Number of the triangle, from 0.
     pub triangle: usize,

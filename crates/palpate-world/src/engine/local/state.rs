@@ -75,6 +75,7 @@ pub enum ModelRefusal {
 /// `host_work - work` is energy that was made (positive) or lost because the host's body was pushed by a mean wrench, and went
 /// another way than the copy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct SlowPortBook {
     /// Work of the tools on the copy.
     pub work: f64,
@@ -84,6 +85,7 @@ pub struct SlowPortBook {
 
 /// The books of a local model.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct LocalBooks<'a> {
     /// Of each slot for a contact; zero for contacts of the host's own. `outside` is what new models, and contacts that fade or come back, have put into it.
     pub contacts: &'a [ContactBook],
