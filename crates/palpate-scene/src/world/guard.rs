@@ -6,7 +6,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::file::Reading;
-use crate::file::{GUARD_SPEED, GuardMode};
+use crate::guard::{GUARD_SPEED, GuardMode};
 
 /// Turning of a device that a guard reckons with where none is stated `[rad/s]`: that of a brisk wrist.
 pub const GUARD_TURNING: f64 = 10.0;
