@@ -163,7 +163,7 @@ fn told_another_mass_and_inertia_forces_and_torques_are_near_the_floor() {
     }
 }
 
-/// With the device known and no offset given back, what is left is that of the sub-steps.
+/// With the device known and no offset given back, what is left is that of the sub-steps, but for the peg.
 #[test]
 fn with_the_device_known_forces_and_torques_are_at_the_floor() {
     let fine = SubSteps {
@@ -173,10 +173,10 @@ fn with_the_device_known_forces_and_torques_are_at_the_floor() {
         ..SubSteps::default()
     };
     for (name, largest) in [
-        ("box", [0.1, 0.01]),
-        ("dumbbell", [0.1, 0.02]),
-        ("box-stiff", [0.3, 0.1]),
-        ("peg", [0.2, 0.1]),
+        ("box", [0.01, 0.002]),
+        ("dumbbell", [0.015, 0.002]),
+        ("box-stiff", [0.02, 0.005]),
+        ("peg", [0.1, 0.09]),
     ] {
         let mut scene = known(scene(name));
         // A renderer takes the device to be at rest when the loop starts.

@@ -17,15 +17,15 @@ pub struct SubSteps {
     pub most: u32,
     /// Phase of the fastest contact that one may have, where the number allows it `[rad]`.
     pub phase: f64,
-    /// How many finer ones replace one in which a contact begins, ends, sticks or slides, or comes across an edge to
-    /// another face.
+    /// How many shorter ones replace one in which a contact begins, ends, sticks or slides, or comes across an edge to
+    /// another face, at most. They are shortest, a 2048th of it, where it does.
     pub finer: u32,
-    /// How many of an interval may be replaced.
+    /// How many of an interval may be replaced if each takes so many; more if they take fewer.
     pub refined: u32,
 }
 
 impl Default for SubSteps {
-    /// 16 to 64, 0.03 rad; up to 4 of them 32 times finer: 188 at most, and 380 where 64 are too few for a motion not to grow.
+    /// 16 to 64, 0.03 rad; up to 4 of them in 32 shorter ones: 188 at most, and 380 where 64 are too few for a motion not to grow.
     fn default() -> Self {
         Self {
             least: 16,
@@ -86,6 +86,8 @@ const MOST_PHASE: f64 = 1.0;
 ///
 /// With s = 0 that is r^2 - (1 - 3u/2) r - u/2 = 0 for the factor r of w and b from a sub-step to the next, and r = -1 at u = 1. With
 /// s the motion is stable while u + s/4 < 1. (A damper that saw the velocity half a sub-step before would be stable up to u = 2.)
+/// Where the damper also sees what the last sub-step missed, m' = (b' - b)/2, which makes its force of third order, it is stable
+/// while 2u + s/4 < 1.
 const MOST_DAMPING: f64 = 0.9;
 
 /// Bounds of what is fastest in a world.
@@ -107,6 +109,12 @@ impl Fastest {
     fn grows(self, h: f64) -> bool {
         let phase = self.frequency * h;
         phase > MOST_PHASE || self.damping * h + 0.25 * phase * phase > MOST_DAMPING
+    }
+
+    /// Whether a damper may see as much more as the last sub-step missed.
+    fn may_expect(self, h: f64) -> bool {
+        let phase = self.frequency * h;
+        2.0 * self.damping * h + 0.25 * phase * phase < MOST_DAMPING
     }
 }
 
@@ -136,6 +144,9 @@ pub(crate) fn advance(
         effort.unstable = fastest.grows(h / f64::from(count));
     }
     let step = h / f64::from(count);
+    moving.expects_the_missed = fastest.may_expect(step);
+    moving.expect_anew();
+    let mut left = sub_steps.refined.saturating_mul(sub_steps.finer);
     for _ in 0..count {
         before.copy_nearby_from(moving);
         moving.sub_step(points, step);
@@ -143,20 +154,59 @@ pub(crate) fn advance(
         if !moving.changed_from(before) {
             continue;
         }
-        if effort.refined == sub_steps.refined {
+        if left < sub_steps.finer {
             effort.unrefined += 1;
+            moving.expect_anew();
             continue;
         }
         effort.refined += 1;
         moving.copy_nearby_from(before);
-        let finer = step / f64::from(sub_steps.finer);
-        for _ in 0..sub_steps.finer {
-            moving.sub_step(points, finer);
-        }
-        effort.sub_steps += sub_steps.finer;
+        let pieces = refine(moving, before, points, sub_steps.finer, step);
+        effort.sub_steps += pieces;
+        left -= pieces;
     }
     effort.left_out = moving.take_left_out();
     effort
+}
+
+/// How many times shorter than a sub-step the piece is in which a contact changes its mode: a power of two.
+const SHORTEST: u32 = 2048;
+
+/// A sub-step of `step` `[s]` in which a contact changes its mode, in at most `most` pieces, those that were tried counted. The
+/// piece with the change is halved until it is the shortest, so no longer one has a change in it. Gives the number of pieces.
+fn refine(moving: &mut Moving, before: &mut Moving, points: &[Point], most: u32, step: f64) -> u32 {
+    let shortest = step / f64::from(SHORTEST);
+    // Each halving costs a piece that was tried, and makes one more.
+    let halvings = most / 2;
+    let (mut pieces, mut halved) = (0, 0);
+    let (mut at, mut length) = (0, SHORTEST);
+    // Whether the change is in this piece or in its other half.
+    let mut is_sought = halvings > 0;
+    if is_sought {
+        (length, halved) = (SHORTEST / 2, 1);
+    }
+    while at < SHORTEST {
+        before.copy_nearby_from(moving);
+        moving.expect_anew();
+        moving.sub_step(points, shortest * f64::from(length));
+        pieces += 1;
+        let may_halve = length > 1 && halved < halvings;
+        let changed = moving.changed_from(before);
+        if changed && may_halve {
+            moving.copy_nearby_from(before);
+            (length, halved, is_sought) = (length / 2, halved + 1, true);
+            continue;
+        }
+        at += length;
+        if is_sought && !changed && may_halve {
+            (length, halved) = (length / 2, halved + 1);
+        } else {
+            is_sought = false;
+            length = 1 << at.trailing_zeros();
+        }
+    }
+    moving.expect_anew();
+    pieces
 }
 
 /// A count that is known to be one.

@@ -30,6 +30,10 @@ pub(crate) struct Touch {
     pub normal_force: f64,
     /// what of it damping adds to the spring `[N]`.
     by_damping: f64,
+    /// How fast the two were expected to approach at the sub-step's end `[m/s]`.
+    expected: f64,
+    /// By how much faster they did, while sub-steps are of one length: the next one expects as much more `[m/s]`.
+    missed: f64,
     /// Force on the first `[N]`.
     pub force: Vector3,
     /// Velocity of the first against the second there `[m/s]`.
@@ -112,6 +116,8 @@ impl Touch {
             bristle: none,
             normal_force: 0.0,
             by_damping: 0.0,
+            expected: 0.0,
+            missed: 0.0,
             force: none,
             relative: none,
             slid: none,
@@ -181,6 +187,8 @@ pub(crate) struct Moving {
     pub links: Vec<Link>,
     /// Of each tool, what carries an avatar whose mass changes with its place; of no tool if none has one.
     pub carried: Vec<Option<Carried>>,
+    /// Whether the dampers of contacts expect to approach by as much faster as the last sub-step missed.
+    pub expects_the_missed: bool,
 }
 
 impl Moving {
@@ -282,6 +290,13 @@ impl Moving {
         point.law.stored(touch.penetration, &touch.bristle)
     }
 
+    /// Sub-steps of another length follow, or something happened: what the last one missed tells nothing of the next.
+    pub fn expect_anew(&mut self) {
+        for &number in self.nearby.numbers() {
+            self.touches[number].missed = 0.0;
+        }
+    }
+
     /// Looks at the contacts anew, after tools or bodies were put to other places.
     pub fn look(&mut self, points: &[Point]) {
         for part in &mut self.parts {
@@ -332,6 +347,9 @@ impl Moving {
             let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
             let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
             touch.watch_damping(point, &relative, first, second);
+            if !self.expects_the_missed {
+                touch.missed = 0.0;
+            }
             touch.book(&relative, tool_of(&self.parts, point, self.tools), half);
             touch.relative = relative;
         }
@@ -484,7 +502,8 @@ impl Touch {
             self.normal = met.normal;
         }
         let law = &point.law;
-        let push = law.normal_force(met.penetration, met.slope * approach);
+        self.expected = approach;
+        let push = law.normal_force(met.penetration, met.slope * (approach + self.missed));
         self.penetration = met.penetration;
         self.normal_force = met.slope * push;
         self.by_damping = met.slope * (push - law.stiffness * met.penetration);
@@ -528,6 +547,7 @@ impl Touch {
         let apparent =
             first.apparent_velocity_at(&self.place) - second.apparent_velocity_at(&self.place);
         let rate = -self.normal.dot(&(relative + apparent));
+        self.missed = rate - self.expected;
         self.damping_power = (self.by_damping * rate).max(0.0);
         self.apparent_power = self.by_damping * self.normal.dot(&apparent);
     }

@@ -142,6 +142,7 @@ impl WorldRenderer {
             blocks: self.blocks.clone(),
             links: self.links.clone(),
             carried: vec![None; self.carried()],
+            expects_the_missed: false,
         };
         let side = |number: usize| Side::of(number, self.tools);
         let contacts = self.points.iter().map(|point| ContactState {
