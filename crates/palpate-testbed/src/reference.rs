@@ -332,6 +332,10 @@ impl<'a, D: DevicePlant + Clone> Run<'a, D> {
         device.advance(force, h);
         for _ in 0..MOST_CORRECTIONS {
             let balanced = balanced_force(k, before, device.position() - object.0);
+            // The same force would move both as before, which is all that happens out of contact.
+            if balanced == force {
+                break;
+            }
             let change = (balanced - force).abs();
             force = balanced;
             device = self.device.clone();

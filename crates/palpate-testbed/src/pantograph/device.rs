@@ -369,10 +369,7 @@ impl Pantograph {
             viscous: self.params.viscous_friction,
             coulomb: self.params.coulomb_friction,
         };
-        let moved = motion.advance(&mut self.state, duration);
-        if let Ok(pose) = self.params.geometry.forward(self.state.angles) {
-            self.pose = pose;
-        }
+        let moved = motion.advance(&mut self.state, &mut self.pose, duration);
         if moved.is_err() {
             self.jammed = true;
             let lost = self.dynamics.kinetic_energy(&self.pose, self.state.rates);

@@ -70,25 +70,28 @@ impl Dynamics {
 
     /// Mass matrix M(θ) `[kg m²]` seen by the motors.
     #[must_use]
+    #[inline]
     pub fn mass_matrix(&self, pose: &ArmPose) -> [[f64; 2]; 2] {
         let w = pose.distal_rates();
         let coupling = [0, 1].map(|i| self.b[i] * dot(pose.proximal[i], pose.distal[i]));
-        let element = |r: usize, s: usize| {
-            let unit = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };
-            (0..2)
-                .map(|i| {
-                    self.a[i] * unit(i, r) * unit(i, s)
-                        + self.d[i] * w[i][r] * w[i][s]
-                        + coupling[i] * (unit(i, r) * w[i][s] + unit(i, s) * w[i][r])
-                })
-                .sum::<f64>()
-        };
-        let off = element(0, 1);
-        [[element(0, 0), off], [off, element(1, 1)]]
+        let distal = |r: usize, s: usize| [0, 1].map(|i| self.d[i] * w[i][r] * w[i][s]);
+        let (first, both, second) = (distal(0, 0), distal(0, 1), distal(1, 1));
+        let off = (both[0] + coupling[0] * w[0][1]) + (both[1] + coupling[1] * w[1][0]);
+        [
+            [
+                self.a[0] + first[0] + coupling[0] * (2.0 * w[0][0]) + first[1],
+                off,
+            ],
+            [
+                off,
+                second[0] + (self.a[1] + second[1] + coupling[1] * (2.0 * w[1][1])),
+            ],
+        ]
     }
 
     /// Centrifugal and Coriolis torques c(θ, θ′) `[N m]`, on the left of the equation of motion.
     #[must_use]
+    #[inline]
     pub fn coriolis(&self, pose: &ArmPose, rates: [f64; 2]) -> [f64; 2] {
         let (l, distal_length) = (self.geometry.proximal, self.geometry.distal);
         let w = pose.distal_rates();
@@ -123,6 +126,7 @@ impl Dynamics {
 
     /// Torques `[N m]` of gravity about the motors.
     #[must_use]
+    #[inline]
     pub fn gravity_torques(&self, pose: &ArmPose) -> [f64; 2] {
         let w = pose.distal_rates();
         let mut torque = [0.0; 2];
@@ -176,6 +180,7 @@ impl Dynamics {
 }
 
 /// Solves a 2 × 2 symmetric positive definite system.
+#[inline]
 pub(super) fn solved(m: [[f64; 2]; 2], rhs: [f64; 2]) -> [f64; 2] {
     let determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
     [

@@ -269,6 +269,7 @@ impl ArmPose {
     /// link's elbow does, u_i · P′ = u_i · l t_i θ_i′. Two such equations give P′ in every pose
     /// in which the links are not parallel.
     #[must_use]
+    #[inline]
     pub fn jacobian(&self) -> [[f64; 2]; 2] {
         let [u1, u2] = self.distal;
         let first = self.length * cross(self.proximal[0], u1) / self.sine;
@@ -281,6 +282,7 @@ impl ArmPose {
 
     /// W = ∂φ/∂θ: how the directions φ of the distal links follow the motors.
     #[must_use]
+    #[inline]
     pub fn distal_rates(&self) -> [[f64; 2]; 2] {
         let scale = self.ratio / self.sine;
         let row = |u: [f64; 2]| {
@@ -308,6 +310,7 @@ impl ArmPose {
 
     /// Motor torques JᵀF `[N m]` that balance −F `[N]` at the end-point.
     #[must_use]
+    #[inline]
     pub fn torques(&self, force: [f64; 2]) -> [f64; 2] {
         let j = self.jacobian();
         [0, 1].map(|i| j[0][i] * force[0] + j[1][i] * force[1])
@@ -320,15 +323,18 @@ fn wrapped(angle: f64) -> f64 {
     sin.atan2(cos)
 }
 
+#[inline]
 pub(super) fn scaled(factor: f64, v: [f64; 2]) -> [f64; 2] {
     [factor * v[0], factor * v[1]]
 }
 
+#[inline]
 pub(super) fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
 /// Sine of the angle from `a` to `b`, for unit vectors.
+#[inline]
 pub(super) fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }

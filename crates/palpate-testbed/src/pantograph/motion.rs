@@ -58,9 +58,19 @@ enum Mode {
     Sticks,
 }
 
+/// What moves the mechanism, but for Coulomb friction.
+struct Push {
+    /// Mass matrix `[kg m²]` seen by the motors.
+    mass: [[f64; 2]; 2],
+    /// Torques about the motors `[N m]`.
+    torques: [f64; 2],
+}
+
 /// Result of one step of the method.
 struct Step {
     state: State,
+    /// The pose of `state`.
+    pose: ArmPose,
     /// Largest error over tolerance; above 1 the step is refused.
     error: f64,
     /// Whether a joint left its mode on the way.
@@ -71,8 +81,13 @@ struct Step {
 pub(super) struct Jammed;
 
 impl HeldInputs<'_> {
-    /// Moves `state` on for `duration` `[s]`. On an error `state` is where the mechanism jammed.
-    pub fn advance(&self, state: &mut State, duration: f64) -> Result<(), Jammed> {
+    /// Moves `state` and its pose on for `duration` `[s]`. On an error they are where the mechanism jammed.
+    pub fn advance(
+        &self,
+        state: &mut State,
+        pose: &mut ArmPose,
+        duration: f64,
+    ) -> Result<(), Jammed> {
         let mut remaining = duration;
         let mut length = remaining.min(LONGEST);
         let mut budget = STEPS_PER_LONGEST;
@@ -86,8 +101,8 @@ impl HeldInputs<'_> {
                 (budget, refill) = (STEPS_PER_LONGEST, remaining);
             }
             length = length.min(remaining).min(LONGEST);
-            let modes = self.modes(state).ok_or(Jammed)?;
-            let step = self.step(state, modes, length);
+            let modes = self.modes(state, pose);
+            let step = self.step(state, pose, modes, length);
             let error = step.as_ref().map_or(f64::INFINITY, |step| step.error);
             let Some(step) = step.filter(|step| step.error <= 1.0) else {
                 if length < SHORTEST {
@@ -96,26 +111,38 @@ impl HeldInputs<'_> {
                 length *= (0.9 * error.powf(-0.2)).clamp(0.1, 0.5);
                 continue;
             };
-            let (taken, next) = if step.left_mode {
-                self.until_left(state, modes, length, step.state)
+            let taken;
+            (taken, *state, *pose) = if step.left_mode {
+                self.until_left(state, pose, modes, length, step)
             } else {
-                (length, step.state)
+                (length, step.state, step.pose)
             };
-            *state = next;
             // What remains after the last step is exactly zero.
             remaining -= taken;
-            length *= (0.9 * error.max(1e-10).powf(-0.2)).clamp(0.5, 4.0);
+            if remaining > 0.0 {
+                length *= (0.9 * error.max(1e-10).powf(-0.2)).clamp(0.5, 4.0);
+            }
         }
         Ok(())
     }
 
     /// The first instant, from the start of a step, at which a joint leaves its mode.
-    fn until_left(&self, start: &State, modes: [Mode; 2], length: f64, end: State) -> (f64, State) {
-        let (mut before, mut after, mut state) = (0.0, length, end);
+    fn until_left(
+        &self,
+        start: &State,
+        first: &ArmPose,
+        modes: [Mode; 2],
+        length: f64,
+        end: Step,
+    ) -> (f64, State, ArmPose) {
+        let (mut before, mut after) = (0.0, length);
+        let (mut state, mut pose) = (end.state, end.pose);
         while after - before > EVENT_WIDTH {
             let middle = 0.5 * (before + after);
-            match self.step(start, modes, middle) {
-                Some(step) if step.left_mode => (after, state) = (middle, step.state),
+            match self.step(start, first, modes, middle) {
+                Some(step) if step.left_mode => {
+                    (after, state, pose) = (middle, step.state, step.pose);
+                }
                 Some(_) => before = middle,
                 None => break,
             }
@@ -125,27 +152,31 @@ impl HeldInputs<'_> {
                 *rate = 0.0;
             }
         }
-        (after, state)
+        (after, state, pose)
     }
 
     /// The modes that are consistent with the present rates and torques.
-    fn modes(&self, state: &State) -> Option<[Mode; 2]> {
-        let pose = self.dynamics.geometry().forward(state.angles).ok()?;
+    fn modes(&self, state: &State, pose: &ArmPose) -> [Mode; 2] {
         if self.coulomb == 0.0 {
-            return Some([Mode::Slides(0.0); 2]);
+            return [Mode::Slides(0.0); 2];
         }
-        let choices = state.rates.map(|rate| {
-            if rate == 0.0 {
+        let sliding = state.rates.map(|rate| Mode::Slides(rate.signum()));
+        if state.rates.iter().all(|&rate| rate != 0.0) {
+            return sliding;
+        }
+        let choices = [0, 1].map(|i| {
+            if state.rates[i] == 0.0 {
                 [Mode::Sticks, Mode::Slides(1.0), Mode::Slides(-1.0)]
             } else {
-                [Mode::Slides(rate.signum()); 3]
+                [sliding[i]; 3]
             }
         });
+        let push = self.push(pose, state.rates);
         let mut best = ([choices[0][0], choices[1][0]], f64::INFINITY);
         for first in choices[0] {
             for second in choices[1] {
                 let modes = [first, second];
-                let (accelerations, hold) = self.accelerations(&pose, state.rates, modes);
+                let (accelerations, hold) = self.accelerations(&push, modes);
                 let violation: f64 = (0..2)
                     .filter(|&i| state.rates[i] == 0.0)
                     .map(|i| match modes[i] {
@@ -158,29 +189,28 @@ impl HeldInputs<'_> {
                 }
             }
         }
-        Some(best.0)
+        best.0
     }
 
-    /// Accelerations `[rad/s²]`, and the torques `[N m]` that hold the stuck joints.
-    fn accelerations(
-        &self,
-        pose: &ArmPose,
-        rates: [f64; 2],
-        modes: [Mode; 2],
-    ) -> ([f64; 2], [f64; 2]) {
-        let mass = self.dynamics.mass_matrix(pose);
+    /// What moves the mechanism at a pose and rates.
+    fn push(&self, pose: &ArmPose, rates: [f64; 2]) -> Push {
         let coriolis = self.dynamics.coriolis(pose, rates);
         let gravity = self.dynamics.gravity_torques(pose);
         let external = pose.torques(self.force);
-        let net = [0, 1].map(|i| {
-            let coulomb = match modes[i] {
-                Mode::Slides(sign) => sign * self.coulomb,
-                Mode::Sticks => 0.0,
-            };
-            self.torques[i] + external[i] + gravity[i]
-                - coriolis[i]
-                - self.viscous * rates[i]
-                - coulomb
+        Push {
+            mass: self.dynamics.mass_matrix(pose),
+            torques: [0, 1].map(|i| {
+                self.torques[i] + external[i] + gravity[i] - coriolis[i] - self.viscous * rates[i]
+            }),
+        }
+    }
+
+    /// Accelerations `[rad/s²]`, and the torques `[N m]` that hold the stuck joints.
+    fn accelerations(&self, push: &Push, modes: [Mode; 2]) -> ([f64; 2], [f64; 2]) {
+        let mass = push.mass;
+        let net = [0, 1].map(|i| match modes[i] {
+            Mode::Slides(sign) => push.torques[i] - sign * self.coulomb,
+            Mode::Sticks => push.torques[i],
         });
         let sticks = modes.map(|mode| mode == Mode::Sticks);
         let accelerations = match sticks {
@@ -199,8 +229,9 @@ impl HeldInputs<'_> {
         (accelerations, hold)
     }
 
-    /// One step of Dormand–Prince 5(4); `None` if it leads through a pose that does not exist.
-    fn step(&self, start: &State, modes: [Mode; 2], length: f64) -> Option<Step> {
+    /// One step of Dormand–Prince 5(4) from a state and its pose; `None` if it leads through a pose that does not
+    /// exist.
+    fn step(&self, start: &State, first: &ArmPose, modes: [Mode; 2], length: f64) -> Option<Step> {
         const A: [[f64; 6]; 6] = [
             [1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0],
             [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0],
@@ -241,7 +272,6 @@ impl HeldInputs<'_> {
             22.0 / 525.0,
             -1.0 / 40.0,
         ];
-        let first = self.dynamics.geometry().forward(start.angles).ok()?;
         let origin = [
             start.angles[0],
             start.angles[1],
@@ -250,15 +280,16 @@ impl HeldInputs<'_> {
             start.dissipated,
         ];
         let mut slopes = [[0.0; 5]; 7];
-        (slopes[0], _) = self.slope(&first, origin, modes);
+        (slopes[0], _) = self.slope(first, origin, modes);
         let mut y = origin;
         let mut left_mode = false;
+        let mut pose = *first;
         for (stage, row) in A.iter().enumerate() {
             for (k, value) in y.iter_mut().enumerate() {
                 let sum: f64 = (0..=stage).map(|j| row[j] * slopes[j][k]).sum();
                 *value = origin[k] + length * sum;
             }
-            let pose = self.dynamics.geometry().forward([y[0], y[1]]).ok()?;
+            pose = self.dynamics.geometry().forward([y[0], y[1]]).ok()?;
             // A distal link that jumps has been carried across a singular pose.
             if (0..2).any(|i| dot(pose.distal[i], first.distal[i]) < 0.5) {
                 return None;
@@ -282,6 +313,7 @@ impl HeldInputs<'_> {
                 rates: [y[2], y[3]],
                 dissipated: y[4],
             },
+            pose,
             error,
             left_mode,
         })
@@ -290,7 +322,7 @@ impl HeldInputs<'_> {
     /// Derivative of (θ, θ′, dissipated), and whether a joint is outside its mode here.
     fn slope(&self, pose: &ArmPose, y: [f64; 5], modes: [Mode; 2]) -> ([f64; 5], bool) {
         let rates = [y[2], y[3]];
-        let (accelerations, hold) = self.accelerations(pose, rates, modes);
+        let (accelerations, hold) = self.accelerations(&self.push(pose, rates), modes);
         let mut lost = 0.0;
         let mut left = false;
         for i in 0..2 {
