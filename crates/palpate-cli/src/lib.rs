@@ -14,8 +14,6 @@ mod progress;
 mod recorded;
 mod results;
 mod run_file;
-#[cfg(test)]
-mod schemas;
 mod setup;
 mod values;
 mod worlds;

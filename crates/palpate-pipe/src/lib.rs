@@ -17,6 +17,8 @@ mod line;
 mod messages;
 mod mistake;
 mod number;
+#[cfg(test)]
+mod schemas;
 mod serving;
 mod stream;
 mod summary;

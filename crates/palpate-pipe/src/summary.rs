@@ -12,9 +12,9 @@ const FORMAT: &str = "palpate pipe 1";
 
 /// What a pipe did, for its end.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct PipeSummary {
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     format: &'static str,
     /// Lines that were answered.
     pub samples: u64,

@@ -19,9 +19,9 @@ const FORMAT: &str = "palpate bench loop 1";
 
 /// The report on one rate.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct BenchReport {
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     format: &'static str,
     #[serde(flatten)]
     measured: Measured,
@@ -29,7 +29,7 @@ pub struct BenchReport {
 
 /// A loop that was measured.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct Measured {
     rate_hz: f64,
     refused: Vec<String>,

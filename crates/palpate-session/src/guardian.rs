@@ -19,7 +19,7 @@ pub struct Guarding {
 
 /// The guardian of a run, for reports.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct GuardianReport {
     /// Whether there was one.
     on: bool,

@@ -18,6 +18,8 @@ mod motors;
 mod on_devices;
 mod recorded_world;
 mod report;
+#[cfg(test)]
+mod schemas;
 mod settling;
 mod shaker;
 mod watched;

@@ -18,9 +18,9 @@ pub const LATCH_WARNING: &str = "the board of a 2DIY has no watchdog: if the cab
 
 /// The devices that a loop can run on here.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct DeviceList {
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     format: &'static str,
     built_in: Vec<BuiltIn>,
     serial_ports: Vec<PortReport>,
@@ -28,7 +28,7 @@ pub struct DeviceList {
 }
 
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 struct ServiceReport {
     url: String,
     devices: Vec<Inverse3Report>,
@@ -36,7 +36,7 @@ struct ServiceReport {
 }
 
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 struct Inverse3Report {
     device_id: String,
     model: String,
@@ -73,7 +73,7 @@ impl ServiceReport {
 }
 
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 struct BuiltIn {
     device: &'static str,
     what: &'static str,
@@ -81,7 +81,7 @@ struct BuiltIn {
 }
 
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 struct PortReport {
     path: String,
     description: String,

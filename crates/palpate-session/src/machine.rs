@@ -26,9 +26,9 @@ pub const SECONDS: f64 = 2.0;
 
 /// What a machine grants a loop.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct MachineReport {
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     format: &'static str,
     asked: Vec<AskedReport>,
     machine: Vec<FindingReport>,
@@ -39,7 +39,7 @@ pub struct MachineReport {
 
 /// How the guardian of a device that holds its last force does here.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 struct TriedReport {
     starts: bool,
     why_not: Option<String>,
@@ -115,7 +115,7 @@ impl fmt::Display for TriedReport {
 
 /// A device that is plugged in and has something to be minded.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 struct DeviceReport {
     port: String,
     description: String,
@@ -123,7 +123,7 @@ struct DeviceReport {
 }
 
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 struct AskedReport {
     asked: String,
     granted: bool,
@@ -170,7 +170,7 @@ impl From<&Answer> for AskedReport {
 }
 
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 struct FindingReport {
     what: &'static str,
     found: String,

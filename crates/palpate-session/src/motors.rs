@@ -8,10 +8,10 @@ const MOTORS_FORMAT: &str = "palpate devices check 1";
 
 /// What the motors of a device did.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct MotorsReport {
     board: &'static str,
-    #[cfg_attr(feature = "schema", schemars(extend("const" = MOTORS_FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = MOTORS_FORMAT)))]
     format: &'static str,
     motors: Vec<MotorReport>,
 }
@@ -34,7 +34,7 @@ impl MotorsReport {
 
 /// What a motor did.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 struct MotorReport {
     /// By how much each joint turned `[degrees]`.
     turned_deg: [f64; 2],

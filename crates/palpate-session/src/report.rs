@@ -24,9 +24,9 @@ const SHOWN: usize = 8;
 
 /// A run, for people and programs.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct RunReport {
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     format: &'static str,
     title: String,
     method: &'static str,
@@ -71,7 +71,7 @@ pub struct RunReport {
 }
 
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 struct AnswerReport {
     asked: String,
     granted: bool,
@@ -79,7 +79,7 @@ struct AnswerReport {
 }
 
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 struct EventReport {
     tick: u64,
     t_s: f64,
@@ -89,7 +89,7 @@ struct EventReport {
 
 /// What the file says, read back.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 struct RecordingReport {
     file: String,
     /// Whether it is whole and holds as many ticks as the loop counted.
@@ -106,7 +106,7 @@ struct RecordingReport {
 
 /// How a loop kept time.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct TimingReport {
     ticks: u64,
     missed_deadlines: u64,
@@ -120,7 +120,7 @@ pub struct TimingReport {
 
 /// Of durations `[s]`.
 #[derive(Clone, Copy, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 struct Percentiles {
     median: f64,
     p99: f64,

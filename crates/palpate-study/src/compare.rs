@@ -37,11 +37,11 @@ pub const COLUMNS: [&str; 15] = [
 
 /// Every scene that was compared, in the order given.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Comparison {
     /// Name and version of this JSON.
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
     /// One entry for each scene, in the order given.
     pub scenes: Vec<SceneRows>,
@@ -52,7 +52,7 @@ pub struct Comparison {
 
 /// One scene with its methods.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct SceneRows {
     /// File of the scene.
     pub scene: String,
@@ -75,7 +75,7 @@ pub struct SceneRows {
 
 /// A method on a scene.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct MethodRow {
     /// Name of the method.
     pub method: &'static str,
@@ -89,7 +89,7 @@ pub struct MethodRow {
 
 /// What a method did, or why it cannot be set up.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum Outcome {
     /// It ran.
@@ -103,7 +103,7 @@ pub enum Outcome {
 
 /// What a method did on a scene.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct Figures {
     /// Parameters by key, with the unit at the end of the key.
     pub parameters: serde_json::Map<String, Value>,

@@ -24,6 +24,8 @@ mod json;
 pub mod map;
 pub mod recording;
 pub mod report;
+#[cfg(test)]
+mod schemas;
 pub mod suite;
 pub mod sweep;
 pub mod table;

@@ -26,11 +26,11 @@ const TRIED: usize = 24;
 
 /// The advice on a device, and on a contact where one is asked for.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Advice {
     /// Name and version of this JSON.
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
     /// The device.
     pub device: DeviceReport,
@@ -49,7 +49,7 @@ pub struct Advice {
 
 /// The device that is asked about, and the bounce on it.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct DeviceReport {
     /// Effective mass `[kg]`.
     pub mass_kg: f64,
@@ -82,7 +82,7 @@ pub struct DeviceReport {
 
 /// The contact that is asked for.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct ContactReport {
     /// Stiffness of the contact `[N/m]`.
@@ -99,7 +99,7 @@ pub struct ContactReport {
 
 /// The answer in one word, and by which method.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case", tag = "answer")]
 pub enum Verdict {
     /// Stable and faithful, steady at rest and pressed, and the hold floor is low enough.
@@ -152,7 +152,7 @@ pub enum Verdict {
 
 /// What a method can do on the device.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct MethodAdvice {
     /// Name of the method.
@@ -169,7 +169,7 @@ pub struct MethodAdvice {
 
 /// How a method does with the contact that is asked for.
 #[derive(Clone, Copy, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct Judged {
     /// The damping B, b or cap that was set; none where the method chose.
     pub damping_n_s_per_m: Option<f64>,
@@ -194,7 +194,7 @@ pub struct Judged {
 
 /// A limit of a method.
 #[derive(Clone, Copy, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Reach {
     /// None where not even the easiest is stable.
@@ -205,7 +205,7 @@ pub struct Reach {
 
 /// Classical bounds of the stiffness of walls on the device.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct Bounds {
     /// Colgate and Schenkel: K < 2 b/T without virtual damping `[N/m]`.
     pub colgate_schenkel_n_per_m: f64,

@@ -15,9 +15,9 @@ const FORMAT: &str = "palpate calibrate 1";
 
 /// What a calibration found.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct CalibrationReport {
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     format: &'static str,
     /// Samples of the excitation.
     pub samples: usize,
@@ -36,7 +36,7 @@ pub struct CalibrationReport {
 
 /// A value that was found.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct Found {
     /// In the unit of the key.
     pub value: f64,

@@ -8,7 +8,7 @@ const RUN_FORMAT: &str = "palpate calibrate 1";
 
 /// What a device file says.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct CalibrationCard {
     /// The device file.
@@ -27,7 +27,7 @@ pub struct CalibrationCard {
 
 /// A value of a device file.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct FoundCard {
     /// Key of the file, with the unit.
@@ -44,7 +44,7 @@ pub struct FoundCard {
 
 /// A part of the motion of a calibration, and the same as the fit foresees it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct MotionCard {
     /// Times `[s]`.

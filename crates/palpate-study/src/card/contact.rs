@@ -26,7 +26,7 @@ const FROM: f64 = 0.002;
 
 /// A contact, and how near its force comes to the ideal's.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct ContactCard {
     /// What was judged, and against what.
@@ -65,7 +65,7 @@ pub struct ContactCard {
 
 /// A curve of a contact.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Curve {
     /// `device_m`, `object_m`, `ideal_object_m`, `force_n`, `ideal_force_n` or `created_j`; forces are those on the

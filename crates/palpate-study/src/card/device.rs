@@ -13,7 +13,7 @@ const SIMULATED: &str = "simulated";
 
 /// A device, and what is known of it.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct DeviceCard {
     /// What it is called.
@@ -33,7 +33,7 @@ pub struct DeviceCard {
 
 /// A number, and where it comes from.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct NumberCard {
     /// What it is, with its unit.

@@ -40,11 +40,11 @@ pub const MOST_RECORDINGS: usize = 3;
 
 /// What is to be said of a device, from real data with their source.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Card {
     /// Name and version of this JSON.
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
     /// Version of palpate that made it.
     pub palpate_version: String,

@@ -26,7 +26,7 @@ const MASSES_PER_DECADE: i32 = 1;
 
 /// What can be rendered on a device.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct ReachCard {
     /// Mass of the device that was simulated `[kg]`.
@@ -68,7 +68,7 @@ pub struct ReachCard {
 /// The limits of a method. Stable: no bounce gains more than 1 % of energy from any start height. Good: stable,
 /// E and hold floor small enough, and steady at rest and pressed in a hand.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct MethodReachCard {
     /// The method.

@@ -15,7 +15,7 @@ const SHORTEST: f64 = 1e-7;
 
 /// How the loop of a recording kept time.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct TimingCard {
     /// The recording.
@@ -48,7 +48,7 @@ pub struct TimingCard {
 
 /// Durations `[s]`.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Distribution {
     /// How many there are.
@@ -67,7 +67,7 @@ pub struct Distribution {
 
 /// How often values come: bin `i` reaches from edge `i` to edge `i + 1`.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Histogram {
     /// Edges of the bins `[s]`, one more than there are bins.

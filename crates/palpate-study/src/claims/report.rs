@@ -16,19 +16,19 @@ const FORMAT: &str = "palpate claims 1";
 
 /// The claims of the paper, and what was found.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct ClaimsReport {
     /// One entry for each claim.
     pub claims: Vec<ClaimReport>,
     /// Name and version of this JSON.
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
 }
 
 /// A claim, what was found, and whether it holds here.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct ClaimReport {
     /// The numbers that were found.
@@ -45,7 +45,7 @@ pub struct ClaimReport {
 
 /// A number that was found.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct FoundReport {
     /// Whether the claim holds for this number, if it is one that decides.

@@ -15,11 +15,11 @@ const FORMAT: &str = "palpate heights 1";
 
 /// What came of the start heights of some scenes.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct HeightsReport {
     /// Name and version of this JSON.
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
     /// Number of start heights.
     pub start_heights: usize,
@@ -33,7 +33,7 @@ pub struct HeightsReport {
 
 /// What the columns did on one scene.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct SceneReport {
     /// The scene's title.
@@ -46,7 +46,7 @@ pub struct SceneReport {
 
 /// What a column did on one scene.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct ColumnReport {
     /// Name of the column.
@@ -70,7 +70,7 @@ pub struct ColumnReport {
 
 /// An error over the start heights `[%]`.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct ErrorReport {
     /// At the scene's own start height.

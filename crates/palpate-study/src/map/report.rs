@@ -30,11 +30,11 @@ pub const FAITHFUL_PERCENT: f64 = 20.0;
 
 /// The report on a map, or a part of one.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct MapReport {
     /// Name and version of this JSON.
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
     /// Version of palpate that made it.
     pub palpate_version: String,
@@ -60,7 +60,7 @@ pub struct MapReport {
 
 /// What every cell of a map has in common.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct SceneReport {
     /// Effective mass of the device `[kg]`, if it is known.
@@ -87,7 +87,7 @@ pub struct SceneReport {
 
 /// What a method can render of the map.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct MethodReport {
     /// `undamped` or `damped`.
@@ -110,7 +110,7 @@ pub struct MethodReport {
 
 /// Contacts that stay, of a method.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct StayReport {
     /// Share of the objects, walls left out, that come to rest on the device by their weight.
@@ -127,7 +127,7 @@ pub struct StayReport {
 
 /// What it took to compute a map.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Work {
     /// Ticks.

@@ -16,10 +16,10 @@ const FORMAT: &str = "palpate info 1";
 
 /// What there is to say of a recording.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct RecordingReport {
     /// Name and version of this JSON.
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
     /// Its file.
     pub recording: String,
@@ -97,7 +97,7 @@ pub struct RecordingReport {
 
 /// Ticks that are missing in one place.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct GapReport {
     /// The last tick before; none before the first.
@@ -108,7 +108,7 @@ pub struct GapReport {
 
 /// A device of a loop that has several.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct DeviceReport {
     /// Its name in the world.
     pub name: String,

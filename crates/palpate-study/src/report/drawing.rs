@@ -9,13 +9,13 @@ const FORMAT: &str = "palpate figure 1";
 
 /// A drawing that was written.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct DrawingReport {
     /// Files that were written.
     pub files: [String; 1],
     /// Name and version of this JSON.
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
 }
 

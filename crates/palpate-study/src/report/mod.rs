@@ -1,8 +1,9 @@
 //! What a command reports: the same facts as a table or as JSON.
 
 mod actuator;
+mod demo;
 mod drawing;
-#[cfg(feature = "schema")]
+#[cfg(any(test, feature = "schema"))]
 mod in_json;
 mod parameters;
 mod receipt;
@@ -12,6 +13,7 @@ mod text;
 mod timing;
 
 pub use actuator::{of as actuator_of, told as told_lines};
+pub use demo::DemoReport;
 pub use drawing::DrawingReport;
 pub use parameters::of as parameters_of;
 pub use receipt::{plant_receipt, receipt};
@@ -32,20 +34,20 @@ const FORMAT: &str = "palpate report 1";
 
 /// Everything a run of some methods has to say.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct Report {
     /// Name and version of this JSON.
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
     /// A line that names the scene or the replay.
     pub title: String,
     /// Stiffness of the contact `[N/m]`.
     pub stiffness_n_per_m: f64,
     /// Mass of the object `[kg]`, `inf` for a wall.
-    #[cfg_attr(feature = "schema", schemars(with = "in_json::MassInJson"))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(with = "in_json::MassInJson"))]
     pub object_mass_kg: Mass<f64>,
     /// On which side of the device the object is.
-    #[cfg_attr(feature = "schema", schemars(with = "in_json::SideInJson"))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(with = "in_json::SideInJson"))]
     pub side: Side,
     /// Whether the contact can only push.
     pub unilateral: bool,
@@ -105,7 +107,7 @@ pub struct Report {
 
 /// What a method did.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct MethodReport {
     /// Name of the method.
@@ -165,7 +167,7 @@ pub struct MethodReport {
 
 /// A collision of the ideal, and the rendered one beside it.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct CollisionReport {
     /// When it begins `[s]`.

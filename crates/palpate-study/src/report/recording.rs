@@ -8,7 +8,7 @@ use crate::text::{counted, digits};
 
 /// A recording: what is in it, and what is not.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct FromRecording {
     /// Its file.

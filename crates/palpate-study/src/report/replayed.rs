@@ -8,7 +8,7 @@ use crate::text::{counted, digits};
 
 /// A recorded motion, or the hand that made it.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Replayed {
     /// The device goes where it went.
@@ -19,7 +19,7 @@ pub enum Replayed {
 
 /// The estimate of a hand.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct HandReport {
     /// Whether the recording says what force was held.
     pub force_recorded: bool,

@@ -15,10 +15,10 @@ const FORMAT: &str = "palpate suite 1";
 
 /// The summaries of a suite.
 #[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct SuiteReport {
     /// Name and version of this JSON.
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
     /// Name of the set, where it is not the paper's.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -44,7 +44,7 @@ pub struct SuiteReport {
 
 /// What a column did on all plants.
 #[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct ColumnReport {
     /// Name of the column.
@@ -61,7 +61,7 @@ pub struct ColumnReport {
 
 /// What a column did on all plants under one condition.
 #[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct ConditionReport {
     /// Delay of the loop, of the paper's set `[samples]`.
@@ -86,7 +86,7 @@ pub struct ConditionReport {
 
 /// An infinite one is `null` in JSON.
 #[derive(Serialize, Default)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Quantiles {
     /// What half are below.

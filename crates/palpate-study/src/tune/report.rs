@@ -15,11 +15,11 @@ const FORMAT: &str = "palpate tune 1";
 
 /// How a method's error and leak depend on its damping.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct TuneReport {
     /// Name and version of this JSON.
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
     /// The scene's title.
     pub title: String,
@@ -27,7 +27,7 @@ pub struct TuneReport {
     pub method: &'static str,
     /// The scene key of what was tried.
     #[serde(serialize_with = "as_text")]
-    #[cfg_attr(feature = "schema", schemars(with = "String"))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(with = "String"))]
     pub setting: SettingKey,
     /// Number of start heights.
     pub start_heights: usize,
@@ -48,7 +48,7 @@ pub struct TuneReport {
 
 /// A value of the damping, and what it does.
 #[derive(Debug, Serialize, Clone, Copy)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct PointReport {
     /// The damping or cap `[N s/m]`.
@@ -63,7 +63,7 @@ pub struct PointReport {
 
 /// A quantity over the start heights.
 #[derive(Debug, Serialize, Clone, Copy)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct SpreadReport {
     /// At the scene's own start height.
     pub own: f64,

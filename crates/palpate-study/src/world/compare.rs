@@ -39,11 +39,11 @@ pub const COLUMNS: [&str; 16] = [
 
 /// Every world that was compared, in the order given.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct WorldComparison {
     /// Name and version of this JSON.
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
     /// One entry for each world, in the order given.
     pub scenes: Vec<WorldRows>,
@@ -54,7 +54,7 @@ pub struct WorldComparison {
 
 /// One world with its methods.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct WorldRows {
     /// File of the scene.
     pub scene: String,
@@ -74,7 +74,7 @@ pub struct WorldRows {
 
 /// A method on a world.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct WorldRow {
     /// Name of the method.
@@ -86,7 +86,7 @@ pub struct WorldRow {
 
 /// What a method did on a world, or why it cannot be set up.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum WorldOutcome {
     /// It ran.
@@ -100,7 +100,7 @@ pub enum WorldOutcome {
 
 /// What a method did on a world.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct WorldFigures {
     /// How many settings were tried, of which the one with the least E stands here, found with knowledge of the ideal;

@@ -21,11 +21,11 @@ const FORMAT: &str = "palpate world 1";
 
 /// What methods made of a world.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct WorldReport {
     /// Name and version of this JSON.
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
     /// Title of the scene.
     pub title: String,
@@ -61,7 +61,7 @@ pub struct WorldReport {
 
 /// How much the sensor and the hand of a device decide about the error of its force.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct DecisiveReport {
     /// Name of the device.
@@ -78,7 +78,7 @@ pub struct DecisiveReport {
 
 /// What a method made of a world.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct WorldMethodReport {
     /// Name of the method.
@@ -108,7 +108,7 @@ pub struct WorldMethodReport {
 
 /// A sample that the renderer refused, and why.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct RefusalReport {
     /// When it was taken.
@@ -125,7 +125,7 @@ pub struct RefusalReport {
 
 /// How the force on one device was rendered.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct WorldDeviceReport {
     /// Name of the device.
@@ -152,7 +152,7 @@ pub struct WorldDeviceReport {
 
 /// How the torque on one device, about its mass centre, was rendered.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct TorqueReport {
     /// Errors over its axes; none if the ideal has no torque.
@@ -165,7 +165,7 @@ pub struct TorqueReport {
 
 /// Errors of held forces, in percent of the ideal's root mean square. An infinite one is `null`.
 #[derive(Clone, Copy, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct FidelityReport {
     /// E, the part that a renderer can avoid.

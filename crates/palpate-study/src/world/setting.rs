@@ -7,7 +7,7 @@ use crate::text::digits;
 
 /// The settings of a method of worlds.
 #[derive(Clone, Copy, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct SettingReport {
     /// Damping.

@@ -87,11 +87,11 @@ impl WorldSet {
 
 /// What methods made of random worlds.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct WorldSuiteReport {
     /// Name and version of this JSON.
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
     /// Name of the set.
     pub set: &'static str,
@@ -105,7 +105,7 @@ pub struct WorldSuiteReport {
 
 /// What methods made of random worlds in a loop.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct LoopReport {
     /// Time from sample to sample.
@@ -120,7 +120,7 @@ pub struct LoopReport {
 
 /// Mean-force errors of a method.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct MethodErrors {
     /// Its name; the best of a method has the setting with the least error of each world, found with knowledge of the

@@ -93,11 +93,11 @@ pub fn best(tuned: &[Tuned], objective: Objective) -> Option<&Tuned> {
 
 /// How a method depends on its settings on a world.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct WorldTuneReport {
     /// Name and version of this JSON.
-    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
     /// Title of the scene.
     pub title: String,
@@ -122,7 +122,7 @@ pub struct WorldTuneReport {
 
 /// A setting and what it does.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct WorldPointReport {
     /// The setting, under the keys of scene files.

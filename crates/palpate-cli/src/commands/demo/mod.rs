@@ -19,27 +19,11 @@ use crate::results::print;
 use made::Made;
 use palpate_figure::{Picture, Size};
 use palpate_plot::{Devices, RunsFigure, paper};
-use palpate_study::report::{Report, Subject};
-use serde::Serialize;
+use palpate_study::report::{DemoReport, Report, Subject};
 
 const SCENE_PLOT: &str = "fig2.svg";
 const HAND: &str = "hand.csv";
 const HAND_PLOT: &str = "hand.svg";
-
-/// Name and version of the JSON report.
-const FORMAT: &str = "palpate demo 1";
-
-/// Both parts of the demonstration.
-#[derive(Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct DemoReport {
-    #[cfg_attr(test, schemars(extend("const" = FORMAT)))]
-    format: &'static str,
-    /// The motion of a hand.
-    hand: Report,
-    /// The paper's Fig. 2.
-    simulation: Report,
-}
 
 /// Simulates the paper's scene and renders a synthetic hand, with a figure of each.
 pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
@@ -100,11 +84,7 @@ pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
     ])?;
 
     if arguments.json {
-        let report = DemoReport {
-            format: FORMAT,
-            hand: hand_report,
-            simulation: scene_report,
-        };
+        let report = DemoReport::new(hand_report, scene_report);
         let sorted = serde_json::to_value(&report).expect("a report has string keys only");
         return print(&format!("{sorted:#}\n"));
     }
