@@ -2,9 +2,9 @@
 #![allow(missing_docs)]
 #![allow(clippy::print_stdout)] // what was measured
 
-use palpate_scene::world::{WorldFile, usual_guard};
-use palpate_sim::world::{WorldBench, WorldRun};
-use palpate_testbed::world::LedPath;
+use palpate_scene::world::{WorldFile, WorldScene, usual_guard};
+use palpate_sim::world::{WorldBench, WorldRun, as_judged};
+use palpate_testbed::world::{LedPath, PlantParams};
 use palpate_world::WorldGuard;
 
 /// A tool that a constant force presses into a groove of two planes: nothing about the device is unknown but what
@@ -44,6 +44,16 @@ fn runs<const N: usize>(source: &str, methods: [&str; N]) -> ([WorldRun; N], Wor
         bench.run(method, &renderer).unwrap()
     };
     (methods.map(run), bench)
+}
+
+/// The loop of a scene without an actuator of its own.
+fn plant(scene: &WorldScene) -> PlantParams {
+    let actuator = scene.timing.actuator;
+    assert_eq!((actuator.lag, actuator.gain), (0.0, 1.0));
+    PlantParams {
+        delay: actuator.delay,
+        ..PlantParams::perfect(scene.timing.period)
+    }
 }
 
 fn error(run: &WorldRun) -> f64 {
@@ -208,7 +218,11 @@ fn in_the_committed_worlds_coupled_is_near_the_floor_and_at_it_with_the_masses_k
             |line: &&str| !line.starts_with("device_mass_kg") && !line.starts_with("quantum_m");
         let known: Vec<&str> = source.lines().filter(unknown).collect();
         assert!(known.len() < source.lines().count(), "{name}");
-        let ([known], _) = runs(&known.join("\n"), ["coupled"]);
+        let known = WorldFile::parse(&name, &known.join("\n")).unwrap().scene;
+        let renderer = known.renderer("coupled").unwrap();
+        // The ideal has no sensor, and nobody tells it a mass.
+        let alone = WorldBench::of(as_judged(&known), plant(&known), bench.ideal().clone());
+        let known = alone.run("coupled", &renderer).unwrap();
         println!(
             "{name}: E basic {:.1} %, coupled told 1.5 times the mass {:.3} %, told the mass {:.3} %",
             error(&basic),
