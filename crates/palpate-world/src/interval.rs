@@ -17,10 +17,11 @@ pub struct SubSteps {
     pub most: u32,
     /// Phase of the fastest contact that one may have, where the number allows it `[rad]`.
     pub phase: f64,
-    /// How many shorter ones replace one in which a contact begins, ends, sticks or slides, or comes across an edge to
-    /// another face, at most. They are shortest, a 2048th of it, where it does.
+    /// Largest number of shorter ones that replace one in which a contact begins, ends, sticks or slides, or comes across an edge to
+    /// another face. In a world the shortest of them is a 2048th of it, and has the change. With bodies of an engine there
+    /// are always as many, of equal length.
     pub finer: u32,
-    /// How many of an interval may be replaced if each takes so many; more if they take fewer.
+    /// How many of an interval may be replaced if each takes [`finer`](Self::finer) shorter ones. Where they take fewer, more may be.
     pub refined: u32,
 }
 
@@ -42,10 +43,10 @@ impl Default for SubSteps {
 pub struct Effort {
     /// Sub-steps taken, with those that were replaced.
     pub sub_steps: u32,
-    /// Sub-steps that were replaced by finer ones.
+    /// Sub-steps that were replaced by shorter ones.
     pub refined: u32,
-    /// Sub-steps in which a contact changed its mode or its face and that were not refined, because
-    /// [`SubSteps::refined`] others were.
+    /// Sub-steps in which a contact changed its mode or its face and that were not replaced, because those before had taken the
+    /// room that [`SubSteps::refined`] gives.
     pub unrefined: u32,
     /// Whether the fastest contact or joint asked for more than [`SubSteps::most`]. With
     /// [`Fault::Overflow`](palpate::Fault::Overflow) it is why the sample was refused.
@@ -86,8 +87,8 @@ const MOST_PHASE: f64 = 1.0;
 ///
 /// With s = 0 that is r^2 - (1 - 3u/2) r - u/2 = 0 for the factor r of w and b from a sub-step to the next, and r = -1 at u = 1. With
 /// s the motion is stable while u + s/4 < 1. (A damper that saw the velocity half a sub-step before would be stable up to u = 2.)
-/// Where the damper also sees what the last sub-step missed, m' = (b' - b)/2, which makes its force of third order, it is stable
-/// while 2u + s/4 < 1.
+/// The velocity at the end is w + b + (b' - b)/2, so the expected one, w + b, misses m = (b' - b)/2. Where the damper adds what the last
+/// sub-step missed, its force is of third order, and the motion is stable while 2u + s/4 < 1.
 const MOST_DAMPING: f64 = 0.9;
 
 /// Bounds of what is fastest in a world.
@@ -111,7 +112,7 @@ impl Fastest {
         phase > MOST_PHASE || self.damping * h + 0.25 * phase * phase > MOST_DAMPING
     }
 
-    /// Whether a damper may see as much more as the last sub-step missed.
+    /// Whether a damper may add to the velocity that it expects what the last sub-step missed.
     fn may_expect(self, h: f64) -> bool {
         let phase = self.frequency * h;
         2.0 * self.damping * h + 0.25 * phase * phase < MOST_DAMPING
@@ -332,5 +333,34 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> Fastest {
     Fastest {
         frequency: (most_square + most_drive).sqrt(),
         damping: most_damping,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    /// How much a contact's motion has grown after 4000 sub-steps, by the equations at [`super::MOST_DAMPING`]: `u` is the rate of the
+    /// damper times the sub-step, `s` the square of the phase.
+    fn growth(u: f64, s: f64) -> f64 {
+        let (mut x, mut w, mut b, mut missed) = (1.0_f64, 0.3_f64, -s, 0.0);
+        for _ in 0..4000 {
+            x += w + 0.5 * b;
+            let expected = w + b;
+            let after = -s * x - u * (expected + missed);
+            w += 0.5 * (b + after);
+            (missed, b) = (w - expected, after);
+            if w.abs() > 1e6 {
+                break;
+            }
+        }
+        (s * x * x + w * w + b * b).sqrt()
+    }
+
+    #[test]
+    fn a_damper_that_corrects_its_velocity_is_stable_up_to_its_bound_and_not_beyond() {
+        for s in [0.01, 0.1, 0.4, 0.7, 1.0] {
+            let at = |bound: f64| growth(0.5 * (bound - 0.25 * s), s);
+            let (inside, beyond) = (at(0.97), at(1.03));
+            assert!(inside < 1e-3 && beyond > 1e6, "{s}: {inside} {beyond}");
+        }
     }
 }

@@ -32,7 +32,7 @@ pub(crate) struct Touch {
     by_damping: f64,
     /// How fast the two were expected to approach at the sub-step's end `[m/s]`.
     expected: f64,
-    /// By how much faster they did, while sub-steps are of one length: the next one expects as much more `[m/s]`.
+    /// By how much faster they did approach `[m/s]`. The next sub-step adds this to what it expects, if it is as long.
     missed: f64,
     /// Force on the first `[N]`.
     pub force: Vector3,
@@ -187,7 +187,7 @@ pub(crate) struct Moving {
     pub links: Vec<Link>,
     /// Of each tool, what carries an avatar whose mass changes with its place; of no tool if none has one.
     pub carried: Vec<Option<Carried>>,
-    /// Whether the dampers of contacts expect to approach by as much faster as the last sub-step missed.
+    /// Whether the dampers of contacts add to the velocity that they expect what the last sub-step missed.
     pub expects_the_missed: bool,
 }
 
@@ -290,7 +290,7 @@ impl Moving {
         point.law.stored(touch.penetration, &touch.bristle)
     }
 
-    /// Sub-steps of another length follow, or something happened: what the last one missed tells nothing of the next.
+    /// Forgets what the last sub-step missed: the next one has another length, or a contact has changed its mode.
     pub fn expect_anew(&mut self) {
         for &number in self.nearby.numbers() {
             self.touches[number].missed = 0.0;
