@@ -1,10 +1,9 @@
 //! What the tick of a `palpate_rt::ControlLoop` may not do is watched for here, in three ways.
 //!
 //! ```text
-//! cd conformance/realtime
-//! cargo test                          counts allocations; looks for system calls with strace
-//! RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=realtime \
-//!     cargo test --features rtsan --target x86_64-unknown-linux-gnu --test rtsan
+//! cargo test --workspace --release                        counts allocations, among all tests
+//! cargo test --workspace --release --test system_calls    looks for system calls with strace
+//! scripts/nightly sanitizer                               RealtimeSanitizer
 //! ```
 //!
 //! All three watch the same [`situations`], and each has to notice the [`misdeeds`] that it is there

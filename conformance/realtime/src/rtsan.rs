@@ -10,5 +10,6 @@ pub fn watched(tick: &mut dyn FnMut()) {
     // SAFETY: they count the calling thread's real-time contexts up and down, in pairs.
     unsafe { __rtsan_realtime_enter() };
     tick();
+    // SAFETY: as above.
     unsafe { __rtsan_realtime_exit() };
 }
