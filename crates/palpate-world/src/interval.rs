@@ -1,4 +1,4 @@
-//! One interval of a world: bounded work, and finer where a contact changes its mode.
+//! One interval of what is in contact: bounded work, and finer where a contact changes its mode.
 
 use crate::blocks::Blocks;
 use crate::moving::Moving;
@@ -18,8 +18,7 @@ pub struct SubSteps {
     /// Phase of the fastest contact that one may have, where the number allows it `[rad]`.
     pub phase: f64,
     /// Largest number of shorter ones that replace one in which a contact begins, ends, sticks or slides, or comes across an edge to
-    /// another face. In a world the shortest of them is a 2048th of it, and has the change. With bodies of an engine there
-    /// are always as many, of equal length.
+    /// another face. The shortest of them is a 2048th of it, and has the change.
     pub finer: u32,
     /// How many of an interval may be replaced if each takes [`finer`](Self::finer) shorter ones. Where they take fewer, more may be.
     pub refined: u32,
@@ -73,7 +72,7 @@ impl Effort {
 }
 
 /// How many times [`SubSteps::most`] an interval may have where its motion would grow by that many.
-const MOST_TIMES: u32 = 4;
+pub(crate) const MOST_TIMES: u32 = 4;
 /// Phase of the fastest contact in a sub-step beyond which its motion would grow `[rad]`: half of that up to which Verlet's
 /// method is stable, since the frequency is a bound of several contacts together.
 const MOST_PHASE: f64 = 1.0;
@@ -91,13 +90,34 @@ const MOST_PHASE: f64 = 1.0;
 /// sub-step missed, its force is of third order, and the motion is stable while 2u + s/4 < 1.
 const MOST_DAMPING: f64 = 0.9;
 
-/// Bounds of what is fastest in a world.
+/// What sub-steps move on, and put back where one is done anew.
+pub(crate) trait SubStepped {
+    /// Where two may touch.
+    type Pair;
+
+    /// Takes over the state of another motion of the same pairs, as long as both look at the same of them. It does not allocate.
+    fn copy_near_from(&mut self, other: &Self);
+
+    /// One sub-step of `h` `[s]`.
+    fn sub_step(&mut self, pairs: &[Self::Pair], h: f64);
+
+    /// Whether a contact's mode is another than in `other`, or it came across an edge.
+    fn changed_from(&self, other: &Self) -> bool;
+
+    /// Says whether the dampers of contacts add to the velocity that they expect what the last sub-step missed.
+    fn expect_the_missed(&mut self, is_added: bool);
+
+    /// Forgets what the last sub-step missed: the next one has another length, or a contact has changed its mode.
+    fn expect_anew(&mut self);
+}
+
+/// Bounds of what is fastest.
 #[derive(Clone, Copy, Debug)]
-struct Fastest {
+pub(crate) struct Fastest {
     /// Angular frequency `[rad/s]`.
-    frequency: f64,
+    pub frequency: f64,
     /// Rate of dampers `[1/s]`.
-    damping: f64,
+    pub damping: f64,
 }
 
 impl Fastest {
@@ -127,9 +147,25 @@ pub(crate) fn advance(
     sub_steps: &SubSteps,
     h: f64,
 ) -> Effort {
-    let mut effort = Effort::default();
     moving.gather(points, h);
     let fastest = fastest(moving, points, h);
+    let mut effort = integrate(moving, before, points, fastest, sub_steps, MOST_TIMES, h);
+    effort.left_out = moving.take_left_out();
+    effort
+}
+
+/// Integrates `moving` over `h` `[s]`, by as many sub-steps as what is `fastest` asks for, and by so many `times`
+/// [`SubSteps::most`] where it would grow by that many. `before` is overwritten.
+pub(crate) fn integrate<M: SubStepped>(
+    moving: &mut M,
+    before: &mut M,
+    pairs: &[M::Pair],
+    fastest: Fastest,
+    sub_steps: &SubSteps,
+    times: u32,
+    h: f64,
+) -> Effort {
+    let mut effort = Effort::default();
     let asked = fastest.asks_for(h, sub_steps.phase);
     let mut count = if asked <= f64::from(sub_steps.least) {
         sub_steps.least
@@ -141,16 +177,16 @@ pub(crate) fn advance(
     };
     if fastest.grows(h / f64::from(count)) {
         effort.too_fast = true;
-        count = sub_steps.most.saturating_mul(MOST_TIMES);
+        count = sub_steps.most.saturating_mul(times);
         effort.unstable = fastest.grows(h / f64::from(count));
     }
     let step = h / f64::from(count);
-    moving.expects_the_missed = fastest.may_expect(step);
+    moving.expect_the_missed(fastest.may_expect(step));
     moving.expect_anew();
     let mut left = sub_steps.refined.saturating_mul(sub_steps.finer);
     for _ in 0..count {
-        before.copy_nearby_from(moving);
-        moving.sub_step(points, step);
+        before.copy_near_from(moving);
+        moving.sub_step(pairs, step);
         effort.sub_steps += 1;
         if !moving.changed_from(before) {
             continue;
@@ -161,12 +197,11 @@ pub(crate) fn advance(
             continue;
         }
         effort.refined += 1;
-        moving.copy_nearby_from(before);
-        let pieces = refine(moving, before, points, sub_steps.finer, step);
+        moving.copy_near_from(before);
+        let pieces = refine(moving, before, pairs, sub_steps.finer, step);
         effort.sub_steps += pieces;
         left -= pieces;
     }
-    effort.left_out = moving.take_left_out();
     effort
 }
 
@@ -175,7 +210,13 @@ const SHORTEST: u32 = 2048;
 
 /// A sub-step of `step` `[s]` in which a contact changes its mode, in at most `most` pieces, those that were tried counted. The
 /// piece with the change is halved until it is the shortest, so no longer one has a change in it. Gives the number of pieces.
-fn refine(moving: &mut Moving, before: &mut Moving, points: &[Point], most: u32, step: f64) -> u32 {
+fn refine<M: SubStepped>(
+    moving: &mut M,
+    before: &mut M,
+    pairs: &[M::Pair],
+    most: u32,
+    step: f64,
+) -> u32 {
     let shortest = step / f64::from(SHORTEST);
     // Each halving costs a piece that was tried, and makes one more.
     let halvings = most / 2;
@@ -187,14 +228,14 @@ fn refine(moving: &mut Moving, before: &mut Moving, points: &[Point], most: u32,
         (length, halved) = (SHORTEST / 2, 1);
     }
     while at < SHORTEST {
-        before.copy_nearby_from(moving);
+        before.copy_near_from(moving);
         moving.expect_anew();
-        moving.sub_step(points, shortest * f64::from(length));
+        moving.sub_step(pairs, shortest * f64::from(length));
         pieces += 1;
         let may_halve = length > 1 && halved < halvings;
         let changed = moving.changed_from(before);
         if changed && may_halve {
-            moving.copy_nearby_from(before);
+            moving.copy_near_from(before);
             (length, halved, is_sought) = (length / 2, halved + 1, true);
             continue;
         }
@@ -216,7 +257,7 @@ fn refine(moving: &mut Moving, before: &mut Moving, points: &[Point], most: u32,
     clippy::cast_sign_loss,
     reason = "it lies between two numbers of that type"
 )]
-fn whole(count: f64) -> u32 {
+pub(crate) fn whole(count: f64) -> u32 {
     count as u32
 }
 

@@ -1,6 +1,7 @@
 //! A world in motion: where everything is, what the contacts do, and what has passed since an interval began.
 
 use crate::blocks::Blocks;
+use crate::interval::SubStepped;
 use crate::law::{Mode, carried};
 use crate::link::Link;
 use crate::linkage::Carried;
@@ -12,7 +13,7 @@ use crate::rigid::Vector3;
 use crate::solid::{Nearest, Solid};
 
 /// Cosine of the angle by which a normal has to turn in a sub-step to be that of another face.
-const SAME_FACE: f64 = 0.9;
+pub(crate) const SAME_FACE: f64 = 0.9;
 
 /// What a point of contact does, and has done since the interval began.
 #[derive(Clone, Copy, Debug)]
@@ -200,16 +201,6 @@ impl Moving {
         self.copy_between(other);
     }
 
-    /// The same where both look at the same points.
-    pub fn copy_nearby_from(&mut self, other: &Self) {
-        self.parts.copy_from_slice(&other.parts);
-        self.nearby.copy_from(&other.nearby);
-        for &number in other.nearby.numbers() {
-            self.touches[number] = other.touches[number];
-        }
-        self.copy_between(other);
-    }
-
     fn copy_between(&mut self, other: &Self) {
         for (surface, other) in self.surfaces.iter_mut().zip(&other.surfaces) {
             surface.copy_from(other);
@@ -274,27 +265,10 @@ impl Moving {
         self.nearby.gather(&self.parts, points, touches, h);
     }
 
-    /// Whether a contact's mode is another than in `other`, or two boxes touch by another face.
-    pub fn changed_from(&self, other: &Self) -> bool {
-        let mut modes = self.nearby.numbers().iter();
-        let mut blocks = self.blocks.iter().zip(&other.blocks);
-        let mut links = self.links.iter().zip(&other.links);
-        modes.any(|&number| self.touches[number].changed_from(&other.touches[number]))
-            || blocks.any(|(one, other)| one.changed_from(other))
-            || links.any(|(one, other)| one.changed_from(other))
-    }
-
     /// Energy stored in the contact at a point `[J]`.
     pub fn stored(&self, number: usize, point: &Point) -> f64 {
         let touch = &self.touches[number];
         point.law.stored(touch.penetration, &touch.bristle)
-    }
-
-    /// Forgets what the last sub-step missed: the next one has another length, or a contact has changed its mode.
-    pub fn expect_anew(&mut self) {
-        for &number in self.nearby.numbers() {
-            self.touches[number].missed = 0.0;
-        }
     }
 
     /// Looks at the contacts anew, after tools or bodies were put to other places.
@@ -305,58 +279,6 @@ impl Moving {
         self.gather(points, 0.0);
         self.meet(points, 0.0);
         self.measure(points);
-    }
-
-    /// One sub-step of `h` `[s]`, by the velocity form of Verlet's method. Damping and friction see the velocities
-    /// that are expected at its end, which keeps it of second order.
-    pub fn sub_step(&mut self, points: &[Point], h: f64) {
-        let half = 0.5 * h;
-        for (part, carried) in self.parts.iter_mut().zip(&self.carried) {
-            if let Some(carried) = carried {
-                carried.carry(part, h);
-            }
-        }
-        for part in self.moving_parts() {
-            part.first_push(half);
-        }
-        for &number in self.nearby.numbers() {
-            let (touch, point) = (&mut self.touches[number], &points[number]);
-            if touch.is_apart() {
-                continue;
-            }
-            let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
-            let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
-            touch.book(&relative, tool_of(&self.parts, point, self.tools), half);
-            touch.slid += (relative - touch.normal * touch.normal.dot(&relative)) * half;
-        }
-        for link in &mut self.links {
-            link.book(&self.parts, half);
-        }
-        for part in self.moving_parts() {
-            part.drift(h);
-        }
-        self.meet(points, half);
-        for part in self.moving_parts() {
-            part.second_push(half);
-        }
-        for &number in self.nearby.numbers() {
-            let (touch, point) = (&mut self.touches[number], &points[number]);
-            if touch.is_apart() {
-                continue;
-            }
-            let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
-            let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
-            touch.watch_damping(point, &relative, first, second);
-            if !self.expects_the_missed {
-                touch.missed = 0.0;
-            }
-            touch.book(&relative, tool_of(&self.parts, point, self.tools), half);
-            touch.relative = relative;
-        }
-        for link in &mut self.links {
-            link.watch_damping(&self.parts);
-            link.book(&self.parts, half);
-        }
     }
 
     fn moving_parts(&mut self) -> impl Iterator<Item = &mut Part> {
@@ -461,6 +383,90 @@ impl Moving {
         }
         for link in &mut self.links {
             link.watch_damping(&self.parts);
+        }
+    }
+}
+
+impl SubStepped for Moving {
+    type Pair = Point;
+
+    fn copy_near_from(&mut self, other: &Self) {
+        self.parts.copy_from_slice(&other.parts);
+        self.nearby.copy_from(&other.nearby);
+        for &number in other.nearby.numbers() {
+            self.touches[number] = other.touches[number];
+        }
+        self.copy_between(other);
+    }
+
+    /// One sub-step of `h` `[s]`, by the velocity form of Verlet's method. Damping and friction see the velocities
+    /// that are expected at its end, which keeps it of second order.
+    fn sub_step(&mut self, points: &[Point], h: f64) {
+        let half = 0.5 * h;
+        for (part, carried) in self.parts.iter_mut().zip(&self.carried) {
+            if let Some(carried) = carried {
+                carried.carry(part, h);
+            }
+        }
+        for part in self.moving_parts() {
+            part.first_push(half);
+        }
+        for &number in self.nearby.numbers() {
+            let (touch, point) = (&mut self.touches[number], &points[number]);
+            if touch.is_apart() {
+                continue;
+            }
+            let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
+            let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
+            touch.book(&relative, tool_of(&self.parts, point, self.tools), half);
+            touch.slid += (relative - touch.normal * touch.normal.dot(&relative)) * half;
+        }
+        for link in &mut self.links {
+            link.book(&self.parts, half);
+        }
+        for part in self.moving_parts() {
+            part.drift(h);
+        }
+        self.meet(points, half);
+        for part in self.moving_parts() {
+            part.second_push(half);
+        }
+        for &number in self.nearby.numbers() {
+            let (touch, point) = (&mut self.touches[number], &points[number]);
+            if touch.is_apart() {
+                continue;
+            }
+            let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
+            let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
+            touch.watch_damping(point, &relative, first, second);
+            if !self.expects_the_missed {
+                touch.missed = 0.0;
+            }
+            touch.book(&relative, tool_of(&self.parts, point, self.tools), half);
+            touch.relative = relative;
+        }
+        for link in &mut self.links {
+            link.watch_damping(&self.parts);
+            link.book(&self.parts, half);
+        }
+    }
+
+    fn changed_from(&self, other: &Self) -> bool {
+        let mut modes = self.nearby.numbers().iter();
+        let mut blocks = self.blocks.iter().zip(&other.blocks);
+        let mut links = self.links.iter().zip(&other.links);
+        modes.any(|&number| self.touches[number].changed_from(&other.touches[number]))
+            || blocks.any(|(one, other)| one.changed_from(other))
+            || links.any(|(one, other)| one.changed_from(other))
+    }
+
+    fn expect_the_missed(&mut self, is_added: bool) {
+        self.expects_the_missed = is_added;
+    }
+
+    fn expect_anew(&mut self) {
+        for &number in self.nearby.numbers() {
+            self.touches[number].missed = 0.0;
         }
     }
 }

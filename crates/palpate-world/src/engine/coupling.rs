@@ -8,6 +8,7 @@ use super::pairs::Pair;
 use super::state::{EngineBooks, EngineContact, EngineState, Period, PortBook, TrackedDevice};
 use super::touch::Touch;
 use crate::commands::Commands;
+use crate::interval::MOST_TIMES;
 use crate::method::coupled::{Coupled, LEAST_FORCE};
 use crate::observer::{AxisForce, AxisMotion};
 use crate::part::{Drive, Part};
@@ -71,6 +72,7 @@ impl Coupling {
             impulses: vec![Vector3::zeros(); tools],
             images: vec![Image::nowhere(); bodies],
             touches: vec![Touch::apart(); pairs.len()],
+            expects_the_missed: false,
         };
         let devices = self.coupled.priors.iter();
         let contacts = pairs.iter().map(|pair| EngineContact {
@@ -148,7 +150,7 @@ impl Coupling {
         } = state;
         let (sub_steps, period) = (&self.in_loop.sub_steps, self.in_loop.period);
         let worked: f64 = meeting.touches.iter().map(|touch| touch.work).sum();
-        let effort = meeting.advance(before, pairs, sub_steps, h, period);
+        let effort = meeting.advance(before, pairs, sub_steps, MOST_TIMES, h, period);
         state.effort = state.effort.and(effort);
         let after: f64 = meeting.touches.iter().map(|touch| touch.work).sum();
         let parts = meeting.tools.iter();

@@ -3,9 +3,10 @@
 use super::image::Image;
 use super::pairs::{Pair, Toucher};
 use super::touch::Touch;
+use crate::interval::{Fastest, SubStepped, integrate, whole};
 use crate::part::Part;
 use crate::rigid::Vector3;
-use crate::{Effort, SubSteps};
+use crate::{Effort, MOST_POINTS, SubSteps};
 
 /// Avatars and images in motion.
 #[derive(Clone, Debug)]
@@ -17,18 +18,11 @@ pub(super) struct Meeting {
     pub impulses: Vec<Vector3>,
     pub images: Vec<Image>,
     pub touches: Vec<Touch>,
+    /// Whether the dampers of contacts add to the velocity that they expect what the last sub-step missed.
+    pub expects_the_missed: bool,
 }
 
 impl Meeting {
-    /// Takes over the state of another, without allocating.
-    fn copy_from(&mut self, other: &Self) {
-        self.tools.copy_from_slice(&other.tools);
-        self.leads.copy_from_slice(&other.leads);
-        self.impulses.copy_from_slice(&other.impulses);
-        self.images.copy_from_slice(&other.images);
-        self.touches.copy_from_slice(&other.touches);
-    }
-
     /// A period begins, with the avatars where they have been put.
     pub fn begin(&mut self) {
         for touch in &mut self.touches {
@@ -49,29 +43,8 @@ impl Meeting {
         for image in &mut self.images {
             image.ahead = image.twist;
         }
+        self.expect_anew();
         self.meet(pairs, 0.0);
-    }
-
-    fn sub_step(&mut self, pairs: &[Pair], h: f64) {
-        let half = 0.5 * h;
-        self.push(half, Part::first_push);
-        self.book(pairs, half);
-        for (number, tool) in self.tools.iter_mut().enumerate() {
-            self.leads[number] += self.impulses[number] * h;
-            tool.drift(h);
-        }
-        for image in &mut self.images {
-            image.drift(h);
-        }
-        for (touch, pair) in self.touches.iter_mut().zip(pairs) {
-            if !touch.is_apart() {
-                let relative = relative(&self.tools, &self.images, pair, &touch.place);
-                touch.slide(&relative, half);
-            }
-        }
-        self.meet(pairs, half);
-        self.push(half, Part::second_push);
-        self.book(pairs, half);
     }
 
     fn push(&mut self, half: f64, pushed: fn(&mut Part, f64)) {
@@ -142,96 +115,165 @@ impl Meeting {
         }
     }
 
-    fn changed_from(&self, other: &Self) -> bool {
-        let mut modes = self.touches.iter().zip(&other.touches);
-        modes.any(|(one, other)| one.mode != other.mode)
-    }
-
-    /// Integrates over `h` `[s]`, in so many sub-steps of a period as `h` is part of it. `before` is overwritten.
+    /// Integrates over `h` `[s]`, in so many sub-steps of a period as `h` is part of it, and in so many `times` the most of them
+    /// where its motion would grow. `before` is overwritten.
     pub fn advance(
         &mut self,
         before: &mut Self,
         pairs: &[Pair],
         sub_steps: &SubSteps,
+        times: u32,
         h: f64,
         period: f64,
     ) -> Effort {
-        let mut effort = Effort::default();
-        let asked = self.fastest(pairs, h) * h / sub_steps.phase;
-        let least = (f64::from(sub_steps.least) * h / period).ceil().max(2.0);
-        let most = f64::from(sub_steps.most).max(least);
-        effort.too_fast = asked > most;
-        let count = asked.clamp(least, most).ceil();
-        let step = h / count;
-        let mut done = 0.0;
-        while done < count {
-            done += 1.0;
-            before.copy_from(self);
-            self.sub_step(pairs, step);
-            effort.sub_steps += 1;
-            if !self.changed_from(before) {
-                continue;
-            }
-            if effort.refined == sub_steps.refined {
-                effort.unrefined += 1;
-                continue;
-            }
-            effort.refined += 1;
-            self.copy_from(before);
-            let finer = step / f64::from(sub_steps.finer);
-            for _ in 0..sub_steps.finer {
-                self.sub_step(pairs, finer);
-            }
-            effort.sub_steps += sub_steps.finer;
-        }
-        effort
+        let least = whole((f64::from(sub_steps.least) * h / period).ceil()).max(2);
+        let sub_steps = SubSteps {
+            least,
+            most: sub_steps.most.max(least),
+            ..*sub_steps
+        };
+        let fastest = self.fastest(pairs, h);
+        integrate(self, before, pairs, fastest, &sub_steps, times, h)
     }
 
-    /// A bound of the largest angular frequency among the contacts that touch, or may within `h` `[s]` `[rad/s]`.
-    fn fastest(&self, pairs: &[Pair], h: f64) -> f64 {
-        let (mut square, mut damping) = (0.0, 0.0);
-        for (touch, pair) in self.touches.iter().zip(pairs) {
-            let Some(found) = found(&self.tools, &self.images, pair) else {
-                continue;
-            };
-            let (normal, gap) = (found.normal, -found.penetration);
-            // On the surface that is touched.
-            let place = found.centre - normal * (gap + pair.radius);
-            let relative = relative(&self.tools, &self.images, pair, &place);
-            // Twice the way, for what pushes them meanwhile.
-            if touch.is_apart() && gap > 2.0 * relative.norm() * h + RESTING_SPEED * h {
-                continue;
-            }
-            let image = &self.images[pair.body];
-            let toucher_along = |axis: &Vector3| match pair.toucher {
-                Toucher::Tool(tool) => self.tools[tool].mobility.linear.max(),
-                Toucher::Body { body, .. } => self.images[body].mobility_at(axis, &place),
-            };
-            let along = toucher_along(&normal) + image.mobility_at(&normal, &place);
-            let law = &pair.law;
-            let tangential = if law.friction > 0.0 {
-                let toucher_across = match pair.toucher {
-                    Toucher::Tool(tool) => self.tools[tool].mobility.linear.max(),
-                    Toucher::Body { body, .. } => axes()
-                        .iter()
-                        .map(|axis| self.images[body].mobility_at(axis, &place))
-                        .sum(),
-                };
-                let across: f64 = axes()
-                    .iter()
-                    .map(|axis| image.mobility_at(axis, &place))
-                    .sum();
-                law.friction_stiffness * (toucher_across + across)
-            } else {
-                0.0
-            };
-            square += (law.stiffness * along).max(tangential);
-            damping += law.damping * along;
+    /// Bounds of what is fastest among the contacts that touch, or may within `h` `[s]`: over a contact's two sides, the sum of the
+    /// stiffness or damping times mobility of all contacts there, and the stiffest spring of a drive.
+    fn fastest(&self, pairs: &[Pair], h: f64) -> Fastest {
+        let mut near = [None; MOST_POINTS];
+        for (near, (touch, pair)) in near.iter_mut().zip(self.touches.iter().zip(pairs)) {
+            *near = self.rates(touch, pair, h);
+        }
+        let sum_at = |side: Side| {
+            let each = near.iter().flatten().flatten();
+            let here = each.filter(|rates| rates.side == side);
+            here.fold((0.0, 0.0), |sum, rates| {
+                (sum.0 + rates.square, sum.1 + rates.damping)
+            })
+        };
+        let (mut most_square, mut most_damping) = (0.0_f64, 0.0_f64);
+        for [first, second] in near.iter().flatten() {
+            let (one, other) = (sum_at(first.side), sum_at(second.side));
+            most_square = most_square.max(one.0 + other.0);
+            most_damping = most_damping.max(one.1 + other.1);
         }
         let of_drives = self.tools.iter().map(|tool| tool.drive.spring_rate.max());
         let most_drive = of_drives.fold(0.0, f64::max);
-        (square + most_drive).sqrt().max(0.5 * damping)
+        Fastest {
+            frequency: (most_square + most_drive).sqrt(),
+            damping: most_damping,
+        }
     }
+
+    /// What a contact that touches, or may within `h` `[s]`, asks for at each of its two sides.
+    fn rates(&self, touch: &Touch, pair: &Pair, h: f64) -> Option<[Rates; 2]> {
+        let found = found(&self.tools, &self.images, pair)?;
+        let (normal, gap) = (found.normal, -found.penetration);
+        // On the surface that is touched.
+        let place = found.centre - normal * (gap + pair.radius);
+        let relative = relative(&self.tools, &self.images, pair, &place);
+        // Twice the way, for what pushes them meanwhile.
+        if touch.is_apart() && gap > 2.0 * relative.norm() * h + RESTING_SPEED * h {
+            return None;
+        }
+        let toucher = match pair.toucher {
+            Toucher::Tool(tool) => Side::Tool(tool),
+            Toucher::Body { body, .. } => Side::Body(body),
+        };
+        let law = &pair.law;
+        let sides = [toucher, Side::Body(pair.body)];
+        Some(sides.map(|side| {
+            let mobility_along = |axis: &Vector3| match side {
+                Side::Tool(tool) => self.tools[tool].mobility.linear.max(),
+                Side::Body(body) => self.images[body].mobility_at(axis, &place),
+            };
+            let along = mobility_along(&normal);
+            let across = match side {
+                Side::Tool(_) => along,
+                Side::Body(_) => axes().iter().map(mobility_along).sum(),
+            };
+            let tangential = if law.friction > 0.0 {
+                law.friction_stiffness * across
+            } else {
+                0.0
+            };
+            Rates {
+                side,
+                square: (law.stiffness * along).max(tangential),
+                damping: law.damping * along,
+            }
+        }))
+    }
+}
+
+impl SubStepped for Meeting {
+    type Pair = Pair;
+
+    fn copy_near_from(&mut self, other: &Self) {
+        self.tools.copy_from_slice(&other.tools);
+        self.leads.copy_from_slice(&other.leads);
+        self.impulses.copy_from_slice(&other.impulses);
+        self.images.copy_from_slice(&other.images);
+        self.touches.copy_from_slice(&other.touches);
+    }
+
+    fn sub_step(&mut self, pairs: &[Pair], h: f64) {
+        let half = 0.5 * h;
+        self.push(half, Part::first_push);
+        self.book(pairs, half);
+        for (number, tool) in self.tools.iter_mut().enumerate() {
+            self.leads[number] += self.impulses[number] * h;
+            tool.drift(h);
+        }
+        for image in &mut self.images {
+            image.drift(h);
+        }
+        for (touch, pair) in self.touches.iter_mut().zip(pairs) {
+            if !touch.is_apart() {
+                let relative = relative(&self.tools, &self.images, pair, &touch.place);
+                touch.slide(&relative, half);
+            }
+        }
+        self.meet(pairs, half);
+        self.push(half, Part::second_push);
+        self.book(pairs, half);
+        if self.expects_the_missed {
+            for (touch, pair) in self.touches.iter_mut().zip(pairs) {
+                if !touch.is_apart() {
+                    touch.miss(pair.rate_of(&touch.normal, &touch.relative));
+                }
+            }
+        }
+    }
+
+    fn changed_from(&self, other: &Self) -> bool {
+        let mut touches = self.touches.iter().zip(&other.touches);
+        touches.any(|(one, other)| one.changed_from(other))
+    }
+
+    fn expect_the_missed(&mut self, is_added: bool) {
+        self.expects_the_missed = is_added;
+    }
+
+    fn expect_anew(&mut self) {
+        for touch in &mut self.touches {
+            touch.missed = 0.0;
+        }
+    }
+}
+
+/// A tool or a body, on one side of a contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Side {
+    Tool(usize),
+    Body(usize),
+}
+
+/// What a contact asks for at one of its sides: the square of its angular frequency `[rad^2/s^2]`, and the rate of its damper `[1/s]`.
+#[derive(Clone, Copy, Debug)]
+struct Rates {
+    side: Side,
+    square: f64,
+    damping: f64,
 }
 
 /// What is at rest may gain this much within a step `[m/s]`.
@@ -293,7 +335,7 @@ pub(super) fn rate(tools: &[Part], images: &[Image], pair: &Pair, found: &Found)
     };
     let image = &images[pair.body];
     let ahead = touching - image.velocity_at(&image.ahead, place);
-    pair.shift.map_or(0.0, |shift| shift.rate) - found.normal.dot(&ahead)
+    pair.rate_of(&found.normal, &ahead)
 }
 
 /// Velocity of what touches against the image at `place` `[m/s]`.

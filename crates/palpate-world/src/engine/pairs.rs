@@ -146,6 +146,13 @@ pub(super) struct Pair {
     pub shift: Option<Shift>,
 }
 
+impl Pair {
+    /// How fast it gets deeper where what touches moves with `relative` `[m/s]` against the body `[m/s]`.
+    pub fn rate_of(&self, normal: &Vector3, relative: &Vector3) -> f64 {
+        self.shift.map_or(0.0, |shift| shift.rate) - normal.dot(relative)
+    }
+}
+
 /// The radius of each tool, and what is wrong with them.
 pub(super) fn of_spheres(tools: &[Tool]) -> (Vec<f64>, Vec<WorldError>) {
     let alone = crate::World {

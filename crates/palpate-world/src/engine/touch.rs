@@ -2,6 +2,7 @@
 
 use crate::Mode;
 use crate::law::{PointLaw, carried};
+use crate::moving::SAME_FACE;
 use crate::rigid::Vector3;
 
 /// What a point of contact does, and has done since the period began.
@@ -14,6 +15,10 @@ pub(super) struct Touch {
     pub penetration: f64,
     pub bristle: Vector3,
     normal_force: f64,
+    /// How fast the two were expected to approach at the sub-step's end `[m/s]`.
+    expected: f64,
+    /// By how much faster they did approach `[m/s]`. The next sub-step adds this to what it expects, if it is as long.
+    pub missed: f64,
     /// On the tool `[N]`.
     pub force: Vector3,
     /// Velocity of the tool against the body there `[m/s]`.
@@ -39,6 +44,8 @@ impl Touch {
             penetration: 0.0,
             bristle: none,
             normal_force: 0.0,
+            expected: 0.0,
+            missed: 0.0,
             force: none,
             relative: none,
             slid: none,
@@ -53,6 +60,11 @@ impl Touch {
         self.mode == Mode::Free
     }
 
+    /// Whether its mode is another than in `other`, or it presses across an edge on another face.
+    pub fn changed_from(&self, other: &Self) -> bool {
+        self.mode != other.mode || !self.is_apart() && self.normal.dot(&other.normal) < SAME_FACE
+    }
+
     /// A period begins.
     pub fn begin(&mut self) {
         self.impulse = Vector3::zeros();
@@ -65,7 +77,7 @@ impl Touch {
         law.stored(self.penetration, &self.bristle)
     }
 
-    /// The surfaces overlap by `penetration` `[m]` at a `rate` `[m/s]`, and slide by `way` `[m]` beyond what they have.
+    /// The surfaces overlap by `penetration` `[m]` at a `rate` that is expected `[m/s]`, and slide by `way` `[m]` beyond what they have.
     pub fn press(
         &mut self,
         law: &PointLaw,
@@ -76,7 +88,8 @@ impl Touch {
     ) {
         let from = if self.is_apart() { normal } else { self.normal };
         self.penetration = penetration;
-        self.normal_force = law.normal_force(penetration, rate);
+        self.expected = rate;
+        self.normal_force = law.normal_force(penetration, rate + self.missed);
         let mut bristle = Vector3::zeros();
         if law.friction > 0.0 {
             let before = carried(self.bristle, &from, &normal);
@@ -115,6 +128,11 @@ impl Touch {
         self.work_on_avatar += impulse.dot(avatar);
         let by_damping = self.normal_force - law.stiffness * self.penetration;
         self.dissipated += (-half * by_damping * self.normal.dot(relative)).max(0.0);
+    }
+
+    /// At the end of a sub-step the penetration grew at this `rate` `[m/s]`.
+    pub fn miss(&mut self, rate: f64) {
+        self.missed = rate - self.expected;
     }
 
     /// The surfaces slide on for `half` of a sub-step.

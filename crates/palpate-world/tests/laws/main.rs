@@ -14,6 +14,7 @@ mod closed_form;
 mod common;
 mod conservation;
 mod engine;
+mod engine_sub_steps;
 mod floor;
 mod god_object;
 mod going_on;

@@ -101,6 +101,7 @@ impl LocalState {
             &mut self.host_before,
             &self.pairs,
             steps,
+            1,
             step,
             step.max(period),
         );

@@ -119,6 +119,7 @@ impl LocalRenderer {
             impulses: Vec::new(),
             images: engine.meeting.images.clone(),
             touches: vec![Touch::apart(); pairs.len()],
+            expects_the_missed: false,
         };
         #[expect(
             clippy::cast_possible_truncation,
