@@ -143,7 +143,7 @@ impl Coupling {
     }
 
     /// Avatars and images go on together for `h` `[s]`, from contacts that were looked at. `false` where what comes out is no
-    /// number: there is no contact then.
+    /// number, or a contact is so fast that its computed motion would grow: there is no contact then.
     pub fn meet(&self, pairs: &[Pair], state: &mut EngineState, h: f64) -> bool {
         let EngineState {
             meeting, before, ..
@@ -156,7 +156,7 @@ impl Coupling {
         let parts = meeting.tools.iter();
         let places: f64 = parts.map(|part| part.rigid.position.sum()).sum();
         let moved: f64 = meeting.images.iter().map(Image::sum).sum();
-        if !(after + places + moved - worked).is_finite() {
+        if effort.unstable || !(after + places + moved - worked).is_finite() {
             state.fail(Fault::Overflow);
             self.let_go(state);
             return false;

@@ -179,7 +179,7 @@ impl Meeting {
             Toucher::Tool(tool) => Side::Tool(tool),
             Toucher::Body { body, .. } => Side::Body(body),
         };
-        let law = &pair.law;
+        let law = &pair.at_full_strength;
         let sides = [toucher, Side::Body(pair.body)];
         Some(sides.map(|side| {
             let mobility_along = |axis: &Vector3| match side {

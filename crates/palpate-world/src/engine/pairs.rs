@@ -143,6 +143,8 @@ pub(super) struct Pair {
     pub position: Vector3,
     pub orientation: Rotation,
     pub law: PointLaw,
+    /// What the law comes to be: by its stiffness and damping the bounds of what is fastest reckon.
+    pub at_full_strength: PointLaw,
     pub shift: Option<Shift>,
 }
 
@@ -210,6 +212,7 @@ pub(super) fn pairs(tools: &[Tool], bodies: &[EngineBody]) -> (Vec<Pair>, Vec<Wo
                     }
                 };
                 let [w, x, y, z] = placed.orientation;
+                let law = PointLaw::share(&described.law, 1.0);
                 pairs.push(Pair {
                     toucher: Toucher::Tool(number),
                     is_open: true,
@@ -218,7 +221,8 @@ pub(super) fn pairs(tools: &[Tool], bodies: &[EngineBody]) -> (Vec<Pair>, Vec<Wo
                     outline,
                     position: placed.position.into(),
                     orientation: UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)),
-                    law: PointLaw::share(&described.law, 1.0),
+                    law,
+                    at_full_strength: law,
                     shift: None,
                 });
             }

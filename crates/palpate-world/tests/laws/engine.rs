@@ -334,6 +334,58 @@ fn bad_samples_and_bad_states_give_no_force() {
     }
 }
 
+/// Up to the bound at which a computed motion would grow a contact is followed, and refused beyond it: with an engine that steps
+/// once in 1 ms, 26.7 1/kg between device and ball, and 256 sub-steps.
+#[test]
+fn a_contact_that_is_too_fast_is_refused_and_it_is_said() {
+    let of = |stiffness: f64, damping: f64| {
+        let law = ContactLaw::spring(stiffness).with_damping(damping);
+        let renderer = engine_renderer(law, 0.001, Stepping::MeanVelocity);
+        let mut state = renderer.start();
+        let mut engine = Engine::new(Stepping::MeanVelocity);
+        // 0.1 mm of the ball is above the tool, and it falls.
+        engine.now.position = [0.0, 0.0, RADIUS + 0.0051];
+        let (mut refused, mut largest, mut touched) = (0, 0.0_f64, 0);
+        let mut device = HandledDevice {
+            position: [0.0; 3],
+            velocity: [0.0; 3],
+        };
+        for _ in 0..100 {
+            renderer.sample(&mut state, &Sample::at(&[device.position]));
+            let mut wrenches = [BodyWrench::default()];
+            renderer.advance(&mut state, 0.001, &[engine.now], &mut wrenches);
+            let output = renderer.hold(&mut state);
+            let effort = output.effort;
+            let force = output.forces[0];
+            if effort.unstable {
+                assert!(effort.too_fast, "{effort:?}");
+                assert_eq!(output.fault.map(|it| it.fault), Some(Fault::Overflow));
+                assert_eq!((force, wrenches[0].force), ([0.0; 3], [0.0; 3]));
+                refused += 1;
+            } else {
+                assert_eq!(output.fault, None);
+                assert!(effort.sub_steps <= 256 + 128, "{effort:?}");
+                touched += u32::from(wrenches[0].force[2] > 0.0);
+            }
+            largest = largest.max(force[2].abs());
+            engine.step(&wrenches[0], 0.001);
+            device.under(force, 0.001);
+        }
+        println!(
+            "{stiffness} N/m, {damping} N s/m: {refused} refused, {touched} touched, {largest} N at most"
+        );
+        (refused, touched, largest)
+    };
+    for (stiffness, damping) in [(2e9, 0.0), (4e3, 8e3)] {
+        let (refused, touched, largest) = of(stiffness, damping);
+        assert!(refused == 0 && touched > 0 && largest < 30.0);
+    }
+    for (stiffness, damping) in [(3e9, 0.0), (4e3, 9.5e3), (1e12, 0.0)] {
+        let (refused, touched, largest) = of(stiffness, damping);
+        assert!(refused > 0 && touched == 0 && largest == 0.0);
+    }
+}
+
 #[test]
 fn what_cannot_be_rendered_is_said_with_its_name() {
     let law = ContactLaw::spring(-1.0);

@@ -3,11 +3,11 @@
 use super::model::LocalModel;
 use super::past::Then;
 use super::state::LocalState;
-use crate::SubSteps;
 use crate::engine::body::BodyNow;
 use crate::engine::image::{Image, ImageOffset};
 use crate::engine::meeting::Meeting;
 use crate::engine::touch::Touch;
+use crate::{Effort, SubSteps};
 
 /// How finely a step of the host is computed once more: by the phase of its fastest contact, in at most 640 sub-steps.
 const HOST_STEPS: SubSteps = SubSteps {
@@ -82,7 +82,7 @@ impl LocalState {
     }
 
     /// Computes where the host's step up to `tick`, which is `step` `[s]` long, should have brought its bodies under the mean
-    /// wrenches of the tools. `false` where that is no number.
+    /// wrenches of the tools. `false` where that is no number, or a contact of the host's own is so fast that it would grow.
     fn foresee(&mut self, tick: u64, step: f64, period: f64) -> bool {
         if step <= 0.0 {
             return true;
@@ -105,13 +105,19 @@ impl LocalState {
             step,
             step.max(period),
         );
-        self.engine.effort = self.engine.effort.and(effort);
         let sum: f64 = self.host.images.iter().map(Image::sum).sum();
-        if !sum.is_finite() {
+        let is_known = sum.is_finite() && !effort.unstable;
+        if !is_known {
             self.host.touches.fill(Touch::apart());
             put_fixed_world(&mut self.host);
         }
-        sum.is_finite()
+        // The sample is not refused for it.
+        let effort = Effort {
+            unstable: false,
+            ..effort
+        };
+        self.engine.effort = self.engine.effort.and(effort);
+        is_known
     }
 }
 

@@ -56,6 +56,7 @@ pub(super) fn closed(body: usize) -> Pair {
         position: Vector3::zeros(),
         orientation: Rotation::identity(),
         law: NO_LAW,
+        at_full_strength: NO_LAW,
         shift: None,
     }
 }
@@ -198,6 +199,7 @@ impl Slot {
         }
         self.law_left = (self.law_left - settling).max(0.0);
         let law = self.law_now();
+        pair.at_full_strength = law;
         pair.law = PointLaw {
             stiffness: law.stiffness * self.strength,
             damping: law.damping * self.strength,

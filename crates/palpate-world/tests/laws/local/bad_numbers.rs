@@ -127,3 +127,33 @@ fn a_copy_that_overflows_is_a_fault_and_a_good_model_goes_on() {
     }
     assert!((last[2] - 1.0).abs() < 1e-9, "{last:?}");
 }
+
+/// What is too fast for its masses is refused while it comes in, too, before it is felt.
+#[test]
+fn a_contact_that_is_too_fast_is_never_felt_and_another_one_is() {
+    let device = 0.1;
+    let renderer = renderer(LocalParams::new(0, 1), device);
+    let mut state = renderer.start();
+    // On 0.1 kg 256 sub-steps of 1 ms follow up to 6.5 GN/m.
+    let (mut refused, mut felt) = (0, 0.0_f64);
+    for tick in 0..400 {
+        let stiff = ContactLaw::spring(if tick < 300 { 7e9 } else { 4e3 });
+        let now = state.progress().tick;
+        let model = (tick % 20 == 0).then(|| renderer.model(now, &[], &[plane(0.0, stiff)]));
+        let model = model.map(Result::unwrap);
+        let positions = at_depth(1e-5);
+        let output = renderer.step(&mut state, &Sample::at(&positions), model.as_ref());
+        if output.effort.unstable {
+            refused += 1;
+            assert_eq!(output.fault.map(|it| it.fault), Some(Fault::Overflow));
+        }
+        if tick < 300 {
+            felt = felt.max(output.forces[0][2].abs());
+        } else if tick == 399 {
+            let force = output.forces[0][2];
+            assert_eq!(output.fault, None);
+            assert!((force - 0.04).abs() < 1e-3, "{force} N");
+        }
+    }
+    assert_eq!((refused, felt), (15, 0.0));
+}
