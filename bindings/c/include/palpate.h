@@ -1174,7 +1174,7 @@ typedef struct palpate_progress {
    */
   size_t struct_size;
   /*
-   Periods that the loop has rendered. A model that has all impulses of this progress in it is of this tick.
+   Periods that have passed: those that the loop has rendered, and those that it has missed. A model that has all impulses of this progress in it is of this tick.
    */
   uint64_t tick;
   /*

@@ -11,7 +11,7 @@ use crate::sized::SizedStruct;
 pub struct Progress {
     /// Size of this struct; palpate_progress_empty() sets it.
     pub struct_size: usize,
-    /// Periods that the loop has rendered. A model that has all impulses of this progress in it is of this tick.
+    /// Periods that have passed: those that the loop has rendered, and those that it has missed. A model that has all impulses of this progress in it is of this tick.
     pub tick: u64,
     /// Time from sample to sample of the loop [s].
     pub period: f64,

@@ -110,12 +110,18 @@ impl Coupling {
     }
 
     /// Takes a sample of all devices: a period begins. A sample that cannot be used gives no contact in it, and
-    /// [`hold`](Self::hold) says why.
-    pub fn sample(&self, pairs: &[Pair], state: &mut EngineState, sample: &Sample<'_>) {
+    /// [`hold`](Self::hold) says why. Gives the time since the sample before `[s]`, where it ends a period.
+    pub fn sample(
+        &self,
+        pairs: &[Pair],
+        state: &mut EngineState,
+        sample: &Sample<'_>,
+    ) -> Option<f64> {
         state.effort = Effort::default();
         state.limited = Limited::default();
         state.advanced = 0.0;
         state.fault = None;
+        let is_in_progress = state.tracking.in_progress;
         let elapsed = state.tracking.believe(sample, &self.in_loop);
         let period = self.in_loop.period;
         state.commands.pass(*elapsed.as_ref().unwrap_or(&period));
@@ -124,10 +130,12 @@ impl Coupling {
                 self.observe(pairs, state, sample, elapsed);
                 state.tracking.trust();
                 self.place(state);
+                is_in_progress.then_some(elapsed)
             }
             Err(fault) => {
                 state.fault = Some(fault);
                 self.let_go(state);
+                None
             }
         }
     }

@@ -27,12 +27,12 @@ const DEPTH: f64 = 0.005 * HAND / (HAND + STIFFNESS);
 const FORCE: f64 = STIFFNESS * DEPTH;
 
 /// Durations of intervals, in periods, over and over.
-struct Ticks {
-    name: &'static str,
-    durations: fn(usize) -> f64,
+pub struct Ticks {
+    pub name: &'static str,
+    pub durations: fn(usize) -> f64,
 }
 
-const TICKS: [Ticks; 4] = [
+pub const TICKS: [Ticks; 4] = [
     Ticks {
         name: "on time",
         durations: |_| 1.0,

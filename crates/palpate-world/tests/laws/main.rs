@@ -25,6 +25,7 @@ mod hulls;
 mod ideal;
 mod joints;
 mod kick;
+mod late_copies;
 mod late_ticks;
 mod local;
 mod orientations;

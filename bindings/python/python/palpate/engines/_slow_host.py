@@ -68,7 +68,7 @@ class SlowProgress(NamedTuple):
     """How far a loop has come: what a host needs for its next step."""
 
     tick: int
-    """Periods that the loop has rendered."""
+    """Periods that have passed: those that the loop has rendered, and those that it has missed."""
     period: float
     """Time from sample to sample [s]."""
     position: Vector

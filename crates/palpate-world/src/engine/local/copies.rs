@@ -9,8 +9,8 @@ use crate::engine::meeting::Meeting;
 use crate::engine::touch::Touch;
 use crate::{Effort, SubSteps};
 
-/// How finely a step of the host is computed once more: by the phase of its fastest contact, in at most 640 sub-steps.
-const HOST_STEPS: SubSteps = SubSteps {
+/// How finely a step of the host is computed once more, and the time of ticks that the loop has missed: by the phase of its fastest contact, in at most 640 sub-steps.
+pub(super) const HOST_STEPS: SubSteps = SubSteps {
     least: 16,
     most: 512,
     phase: 0.1,

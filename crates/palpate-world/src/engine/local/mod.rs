@@ -18,10 +18,14 @@
 //! a held mean wrench and a force that changes, which is large over a step of a slow host, does not move the copies. What is left
 //! between host and copy goes away in [`LocalParams::return_time`].
 //!
+//! A loop that misses ticks counts them when it comes back, so the time of the ticks is the time that has passed, to less than a
+//! period. Over what it has missed the copies go on under the mean wrench of the tools in the last period, as the device was held.
+//!
 //! What a model changes of a contact that touches comes in over [`LocalParams::settle`]: the force does not step. The energy of
 //! the change is booked as `outside`.
 
 mod copies;
+mod late;
 mod model;
 mod params;
 mod past;

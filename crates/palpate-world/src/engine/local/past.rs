@@ -53,6 +53,20 @@ impl Then {
         then.apart_from(image)
     }
 
+    /// Between this and an image at a later time, after this share of the time.
+    pub fn towards(&self, later: &Image, share: f64) -> Self {
+        let mut between = *later;
+        self.put(&mut between);
+        let way = later.apart_from(&between) * share;
+        between.shift(&way);
+        Self {
+            position: between.position,
+            orientation: between.orientation,
+            twist: self.twist + (later.twist - self.twist) * share,
+            ..*self
+        }
+    }
+
     /// Puts an image there, as it moves then.
     pub fn put(&self, image: &mut Image) {
         image.position = self.position;

@@ -7,7 +7,7 @@ use crate::engine::body::BodyWrench;
 /// How far the loop has come: what a host needs for its next step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LocalProgress {
-    /// Periods that the loop has rendered. A model that has all impulses of this progress in it is of this tick.
+    /// Periods that have passed: those that the loop has rendered, and those that it has missed. A model that has all impulses of this progress in it is of this tick.
     pub tick: u64,
     /// Time from sample to sample `[s]`.
     pub period: f64,

@@ -131,6 +131,8 @@ impl LocalRenderer {
         LocalState {
             slots: vec![Slot::empty(); pairs.len()],
             host_before: host.clone(),
+            late: host.clone(),
+            behind: 0.0,
             host,
             past: Past::new(bodies, ticks, nowhere()),
             model_tick: None,
@@ -167,7 +169,10 @@ impl LocalRenderer {
         model: Option<&LocalModel>,
     ) -> LocalOutput<'s> {
         let LocalState { engine, pairs, .. } = state;
-        self.coupling.sample(pairs, engine, sample);
+        if let Some(elapsed) = self.coupling.sample(pairs, engine, sample) {
+            state.catch_up(elapsed, self.coupling.in_loop.period);
+        }
+        let LocalState { engine, pairs, .. } = state;
         if engine.fault.is_none() {
             engine.look(pairs, |book| &mut book.observed);
         }

@@ -18,6 +18,10 @@ pub struct LocalState {
     pub(super) host: Meeting,
     /// Room for what a sub-step of it begins with.
     pub(super) host_before: Meeting,
+    /// Room for the copies over ticks that the loop has missed.
+    pub(super) late: Meeting,
+    /// How far the time of the ticks is behind that which has passed, in periods; below 0 where ticks came early.
+    pub(super) behind: f64,
     pub(super) past: Past,
     /// Tick of the newest model.
     pub(super) model_tick: Option<u64>,
@@ -77,7 +81,7 @@ pub enum ModelRefusal {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct SlowPortBook {
-    /// Work of the tools on the copy.
+    /// Work of the tools on the copy, but for periods that the loop has missed.
     pub work: f64,
     /// Work of their mean wrench on the host's body, from model to model.
     pub host_work: f64,
