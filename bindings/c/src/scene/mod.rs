@@ -17,10 +17,11 @@ use core::ptr;
 use std::borrow::ToOwned;
 use std::boxed::Box;
 use std::format;
-use std::fs;
+use std::path::Path;
 use std::string::{String, ToString};
 use std::vec::Vec;
 
+use palpate_scene::scene_bytes;
 use palpate_scene::world::{
     Coupling, WorldActuator, WorldFile, WorldRender, WorldScene, WorldTiming,
 };
@@ -162,10 +163,9 @@ pub(crate) unsafe fn text_of_file<'a>(
     if path.is_empty() {
         return Err(wrong("path is \"\", but must name a file"));
     }
-    match fs::read_to_string(path) {
-        Ok(text) => Ok((path, text)),
-        Err(error) => Err(wrong(format!("{path}: {error}"))),
-    }
+    let bytes = scene_bytes(Path::new(path)).map_err(|error| wrong(format!("{path}: {error}")))?;
+    let text = String::from_utf8(bytes).map_err(|error| wrong(format!("{path}: {error}")))?;
+    Ok((path, text))
 }
 
 /// Makes a scene by `made`.

@@ -34,6 +34,10 @@ static void making(void) {
   EXPECT(world == NULL);
   REFUSED(palpate_world_open("", NULL, &world), PALPATE_STATUS_SCENE, "path is \"\", but must name a file");
   REFUSED(palpate_world_open(NULL, NULL, &world), PALPATE_STATUS_NULL, "path is NULL");
+#ifdef __linux__
+  /* A file without end fills no memory. */
+  REFUSED(palpate_world_open("/dev/zero", NULL, &world), PALPATE_STATUS_SCENE, "/dev/zero: the file does not end within 16 MiB");
+#endif
   EXPECT(palpate_world_open("x", NULL, NULL) == PALPATE_STATUS_NULL);
   REFUSED(palpate_world_new("format = 2\nloop = 3\n", "mine.toml", NULL, &world), PALPATE_STATUS_SCENE, "mine.toml:2");
   REFUSED(palpate_world_new("\xff", NULL, NULL, &world), PALPATE_STATUS_SETTING, "scene is not UTF-8");
