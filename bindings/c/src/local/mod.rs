@@ -40,12 +40,17 @@ pub unsafe extern "C" fn palpate_local_world_new(
     host: *mut *mut SlowHost,
 ) -> Status {
     status(|| {
-        // SAFETY: NULL, or a pointer can be written there.
-        let world = unsafe { world.as_mut() }.ok_or(Refusal::Null("world"))?;
-        *world = ptr::null_mut();
-        // SAFETY: NULL, or a pointer can be written there.
-        let host = unsafe { host.as_mut() }.ok_or(Refusal::Null("host"))?;
-        *host = ptr::null_mut();
+        // SAFETY: each is NULL, or a pointer can be written there.
+        let (mut world, mut host) = unsafe { (world.as_mut(), host.as_mut()) };
+        // Both, before either is asked for: whichever is there says what became of it.
+        if let Some(world) = &mut world {
+            **world = ptr::null_mut();
+        }
+        if let Some(host) = &mut host {
+            **host = ptr::null_mut();
+        }
+        let world = world.ok_or(Refusal::Null("world"))?;
+        let host = host.ok_or(Refusal::Null("host"))?;
         // SAFETY: as the caller says.
         let params = unsafe { sized::read(params) }?;
         let (of_host, of_loop) = bounded_local_world(params.renderer()?, params.limits()?)

@@ -52,7 +52,8 @@ static void making(void) {
   REFUSES(params.soft_start = -1.0, PALPATE_STATUS_PARAMETER, "soft_start is -1");
   REFUSES(params.struct_size = 3, PALPATE_STATUS_STRUCT_SIZE, "palpate_local_params");
   params = right();
-  EXPECT(palpate_local_world_new(&params, NULL, &host) == PALPATE_STATUS_NULL);
+  host = (palpate_slow_host *)1;
+  EXPECT(palpate_local_world_new(&params, NULL, &host) == PALPATE_STATUS_NULL && host == NULL);
   EXPECT(palpate_local_world_new(&params, &world, NULL) == PALPATE_STATUS_NULL && world == NULL);
   EXPECT(palpate_local_world_new(NULL, &world, &host) == PALPATE_STATUS_NULL);
   palpate_local_world_free(NULL);
