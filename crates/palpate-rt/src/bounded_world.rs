@@ -197,6 +197,12 @@ impl BoundedWorld {
         self.fade.end();
     }
 
+    /// What each device was to hold by the last sample: as the last [`Held`] said.
+    #[must_use]
+    pub fn wrenches(&self) -> &[Wrench] {
+        &self.wrenches
+    }
+
     /// Says what was really sent to a device for the last sample, where something between has limited it.
     pub fn report_sent(&mut self, tool: usize, sent: Wrench) {
         self.renderer.report_sent(&mut self.state, tool, sent.force);

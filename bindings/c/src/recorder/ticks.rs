@@ -1,6 +1,7 @@
 //! A tick on its way to a recording.
 
 use palpate_core::{Limited, Output as CoreOutput, Phase as CorePhase};
+use palpate_device::Wrench as Held;
 use palpate_record::recording::{ContactTick, Flags, Tick};
 use palpate_rt::answered;
 
@@ -150,6 +151,10 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
                 is(Limit::Slew as u32 | Limit::SoftStart as u32),
             )
             .with(Flags::FAULT, output.fault != Fault::None as u32);
+        // A tick that has not been gave no wrench, and the world still has that of the tick before.
+        let has_been = output.fault != Fault::Argument as u32;
+        let given = world.bounded.wrenches().get(device);
+        let given = given.filter(|_| has_been).copied().unwrap_or(Held::NONE);
         let tick = Tick {
             sequence,
             time,
@@ -160,8 +165,8 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
             } else {
                 Tick::UNKNOWN.device_orientation
             },
-            commanded_force: sent.force,
-            commanded_torque: sent.torque,
+            commanded_force: given.force,
+            commanded_torque: given.torque,
             delivered_force: sent.force,
             delivered_torque: sent.torque,
             generation: 0,
