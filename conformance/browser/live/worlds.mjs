@@ -1,6 +1,9 @@
 // The page of a world: it draws without a graphics processor, bodies move, and the hand is led in three dimensions.
 
 import assert from "node:assert/strict";
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { startLive } from "../program.mjs";
@@ -141,4 +144,69 @@ test("two methods stand side by side, and begin anew", async () => {
   await open.leave();
   await live.endsWell();
   live.forget();
+});
+
+const BALL = `format = 2
+[loop]
+period_s = 0.001
+[[device]]
+name = "tool"
+mass_kg = 0.2
+position_m = [0.0, 0.0, 0.075]
+tool = { sphere = { radius_m = 0.008 } }
+[[body]]
+name = "floor"
+fixed = true
+shape = { half_space = { normal = [0.0, 0.0, 1.0], offset_m = 0.0 } }
+[[body]]
+name = "ball"
+fixed = true
+position_m = [0.0, 0.0, 0.03]
+shape = { sphere = { radius_m = 0.03 } }
+[[contact]]
+between = ["*", "*"]
+stiffness_n_per_m = 1000.0
+[render]
+method = "coupled"
+device_mass_kg = 0.2
+`;
+
+/** The brightness of the picture at a place of the world, by the rule of WCAG. */
+const brightness = (place) => {
+  const { space } = palpate;
+  const { canvas, camera } = space;
+  space.draw();
+  const at = camera.position.clone().set(...place).project(camera);
+  const copy = document.createElement("canvas");
+  Object.assign(copy, { width: canvas.width, height: canvas.height });
+  const context = copy.getContext("2d");
+  context.drawImage(canvas, 0, 0);
+  const [x, y] = [((at.x + 1) / 2) * canvas.width, ((1 - at.y) / 2) * canvas.height];
+  const [r, g, b] = [...context.getImageData(Math.round(x), Math.round(y), 1, 1).data].map((byte) => {
+    const part = byte / 255;
+    return part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4;
+  });
+  return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+};
+
+test("a fixed ball stands out from the plane under it, in both schemes", async () => {
+  const folder = mkdtempSync(join(tmpdir(), "palpate-ball-"));
+  const scene = join(folder, "ball.toml");
+  writeFileSync(scene, BALL);
+  const live = await startLive(scene, "--priority", "0");
+  for (const scheme of ["light", "dark"]) {
+    const open = await visit(live.url, { scheme });
+    await open.until("the world has come", () => palpate.space.lanes.length === 1 && palpate.model.newestS > 0);
+    // Beside it.
+    const plane = await open.get(brightness, [0.043, -0.025, 0]);
+    // Its middle, and its side away from the light.
+    const ball = [await open.get(brightness, [-0.007, -0.012, 0.043]), await open.get(brightness, [-0.012, -0.024, 0.018])];
+    const contrasts = ball.map((shade) => (Math.max(shade, plane) + 0.05) / (Math.min(shade, plane) + 0.05));
+    const said = contrasts.map((contrast) => contrast.toFixed(2)).join(" and ");
+    assert.ok(Math.max(...contrasts) > 1.5, `${scheme}: contrasts of ${said} with the plane`);
+    await open.leave();
+  }
+  await live.endsWell();
+  live.forget();
+  rmSync(folder, { recursive: true });
 });

@@ -235,7 +235,8 @@ class LaneScene {
     sun.position.set(-1, -2, 3);
     this.scene.add(new AmbientLight(0xffffff, 1.4), sun);
     this.bodies = world.bodies.map((body) => {
-      const colour = body.fixed ? theme.solid : BODY;
+      const rests = "half_space" in body.shape ? theme.solid : theme.fixed;
+      const colour = body.fixed ? rests : BODY;
       const mesh = solid(body.shape, colour, body.fixed);
       mesh.position.set(...body.position_m);
       const [w, x, y, z] = body.orientation;

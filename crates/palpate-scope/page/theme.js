@@ -1,6 +1,6 @@
 // Colours and fonts for what is drawn on a canvas, from the style sheet: light and dark are chosen there only.
 
-const NAMES = ["paper", "panel", "ink", "quiet", "rule", "grid", "solid", "alarm", "lane-1", "lane-2"];
+const NAMES = ["paper", "panel", "ink", "quiet", "rule", "grid", "solid", "fixed", "alarm", "lane-1", "lane-2"];
 
 export const theme = { lanes: [] };
 
