@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { aboutBuffer, rate } from "../../../crates/palpate-scope/page/status.js";
+import { aboutBuffer, counted, rate } from "../../../crates/palpate-scope/page/status.js";
 import { View } from "../../../crates/palpate-scope/page/view.js";
 
 const report = (ticks, atS) => ({ lanes: ticks.map((count, lane) => ({ ticks: count, t_s: atS[lane] })) });
@@ -24,4 +24,8 @@ test("a pause says what has come in since, and when nothing more is kept", () =>
   view.pause();
   assert.match(aboutBuffer(model, view), /^Paused at 30\.00 s; 12 s more have come in since\. Drag/);
   assert.match(aboutBuffer({ ...model, refusedRows: 3 }, view), /buffer is full/);
+});
+
+test("one picture is no pictures", () => {
+  assert.deepEqual([0, 1, 2].map((number) => counted(number, "picture")), ["0 pictures", "1 picture", "2 pictures"]);
 });

@@ -68,12 +68,11 @@ export class Status {
 
   serve() {
     const { model, screenRate } = this;
-    // This page at least looks on.
-    const clients = model.status?.clients ?? 1;
     const parts = [
-      `${clients} ${clients === 1 ? "page" : "pages"} looking on`,
-      `${model.droppedFrames} frames dropped on the way here`,
-      Number.isNaN(screenRate) ? "" : `${Math.round(screenRate)} pictures per second`,
+      // This page at least looks on.
+      `${counted(model.status?.clients ?? 1, "page")} looking on`,
+      `${counted(model.droppedFrames, "frame")} dropped on the way here`,
+      Number.isNaN(screenRate) ? "" : `${counted(Math.round(screenRate), "picture")} per second`,
     ];
     this.places.served.textContent = parts.filter(Boolean).join(" · ");
   }
@@ -120,6 +119,11 @@ function cell(kind, text, about = "") {
 
 function seconds(value) {
   return value === undefined || value === null ? "–" : quantity(value, "s");
+}
+
+/** So many of something, by its name for one. */
+export function counted(number, name) {
+  return `${number} ${name}${number === 1 ? "" : "s"}`;
 }
 
 function count(value) {
