@@ -440,10 +440,37 @@ fn a_figure_shows_contacts_that_stay_alone() {
     let picture = folder.read("map.svg");
     assert!(picture.contains("Resting by its weight") && picture.contains("Pressed with 3 N"));
     assert!(!picture.contains("Mean-force error"));
+    assert!(!picture.contains("Bounds"), "none is drawn");
     folder.fail(
         "map --cells 3 --method basic --show lying",
         2,
         &["lying", "resting", "pressed"],
+    );
+}
+
+#[test]
+fn a_figure_speaks_of_the_bounds_that_it_draws() {
+    let folder = Folder::new();
+    folder.succeed("map --cells 3 --method basic,hfcr-mod");
+    let words = |methods: &str| {
+        folder.succeed(&format!(
+            "map merge map.csv --method {methods} --plot {methods}.svg"
+        ));
+        let picture = folder.read(&format!("{methods}.svg"));
+        let document = roxmltree::Document::parse(&picture).unwrap();
+        let words: Vec<&str> = document
+            .descendants()
+            .filter_map(|node| node.text())
+            .collect();
+        words.join(" ")
+    };
+    let of_one = words("basic");
+    assert!(of_one.contains("drawn up to Kc = 0.03."), "{of_one}");
+    assert!(!of_one.contains("sustained"), "{of_one}");
+    let with_hfcr_mod = words("hfcr-mod");
+    assert!(
+        with_hfcr_mod.contains("but for that of HFCR's sustained contact."),
+        "{with_hfcr_mod}"
     );
 }
 

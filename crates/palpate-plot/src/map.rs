@@ -186,7 +186,7 @@ pub fn figure(
     Ok(FieldFigure {
         title: finding(map, &columns),
         subtitle: "Stiffness against the inertia of object and device".into(),
-        footnote: footnote(map, &loop_numbers, &show),
+        footnote: footnote(map, &loop_numbers, &show) + about_bounds(&rows),
         x_label: "Kc = K T²/M [1]".into(),
         y_label: "κ = K T²/m [1]".into(),
         zero_label: "wall".into(),
@@ -394,6 +394,23 @@ fn steps(steps: &[(&'static str, &str)]) -> Vec<(&'static str, String)> {
         .collect()
 }
 
+/// What is said of the bounds that the figure draws.
+fn about_bounds(rows: &[FieldRow]) -> &'static str {
+    let mut drawn = rows
+        .iter()
+        .flat_map(|row| &row.panels)
+        .flat_map(|panel| &panel.bounds)
+        .peekable();
+    if drawn.peek().is_none() {
+        return "";
+    }
+    if drawn.any(|bound| bound.to > NEARLY_A_WALL) {
+        " Bounds are of walls and drawn up to Kc = 0.03, but for that of HFCR's sustained contact."
+    } else {
+        " Bounds are of walls and drawn up to Kc = 0.03."
+    }
+}
+
 fn footnote(map: &Map, numbers: &LoopNumbers, show: &[Quantity]) -> String {
     let value = |key: &str| map.value(key).unwrap_or("?");
     let forces = if value("forces") == "balanced" {
@@ -440,8 +457,7 @@ fn footnote(map: &Map, numbers: &LoopNumbers, show: &[Quantity]) -> String {
     format!(
         "An object bounces on a point-mass device ({} kg, {} s, gap {} m ± 5 % in {} start heights) \
          under {forces}{unusual}. Damped: viscous friction b T/m = {:.4} of the device. Growth: over \
-         {} ideal collisions; E: over the first {}. Bounds are of walls and \
-         drawn up to Kc = 0.03, but for that of HFCR's sustained contact.{stays}",
+         {} ideal collisions; E: over the first {}.{stays}",
         value("device_mass_kg"),
         value("period_s"),
         value("gap_m"),
