@@ -17,12 +17,12 @@ pub(crate) type OwnAxes = Option<Matrix3>;
 
 /// A vector of the world along such axes.
 pub(crate) fn own(axes: &OwnAxes, vector: &Vector3) -> Vector3 {
-    axes.map_or(*vector, |axes| axes.tr_mul(vector))
+    axes.as_ref().map_or(*vector, |axes| axes.tr_mul(vector))
 }
 
 /// A vector along such axes in the world.
 pub(crate) fn out(axes: &OwnAxes, own: &Vector3) -> Vector3 {
-    axes.map_or(*own, |axes| axes * own)
+    axes.as_ref().map_or(*own, |axes| axes * own)
 }
 
 /// A vector of the world whose parts along such axes are multiplied by one factor each.

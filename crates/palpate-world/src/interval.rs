@@ -95,7 +95,7 @@ pub(crate) trait SubStepped {
     /// Where two may touch.
     type Pair;
 
-    /// Takes over the state of another motion of the same pairs, as long as both look at the same of them. It does not allocate.
+    /// Takes over what sub-steps change, where both are in the same interval and look at the same pairs. It does not allocate.
     fn copy_near_from(&mut self, other: &Self);
 
     /// One sub-step of `h` `[s]`.
@@ -148,6 +148,8 @@ pub(crate) fn advance(
     h: f64,
 ) -> Effort {
     moving.gather(points, h);
+    moving.look_at_all();
+    before.nearby.copy_from(&moving.nearby);
     let fastest = fastest(moving, points, h);
     let mut effort = integrate(moving, before, points, fastest, sub_steps, MOST_TIMES, h);
     effort.left_out = moving.take_left_out();
@@ -290,7 +292,7 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> Fastest {
         let centre = point.centre_of(&first.rigid);
         let relative: Vector3 = first.rigid.velocity - second.rigid.velocity;
         let pushed = (first.drive.acceleration - second.drive.acceleration).norm();
-        let mut turns = first.twist.turning.norm() * point.centre.norm();
+        let mut turns = first.twist.turning.norm() * point.lever;
         if point.second < moving.tools {
             turns += second.twist.turning.norm() * (centre - second.rigid.position).norm();
         }

@@ -6,7 +6,7 @@ use crate::law::{Mode, carried};
 use crate::link::Link;
 use crate::linkage::Carried;
 use crate::mesh::Surface;
-use crate::nearby::Nearby;
+use crate::nearby::{NEARER, Nearby, approached};
 use crate::pairs::Point;
 use crate::part::{Part, Twist};
 use crate::rigid::Vector3;
@@ -45,6 +45,8 @@ pub(crate) struct Touch {
     damping_power: f64,
     /// Power of the material's damping on what only seems to move, a tool that is held between samples `[W]`.
     apparent_power: f64,
+    /// Of what is apart: so far the two may move since the interval began before they can touch; 0 if that is not known `[m]`.
+    clear: f64,
     pub past: Past,
 }
 
@@ -124,6 +126,7 @@ impl Touch {
             slid: none,
             damping_power: 0.0,
             apparent_power: 0.0,
+            clear: 0.0,
             past: Past::default(),
         }
     }
@@ -138,6 +141,15 @@ impl Touch {
 
     pub fn is_apart(&self) -> bool {
         self.mode == Mode::Free
+    }
+
+    /// Comes to be as `other`. Of what is apart, nothing but this differs.
+    fn copy_from(&mut self, other: &Self) {
+        if self.is_apart() && other.is_apart() {
+            (self.past, self.clear) = (other.past, other.clear);
+        } else {
+            *self = *other;
+        }
     }
 
     /// Whether its mode is another than in `other`, or it presses across an edge on another face.
@@ -271,12 +283,20 @@ impl Moving {
         point.law.stored(touch.penetration, &touch.bristle)
     }
 
+    /// An interval begins, so ways are counted anew: no point is known to be clear.
+    pub fn look_at_all(&mut self) {
+        for &number in self.nearby.numbers() {
+            self.touches[number].clear = 0.0;
+        }
+    }
+
     /// Looks at the contacts anew, after tools or bodies were put to other places.
     pub fn look(&mut self, points: &[Point]) {
         for part in &mut self.parts {
             part.settle();
         }
         self.gather(points, 0.0);
+        self.look_at_all();
         self.meet(points, 0.0);
         self.measure(points);
     }
@@ -313,6 +333,14 @@ impl Moving {
                 }
                 continue;
             }
+            let moved = if touch.is_apart() {
+                approached(first, second, point)
+            } else {
+                0.0
+            };
+            if touch.is_apart() && moved < touch.clear {
+                continue;
+            }
             let of_sphere = |nearest: Nearest| {
                 let penetration = point.radius - nearest.distance;
                 let below = point.radius - 0.5 * penetration;
@@ -324,6 +352,7 @@ impl Moving {
                     place: centre - nearest.normal * below,
                 }
             };
+            let is_looked_up = matches!(point.solid, Solid::Mesh { .. } | Solid::Between { .. });
             let met = match point.solid {
                 Solid::Mesh { surface, point, .. } => {
                     let found = self.surfaces[surface].found(point);
@@ -364,6 +393,8 @@ impl Moving {
                 self.parts[point.second].load(&-force, &place);
             } else if !touch.is_apart() {
                 touch.part(point);
+            } else if !is_looked_up {
+                touch.clear = moved - NEARER * met.penetration;
             }
         }
         for link in &mut self.links {
@@ -391,10 +422,13 @@ impl SubStepped for Moving {
     type Pair = Point;
 
     fn copy_near_from(&mut self, other: &Self) {
-        self.parts.copy_from_slice(&other.parts);
-        self.nearby.copy_from(&other.nearby);
-        for &number in other.nearby.numbers() {
-            self.touches[number] = other.touches[number];
+        for (part, other) in self.parts.iter_mut().zip(&other.parts) {
+            if !part.is_fixed {
+                part.copy_motion_from(other);
+            }
+        }
+        for &number in self.nearby.numbers() {
+            self.touches[number].copy_from(&other.touches[number]);
         }
         self.copy_between(other);
     }
@@ -485,7 +519,12 @@ fn relative(
     of_second: &Twist,
     place: &Vector3,
 ) -> Vector3 {
-    first.velocity_at(of_first, place) - second.velocity_at(of_second, place)
+    let of_first = first.velocity_at(of_first, place);
+    if second.is_fixed {
+        of_first
+    } else {
+        of_first - second.velocity_at(of_second, place)
+    }
 }
 
 /// How a point and a solid overlap.

@@ -74,6 +74,10 @@ const MARGIN: f64 = 2e-4;
 /// beside edges.
 const STEEPEST: f64 = 1.25;
 
+/// A point that is apart is looked at again after it has moved by this share of its distance: a half, since the distance from a grid
+/// may change by more than the way.
+pub(crate) const NEARER: f64 = 0.5;
+
 impl Nearby {
     /// Of a world's points, those in these patches only where they are near.
     pub fn new(points: usize, patches: Vec<Patch>) -> Self {
@@ -199,6 +203,17 @@ pub(crate) fn approach(first: &Part, second: &Part, of_first: f64, of_second: f6
     let pushed = (first.drive.acceleration - second.drive.acceleration).norm();
     let turns = first.twist.turning.norm() * of_first + second.twist.turning.norm() * of_second;
     (relative + turns + pushed * h) * 2.0 * h
+}
+
+/// How far a point has moved at most since the interval began, in the axes of the second `[m]`.
+pub(crate) fn approached(first: &Part, second: &Part, point: &Point) -> f64 {
+    let way = first.way + first.turned * point.lever + second.way;
+    if second.turned > 0.0 {
+        let apart = (first.rigid.position - second.rigid.position).norm();
+        way + second.turned * (apart + point.lever + way)
+    } else {
+        way
+    }
 }
 
 /// The nearest points so far, in the order in which they were found.

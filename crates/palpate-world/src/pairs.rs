@@ -49,6 +49,8 @@ pub(crate) struct Point {
     pub is_off_centre: bool,
     /// Centre of the sphere, in the axes of the first `[m]`.
     pub centre: Vector3,
+    /// Its distance from the mass centre of the first `[m]`.
+    pub lever: f64,
     pub radius: f64,
     pub solid: Solid,
     pub law: PointLaw,
@@ -184,6 +186,7 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                     second: j,
                     is_off_centre: true,
                     centre: Vector3::x() * first,
+                    lever: first,
                     radius: 0.0,
                     solid: Solid::Between {
                         blocks: blocks.len(),
@@ -424,6 +427,7 @@ impl Touching {
             second,
             is_off_centre: self.centre != Vector3::zeros(),
             centre: self.centre,
+            lever: self.centre.norm(),
             radius: self.radius,
             solid,
             law: PointLaw::share(law, self.share),

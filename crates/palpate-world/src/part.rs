@@ -90,6 +90,10 @@ pub(crate) struct Part {
     pub driven: f64,
     /// Energy of rotation that the sub-steps have made out of nothing since the interval began `[J]`.
     pub turning_error: f64,
+    /// Length of the way of its mass centre since the interval began `[m]`,
+    pub way: f64,
+    /// and how far it has turned since at most `[rad]`.
+    pub turned: f64,
 }
 
 impl Part {
@@ -111,6 +115,8 @@ impl Part {
             mean: Twist::none(),
             driven: 0.0,
             turning_error: 0.0,
+            way: 0.0,
+            turned: 0.0,
         }
     }
 
@@ -148,6 +154,19 @@ impl Part {
         }
     }
 
+    /// Comes to move as `other`, the same part at another time of the same interval. What a sub-step sets before it reads it stays.
+    pub fn copy_motion_from(&mut self, other: &Self) {
+        self.rigid = other.rigid;
+        self.twist = other.twist;
+        self.force = other.force;
+        self.torque = other.torque;
+        self.gained = other.gained;
+        self.driven = other.driven;
+        self.turning_error = other.turning_error;
+        self.way = other.way;
+        self.turned = other.turned;
+    }
+
     /// Turns with an angular velocity along the world's axes `[rad/s]` from now on.
     pub fn set_turning(&mut self, turning: &Vector3) {
         self.rigid.spin = self.mobility.spin(&self.rigid.orientation, turning);
@@ -175,6 +194,8 @@ impl Part {
         self.turning_drive.begin(&self.rigid);
         self.driven = 0.0;
         self.turning_error = 0.0;
+        self.way = 0.0;
+        self.turned = 0.0;
     }
 
     /// Work that the drive's acceleration at the interval's start does on it over its way since, as a constant force
@@ -192,24 +213,28 @@ impl Part {
         self.ahead.turning += self.turning_drive.apparent_turning;
     }
 
-    fn axes_of_drive(&self) -> OwnAxes {
-        self.drive.axes.or(self.mobility.linear_axes)
+    fn axes_of_drive(&self) -> &OwnAxes {
+        match &self.drive.axes {
+            None => &self.mobility.linear_axes,
+            axes => axes,
+        }
     }
 
     /// The first half of a sub-step's push.
     pub fn first_push(&mut self, half: f64) {
         let before = self.rigid.velocity;
-        let axes = &self.axes_of_drive();
+        let axes = self.axes_of_drive();
         let slowed = scaled(axes, &self.drive.damping_rate, &before);
         let by_drive = (self.drive.at(axes, &self.rigid.position) - slowed) * half;
+        let by_contacts = self.mobility.acceleration(&self.force) * half;
         let torque = self.turning_drive.first_torque(&self.rigid);
-        self.push(before, by_drive, torque, half);
+        self.push(before, by_drive, by_contacts, torque, half);
     }
 
     /// The second half: with the damping of the drive at its end, so that both halves together are of second order.
     pub fn second_push(&mut self, half: f64) {
         let before = self.rigid.velocity;
-        let axes = &self.axes_of_drive();
+        let axes = self.axes_of_drive();
         let by_contacts = self.mobility.acceleration(&self.force) * half;
         let sum = before + by_contacts + self.drive.at(axes, &self.rigid.position) * half;
         let after =
@@ -218,11 +243,19 @@ impl Part {
         let torque = self
             .turning_drive
             .second_torque(&self.rigid, &self.torque, half);
-        self.push(before, after - before - by_contacts, torque, half);
+        let by_drive = after - before - by_contacts;
+        self.push(before, by_drive, by_contacts, torque, half);
     }
 
-    fn push(&mut self, before: Vector3, by_drive: Vector3, torque: Vector3, half: f64) {
-        self.gained = by_drive + self.mobility.acceleration(&self.force) * half;
+    fn push(
+        &mut self,
+        before: Vector3,
+        by_drive: Vector3,
+        by_contacts: Vector3,
+        torque: Vector3,
+        half: f64,
+    ) {
+        self.gained = by_drive + by_contacts;
         self.rigid.velocity += self.gained;
         let spun = (self.torque + torque) * half;
         self.rigid.spin += spun;
@@ -245,11 +278,13 @@ impl Part {
     pub fn drift(&mut self, h: f64) {
         let rigid = &mut self.rigid;
         rigid.position += rigid.velocity * h;
+        self.way += rigid.velocity.norm() * h;
         let before = self.twist.turning;
         // Of a drive's torque the end is not looked at: what its change makes of a sub-step is of third order.
         let torque = self.torque + self.turning_drive.first_torque(rigid);
         if !self.mobility.does_not_turn() {
             rigid.orientation = self.mobility.turned(&rigid.orientation, &rigid.spin, h);
+            self.turned += self.mobility.angular.max() * rigid.spin.norm() * h;
             self.update_twist();
             let change = self.twist.turning - before;
             if !self.led {

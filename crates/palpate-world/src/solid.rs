@@ -55,7 +55,7 @@ pub(crate) enum Solid {
 }
 
 /// The nearest point of a surface.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Nearest {
     /// Distance from it, below 0 inside `[m]`.
     pub distance: f64,
@@ -165,7 +165,8 @@ impl Solid {
         }
     }
 
-    /// The same, or nothing near where the surface is certainly further than `reach` `[m]`: that may be known with less work.
+    /// The same, or where the surface is certainly further than `reach`, that it is at least so far `[m]`: that may be known with
+    /// less work.
     pub fn nearest_within(&self, placed: &Rigid, point: &Vector3, reach: f64) -> Nearest {
         let Self::Grid { grid, .. } = self else {
             return self.nearest(placed, point);

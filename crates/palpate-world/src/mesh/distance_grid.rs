@@ -201,8 +201,12 @@ impl DistanceGrid {
 
     /// The surface as a point at `place` meets it, in the mesh's axes. Beyond the grid it is at least so far.
     pub(crate) fn nearest(&self, place: &Vector3) -> Nearest {
-        let own = self.own(place);
-        let nearest = match self.nodes.at(&own) {
+        self.nearest_at(&self.own(place))
+    }
+
+    /// The same, at a place in the axes of the nodes.
+    fn nearest_at(&self, own: &Vector3) -> Nearest {
+        let nearest = match self.nodes.at(own) {
             Some((distance, gradient)) => {
                 let slope = gradient.norm();
                 Nearest {
@@ -215,7 +219,7 @@ impl DistanceGrid {
                     slope,
                 }
             }
-            None => self.nodes.beyond_the_grid(&own),
+            None => self.nodes.beyond_the_grid(own),
         };
         Nearest {
             normal: self.axes * nearest.normal,
@@ -223,12 +227,14 @@ impl DistanceGrid {
         }
     }
 
-    /// The same, or nothing near where the surface is certainly further than `reach` `[m]`.
+    /// The same, or where the surface is certainly further than `reach`, that it is at least so far `[m]`.
     pub(crate) fn nearest_within(&self, place: &Vector3, reach: f64) -> Nearest {
-        if self.nodes.is_beyond(&self.own(place), reach) {
-            Nearest::far()
+        let own = self.own(place);
+        let least = self.nodes.at_least(&own);
+        if least > reach {
+            Nearest::exact(least, Vector3::x())
         } else {
-            self.nearest(place)
+            self.nearest_at(&own)
         }
     }
 
@@ -378,14 +384,18 @@ impl Nodes {
         Some((value, slopes / self.spacing))
     }
 
-    /// Whether the surface is certainly further than `reach` `[m]`.
-    fn is_beyond(&self, own: &Vector3, reach: f64) -> bool {
+    /// How far the surface is at least, below 0 where that is not known `[m]`.
+    fn at_least(&self, own: &Vector3) -> f64 {
         let steps = self.steps_to(own);
         match self.cell(&steps) {
-            None => self.beyond_the_grid(own).distance > reach,
+            None => self.beyond_the_grid(own).distance,
             Some(cell) => {
                 let at_node = f64::from(self.coefficients[self.number(cell)]);
-                at_node > FAR * self.spacing && at_node - LESS * self.spacing > reach
+                if at_node > FAR * self.spacing {
+                    at_node - LESS * self.spacing
+                } else {
+                    f64::NEG_INFINITY
+                }
             }
         }
     }
@@ -529,7 +539,11 @@ mod tests {
                 let found = grid.nearest_within(&place, reach);
                 if found.distance > reach {
                     assert!(exact > reach - 1e-4, "{place:?} {exact} {reach}");
-                    far += u32::from(found.distance.is_infinite());
+                }
+                if found != grid.nearest(&place) {
+                    let least = found.distance;
+                    assert!(exact > least && least > reach, "{place:?} {exact} {least}");
+                    far += 1;
                 }
                 assert!((found.normal.norm() - 1.0).abs() < 1e-9);
             }

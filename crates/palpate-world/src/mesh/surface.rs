@@ -455,8 +455,14 @@ fn downhill(mesh: &Mesh, from: u32, centre: &Vector3) -> (u32, Vector3, Region) 
     let mut best = look_at(from);
     for _ in 0..MOST_WALKED {
         let here = best.1;
-        for corner in mesh.faces[here as usize] {
+        let corners = mesh.faces[here as usize];
+        for (k, &corner) in corners.iter().enumerate() {
             for &number in mesh.topology.around(corner) {
+                // Each once: not those at the corners before, and so not itself either.
+                let is_seen = |corner: &u32| mesh.faces[number as usize].contains(corner);
+                if number == here || corners[..k].iter().any(is_seen) {
+                    continue;
+                }
                 let other = look_at(number);
                 if other.0 < best.0 {
                     best = other;
