@@ -9,7 +9,8 @@ use crate::engine::meeting::Meeting;
 use crate::engine::touch::Touch;
 use crate::{Effort, SubSteps};
 
-/// How finely a step of the host is computed once more, and the time of ticks that the loop has missed: by the phase of its fastest contact, in at most 640 sub-steps.
+/// How finely a step of the host is computed once more, by the phase of its fastest contact: in at most 640 sub-steps. The time of
+/// ticks that the loop has missed is computed as finely.
 pub(super) const HOST_STEPS: SubSteps = SubSteps {
     least: 16,
     most: 512,
