@@ -1,8 +1,6 @@
 //! The ticks of ticks.c, from the core without C: METHOD COUNT.
 
-use palpate_core::{
-    Basis, Contact, LoopParams, MethodName, ObjectState, Renderer, Sample, Settings,
-};
+use palpate::{Basis, Contact, LoopParams, MethodName, ObjectState, Renderer, Sample, Settings};
 
 const POSITION_COUNT: usize = 500;
 

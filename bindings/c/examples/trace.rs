@@ -1,7 +1,7 @@
 //! What tests/c/trace.c prints, from the core without C: the two must not differ in a bit. The parameters are those
 //! that C says in double, rounded once.
 
-use palpate_core::{
+use palpate::{
     Actuation, Basis, Contact, Fault, LoopParams, MethodName, ObjectState, Phase, Rendering,
     Running, Sample, Scalar, Settings, SettingsError,
 };

@@ -1,6 +1,6 @@
 //! The loop and the device in it, as C says them.
 
-use palpate_core::{
+use palpate::{
     Actuation, Allowed, Guard, GuardParams, LoopParams as Core, Parameter, ParameterError, Scalar,
 };
 

@@ -3,7 +3,7 @@
 use core::ffi::c_char;
 use core::fmt::{self, Display};
 
-use palpate_core::{
+use palpate::{
     Allowed, MethodName, Parameter, ParameterError, ParameterValue, Range, Setting as Core,
     SettingValues, Settings, Unit,
 };

@@ -1,6 +1,6 @@
 //! The number type of a tick: `double` or `float` of C.
 
-use palpate_core::Scalar;
+use palpate::Scalar;
 
 /// A number that a tick can be made of, with what C calls the structs that are made of it.
 pub trait Number: Scalar {

@@ -1,6 +1,6 @@
 //! What comes out of a tick, and the books.
 
-use palpate_core::{
+use palpate::{
     Fault as CoreFault, Ledger as CoreLedger, Limited, Output as CoreOutput, Phase as CorePhase,
 };
 

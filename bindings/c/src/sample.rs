@@ -1,6 +1,6 @@
 //! What goes into a tick.
 
-use palpate_core::Sample as Core;
+use palpate::Sample as Core;
 
 use crate::choice;
 use crate::number::Number;

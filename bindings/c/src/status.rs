@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use palpate_core::{ChangeError, ParameterError, Setting, SettingValues, SettingsError};
+use palpate::{ChangeError, ParameterError, Setting, SettingValues, SettingsError};
 
 /// What a call answers. `palpate_last_error` says the rest in words, palpate_status_name has the names of these.
 ///

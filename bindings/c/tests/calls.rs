@@ -5,7 +5,7 @@ use std::ffi::{CStr, c_void};
 use std::mem::MaybeUninit;
 use std::ptr;
 
-use palpate::*;
+use palpate_c::*;
 
 fn loop_params() -> LoopParams {
     let mut params = MaybeUninit::uninit();

@@ -6,7 +6,7 @@ use std::mem::MaybeUninit;
 use std::path::Path;
 use std::ptr;
 
-use palpate::*;
+use palpate_c::*;
 use palpate_record::recording::{Flags, Recording, Row};
 
 /// A wall of 1 kN/m.

@@ -1,7 +1,7 @@
 //! A tick allocates nothing, whatever the method and the sample.
 //!
 //! ```text
-//! cargo test --manifest-path conformance/no_alloc/Cargo.toml
+//! cargo test --release -p palpate-conformance-no-alloc
 //! ```
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -444,7 +444,7 @@ fn contact_by_a_local_model_allocates_nothing() {
         let contacts = [Some(ball), Some(floor), (tick % 40 != 0).then_some(ball)];
         renderer.model(tick, &[now], &contacts).unwrap()
     };
-    let models: Vec<_> = (0..2000).map(|tick| model(tick)).collect();
+    let models: Vec<_> = (0..2000).map(model).collect();
     let mut progress = LocalProgress::default();
     progress.copy_from(state.progress());
     let (mut forces, mut faults, mut refusals, mut stale) = (0, 0, 0, 0);

@@ -1,6 +1,6 @@
 //! What a caller says of a local model once.
 
-use palpate_core::Actuation;
+use palpate::Actuation;
 use palpate_rt::safety::SafetyParams;
 use palpate_world::engine::local::{LocalParams as Room, LocalRenderer};
 use palpate_world::{CoupledParams, Shape, Tool, WorldLoop};
