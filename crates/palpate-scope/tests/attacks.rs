@@ -35,7 +35,9 @@ fn the_page_comes_with_what_keeps_it_safe() {
     assert_eq!(status(&stage.get("/live")), "400");
     let address = stage.address;
     let post = format!("POST / HTTP/1.1\r\nHost: {address}\r\nContent-Length: 0\r\n\r\n");
-    assert_eq!(status(&stage.ask(&post)), "405");
+    let refused = stage.ask(&post).to_lowercase();
+    assert_eq!(status(&refused), "405");
+    assert!(refused.contains("\r\nallow: get\r\n"), "{refused}");
 }
 
 /// A page of somebody else's in the same browser, and a name of somebody else's that leads here.

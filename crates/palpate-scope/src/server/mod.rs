@@ -266,6 +266,10 @@ fn answer(served: &Arc<Served>, request: Request<Incoming>) -> Response<Body> {
         *response.status_mut() = status;
         let plain = HeaderValue::from_static("text/plain; charset=utf-8");
         response.headers_mut().insert(header::CONTENT_TYPE, plain);
+        if status == StatusCode::METHOD_NOT_ALLOWED {
+            let get = HeaderValue::from_static("GET");
+            response.headers_mut().insert(header::ALLOW, get);
+        }
         response
     });
     let policy = format!(
