@@ -1,6 +1,7 @@
 //! The triangles about a place, kept while a sphere stays near it.
 
 use super::build::Mesh;
+use super::spared::Spared;
 use super::topology::NONE;
 use super::tree::size;
 use super::triangle;
@@ -22,10 +23,8 @@ pub(super) struct Near {
 pub(super) struct Gathered {
     near: Box<[Near]>,
     count: usize,
-    /// Of those, how many come first on which the distance may have a minimum.
-    pushing: usize,
-    /// Least distance of the others `[m]`.
-    others: f64,
+    /// Least distance of them all `[m]`.
+    least: f64,
     /// Whether one of them goes on over a hollow edge.
     is_hollow: bool,
     /// Which number each triangle of the mesh has, if it is one of them.
@@ -33,22 +32,28 @@ pub(super) struct Gathered {
     place: Vector3,
     /// How far the centre may be from the place; below 0 before anything was gathered `[m]`.
     way: f64,
+    /// Those that are not looked at for a minimum of the distance,
+    by_minimum: Spared,
+    /// and those that are not for a face over which the sphere stands.
+    by_face: Spared,
     left_out: u32,
 }
 
 /// What [`Gathered::about`] finds.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub(super) struct About<'a> {
     pub near: &'a [Near],
-    /// How many of them, the first ones, may push a centre that is within the way.
-    pub pushing: usize,
-    /// Least distance of the others at the place `[m]`.
-    pub others: f64,
+    /// Least distance of them all from the place `[m]`.
+    pub least: f64,
     pub off: f64,
     pub reach: f64,
     /// Where they were gathered.
     pub place: Vector3,
     numbers: &'a [u16],
+    /// Those on which the distance has no minimum within the radius for a while,
+    pub by_minimum: &'a mut Spared,
+    /// and those over which the sphere does not come to stand for a while.
+    pub by_face: &'a mut Spared,
     /// Triangles within the sphere that did not fit, the furthest ones.
     pub left_out: u32,
 }
@@ -80,12 +85,13 @@ impl Gathered {
         Self {
             near: vec![nothing; MOST_SEEN].into(),
             count: 0,
-            pushing: 0,
-            others: f64::INFINITY,
+            least: f64::INFINITY,
             is_hollow: false,
             numbers: vec![0; triangles].into(),
             place: Vector3::zeros(),
             way: -1.0,
+            by_minimum: Spared::none(),
+            by_face: Spared::none(),
             left_out: 0,
         }
     }
@@ -102,12 +108,13 @@ impl Gathered {
         }
         About {
             near: &self.near[..self.count],
-            pushing: self.pushing,
-            others: self.others,
+            least: self.least,
             off,
             reach: radius + self.way,
             place: self.place,
             numbers: &self.numbers,
+            by_minimum: &mut self.by_minimum,
+            by_face: &mut self.by_face,
             left_out: self.left_out,
         }
     }
@@ -158,93 +165,103 @@ impl Gathered {
             let left_out = std::iter::once(&*first_out).chain(&*out).filter(is_within);
             self.left_out += size(left_out.count());
         }
-        self.pushing = 0;
-        self.others = f64::INFINITY;
+        self.least = f64::INFINITY;
         self.is_hollow = false;
-        for number in 0..self.count {
-            let near = self.near[number];
+        for near in &self.near[..self.count] {
+            self.least = self.least.min(near.distance);
             self.is_hollow |= mesh.topology.bends[near.triangle as usize].is_hollow();
-            if may_push(mesh, near.triangle, centre, self.way) {
-                self.near.swap(number, self.pushing);
-                self.pushing += 1;
-            } else {
-                self.others = self.others.min(near.distance);
-            }
         }
+        let near = &self.near[..self.count];
+        let ways = || near.iter().map(|near| near.distance - radius);
+        self.by_minimum.begin(centre, reach, ways());
+        self.by_face.begin(centre, reach, ways());
         for (number, near) in (0_u16..).zip(&self.near[..self.count]) {
             self.numbers[near.triangle as usize] = number;
         }
     }
 }
 
-/// Whether the distance of a centre within `way` `[m]` of `centre` may have a minimum inside of a triangle, on one of its edges or
-/// at one of its corners. Of the many triangles below a large sphere few pass, and only these are looked at in a sub-step.
-fn may_push(mesh: &Mesh, triangle: u32, centre: &Vector3, way: f64) -> bool {
+/// How far a centre has to go at least until its distance may have a minimum inside of a triangle, on one of its edges or at one of
+/// its corners `[m]`. Of the many triangles below a large sphere few are near to that, and only these are looked at in a sub-step.
+pub(super) fn way_to_push(mesh: &Mesh, triangle: u32, centre: &Vector3) -> f64 {
     let corners = mesh.corners(triangle);
     let normals = &mesh.topology.normals;
     let own = &normals[triangle as usize];
-    let along = [0, 1, 2].map(|k| corners[(k + 1) % 3] - corners[k]);
-    let off = corners.map(|corner| centre - corner);
-    // The way times the length of each edge, squared: what is compared has the length of the edge as a factor.
-    let square = along.map(|along| way * way * along.norm_squared());
-    let is_least = |value: f64, k: usize| value >= 0.0 || value * value <= square[k];
-    let is_most = |value: f64, k: usize| is_least(-value, k);
-    // How far the centre is inside of each edge, as it is seen along the normal of one of the two triangles there.
-    let inside = [0, 1, 2].map(|k| own.cross(&along[k]).dot(&off[k]));
-    if (0..3).all(|k| is_least(inside[k], k)) {
-        return true;
-    }
-    (0..3).any(|k| {
-        let before = (k + 2) % 3;
+    let along = triangle::edges(corners);
+    let off = [
+        centre - corners[0],
+        centre - corners[1],
+        centre - corners[2],
+    ];
+    let lengths = [along[0].norm(), along[1].norm(), along[2].norm()];
+    // How far the centre is inside of each edge, beyond its begin and beyond its end.
+    let inside = triangle::inside(corners, own, centre);
+    let begin = |k: usize| -along[k].dot(&off[k]) / lengths[k];
+    let before = [begin(0), begin(1), begin(2)];
+    let end = |k: usize| -before[k] - lengths[k];
+    let after = [end(0), end(1), end(2)];
+    let mut least = triangle::outside(&inside);
+    for k in 0..3 {
+        // A minimum on an edge is that of the first of its triangles.
+        let of_edge = inside[k].max(before[k]).max(after[k]).max(0.0);
+        if of_edge < least {
+            let beyond = match mesh.topology.neighbours[triangle as usize][k] {
+                NONE => 0.0,
+                other if other < triangle => f64::INFINITY,
+                other => along[k].cross(&normals[other as usize]).dot(&off[k]) / lengths[k],
+            };
+            least = of_edge.max(beyond).min(least);
+        }
         // Beyond a corner, against both edges that end there.
-        let of_corner = || {
-            is_most(along[k].dot(&off[k]), k)
-                && is_least(along[before].dot(&off[k]), before)
-                && is_beyond_all(mesh, mesh.faces[triangle as usize][k], &off[k], way)
-        };
-        let of_edge = || {
-            is_most(inside[k], k)
-                && match mesh.topology.neighbours[triangle as usize][k] {
-                    NONE => true,
-                    other => {
-                        let normal = &normals[other as usize];
-                        is_most(along[k].cross(normal).dot(&off[k]), k)
-                    }
-                }
-        };
-        of_edge() || of_corner()
-    })
+        let of_two = (-before[k]).max(-after[(k + 2) % 3]);
+        if of_two < least {
+            least = way_beyond_all(mesh, triangle, k, &off[k], least);
+        }
+    }
+    least
 }
 
-/// Whether a place that is `off` a vertex is beyond the end of all edges there, but for `way`.
-fn is_beyond_all(mesh: &Mesh, vertex: u32, off: &Vector3, way: f64) -> bool {
+/// How far a place that is `off` a triangle's corner has to go at least to be beyond the end of all edges there `[m]`, if it is less
+/// than `most` `[m]`, and if a minimum at this corner is that of this triangle.
+fn way_beyond_all(mesh: &Mesh, triangle: u32, corner: usize, off: &Vector3, most: f64) -> f64 {
+    let vertex = mesh.faces[triangle as usize][corner];
     let around = mesh.topology.around(vertex);
-    around.iter().all(|&number| {
-        let corners = mesh.faces[number as usize];
-        let next = (0..3)
-            .find(|&k| corners[k] == vertex)
-            .map_or(0, |k| (k + 1) % 3);
-        let ends = [next, (next + 1) % 3].map(|k| mesh.vertices[corners[k] as usize]);
-        ends.iter().all(|end| {
-            let along = end - mesh.vertices[vertex as usize];
-            along.dot(off) <= way * along.norm()
-        })
-    })
+    if around.first() != Some(&triangle) {
+        return most;
+    }
+    let mut way = 0.0_f64;
+    for end in around
+        .iter()
+        .flat_map(|&number| mesh.faces[number as usize])
+    {
+        if end == vertex {
+            continue;
+        }
+        let along = mesh.vertices[end as usize] - mesh.vertices[vertex as usize];
+        way = way.max(along.dot(off) / along.norm());
+        if way >= most {
+            return most;
+        }
+    }
+    way
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::surface::minimum;
-    use super::*;
+    use std::sync::Arc;
 
-    /// Bumps and hollows with edges of about a tenth.
-    fn bumps() -> Mesh {
+    use super::super::surface::{Surface, minimum};
+    use super::*;
+    use crate::rigid::{Rigid, Rotation};
+
+    /// Bumps and hollows with edges of about a tenth of a size.
+    fn bumps(size: f64) -> Mesh {
         let row = 21_u32;
         let at = |k: u32| 0.1 * f64::from(k) - 1.0;
         let vertices: Vec<_> = (0..row * row)
             .map(|k| {
                 let (x, y) = (at(k % row), at(k / row));
-                [x, y, 0.15 * (5.0 * x).sin() * (4.0 * y).cos()]
+                [x, y, 0.15 * (5.0 * x).sin() * (4.0 * y).cos()].map(|x| size * x)
             })
             .collect();
         let squares = (0..row - 1).flat_map(|i| (0..row - 1).map(move |j| j * row + i));
@@ -257,7 +274,7 @@ mod tests {
     /// Every triangle on which a centre within the way has a minimum is among those that may push; most others are not.
     #[test]
     fn no_triangle_that_pushes_is_left_out() {
-        let mesh = bumps();
+        let mesh = bumps(1.0);
         let part = |k: u32, prime: f64| 2.0 * (f64::from(k) * prime).fract() - 1.0;
         let (mut minima, mut looked_at, mut all) = (0, 0, 0);
         for case in 1..300_u32 {
@@ -272,7 +289,7 @@ mod tests {
             for triangle in 0..size(mesh.faces.len()) {
                 let (place, region) = triangle::nearest(mesh.corners(triangle), &moved);
                 let out = moved - place;
-                let may = may_push(&mesh, triangle, &centre, way);
+                let may = way_to_push(&mesh, triangle, &centre) <= way;
                 if minimum(&mesh, triangle, region, &out, out.norm()).is_some() {
                     assert!(may, "{case} {triangle} {region:?}");
                     minima += 1;
@@ -285,5 +302,47 @@ mod tests {
             minima > 300 && looked_at < all / 10,
             "{minima} {looked_at} {all}"
         );
+    }
+
+    /// On a way that goes to and fro over bumps and hollows, in long steps and short ones, each look finds what it would if no
+    /// triangle was known from the looks before.
+    #[test]
+    fn what_is_left_alone_for_a_while_does_not_push() {
+        let size = 0.01;
+        let mesh = Arc::new(bumps(size));
+        let at = |position| Rigid {
+            position,
+            orientation: Rotation::identity(),
+            velocity: Vector3::zeros(),
+            spin: Vector3::zeros(),
+        };
+        let (mut several, mut touched) = (0, 0);
+        for (radius, above) in [(0.04, 0.02), (0.3, 0.25), (0.6, 0.5)] {
+            let new = || Surface::new(mesh.clone(), [0, 1], Vector3::zeros(), size * radius);
+            let mut surface = new();
+            let mut look = |time: f64| {
+                let (x, y) = (0.6 * (1.1 * time).sin(), 0.6 * (1.7 * time).cos());
+                let height = 0.15 * (5.0 * x).sin() * (4.0 * y).cos();
+                let place = Vector3::new(x, y, height + above + 0.02 * (9.0 * time).sin());
+                let place = place * size;
+                let mut anew = new();
+                anew.copy_from(&surface);
+                anew.look(&at(place), &at(Vector3::zeros()));
+                surface.look(&at(place), &at(Vector3::zeros()));
+                let found = |surface: &Surface| [0, 1, 2, 3].map(|k| surface.found(k).copied());
+                assert_eq!(found(&surface), found(&anew), "{radius} {time}");
+                let count = found(&surface).iter().flatten().count();
+                touched += u32::from(count > 0);
+                several += u32::from(count > 1);
+            };
+            for step in 0..3000_u32 {
+                let time = 2e-4 * f64::from(step) * (1.0 + f64::from(step / 1000));
+                look(time);
+                if step % 7 == 0 {
+                    look(time + 0.02);
+                }
+            }
+        }
+        assert!(touched > 5000 && several > 500, "{touched} {several}");
     }
 }

@@ -9,7 +9,7 @@
 use super::build::Mesh;
 use super::cluster::Push;
 use super::gather::{About, Gathered, MOST_TRIANGLES};
-use super::triangle::{Region, nearest};
+use super::triangle::{Region, inside, nearest, outside};
 use crate::rigid::Vector3;
 
 /// One bent surface goes on through faces that a sphere of so many times the radius overlaps. Faces that bend by 30 degrees reach
@@ -96,18 +96,21 @@ impl Around<'_> {
         let (mesh, radius) = (self.mesh, self.radius);
         let lifted = self.centre + way;
         let about = self.about_wide(&lifted);
+        about.by_face.go_to(&lifted, about.near.len());
         let mut joined = None;
         let mut most: Option<Push> = None;
         let mut least = slack;
-        for found in &about.near[..about.pushing] {
-            if found.distance - about.off > radius {
-                continue;
-            }
+        let mut seen = 0;
+        while let Some(number) = about.by_face.next(&mut seen) {
+            let found = about.near[number];
             let normal = &mesh.topology.normals[found.triangle as usize];
             let corners = mesh.corners(found.triangle);
             let height = normal.dot(&(lifted - corners[0]));
             let short = radius - height;
+            let way_over = || outside(&inside(corners, normal, &lifted));
             if short <= least || height <= 0.0 {
+                let way = way_over().max(-short.min(height));
+                about.by_face.spare(number, way);
                 continue;
             }
             if from.clone().any(|triangle| triangle == found.triangle) {
@@ -115,6 +118,7 @@ impl Around<'_> {
             }
             let (_, region) = nearest(corners, &lifted);
             if region != Region::Inside {
+                about.by_face.spare(number, way_over());
                 continue;
             }
             let joined = joined

@@ -8,6 +8,7 @@ mod hollow;
 mod mass;
 mod nearest;
 mod point_shell;
+mod spared;
 mod surface;
 mod topology;
 mod tree;

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use super::build::Mesh;
 use super::cluster::{Push, Pushes};
-use super::gather::{About, Gathered, Near};
+use super::gather::{About, Gathered, Near, way_to_push};
 use super::hollow::Around;
 use super::nearest::{nearest_of, side};
 use super::topology::NONE;
@@ -241,27 +241,28 @@ impl Surface {
         let radius = self.radius;
         let About {
             near,
-            pushing,
-            others,
+            least,
             off,
             reach,
+            by_minimum,
             left_out,
             ..
         } = self.gathered.about(mesh, centre, radius);
-        let mut clearance = others - off;
-        for found in &near[..pushing] {
-            if found.distance - off > radius {
-                clearance = clearance.min(found.distance - off);
-                continue;
-            }
+        by_minimum.go_to(centre, near.len());
+        let mut seen = 0;
+        while let Some(number) = by_minimum.next(&mut seen) {
+            let found = near[number];
             let (place, region) = nearest(mesh.corners(found.triangle), centre);
             let out = centre - place;
             let distance = out.norm();
-            clearance = clearance.min(distance);
-            if distance >= radius {
-                continue;
-            }
-            let Some(normal) = minimum(mesh, found.triangle, region, &out, distance) else {
+            let pushed = if distance < radius {
+                minimum(mesh, found.triangle, region, &out, distance)
+            } else {
+                None
+            };
+            let Some(normal) = pushed else {
+                let way = way_to_push(mesh, found.triangle, centre);
+                by_minimum.spare(number, way.max(distance - radius));
                 continue;
             };
             pushes.add(Push {
@@ -271,7 +272,7 @@ impl Surface {
                 is_face: region == Region::Inside,
             });
         }
-        self.memory.clearance = clearance.min((reach - off).max(0.0));
+        self.memory.clearance = least.min(reach) - off;
         pushes.left_out = pushes.left_out.max(left_out);
         // What is seen first hides what lies behind it.
         let mut around = Around {

@@ -36,8 +36,11 @@ impl Bounds {
 
     /// The squared distance of a place from the box `[m^2]`.
     fn square_from(&self, place: &Vector3) -> f64 {
-        let clamped = place.sup(&self.least).inf(&self.most);
-        (place - clamped).norm_squared()
+        let off = |axis: usize| {
+            let short = self.least[axis] - place[axis];
+            short.max(place[axis] - self.most[axis]).max(0.0)
+        };
+        Vector3::new(off(0), off(1), off(2)).norm_squared()
     }
 }
 
@@ -96,8 +99,11 @@ impl Tree {
                     least = take(triangle);
                 }
             } else if count + 2 <= DEPTH {
-                let [one, other] = [number + 1, node.first]
-                    .map(|child| (self.nodes[child as usize].bounds.square_from(place), child));
+                let of = |child: u32| {
+                    let bounds = &self.nodes[child as usize].bounds;
+                    (bounds.square_from(place), child)
+                };
+                let (one, other) = (of(number + 1), of(node.first));
                 // The nearer one is looked at next.
                 (waiting[count], waiting[count + 1]) = if one.0 < other.0 {
                     (other, one)

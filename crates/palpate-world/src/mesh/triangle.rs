@@ -46,6 +46,23 @@ pub(super) fn nearest([a, b, c]: [&Vector3; 3], place: &Vector3) -> (Vector3, Re
     (a + ab * (of_b / sum) + ac * (of_c / sum), Region::Inside)
 }
 
+/// How far a place is inside of each edge, as it is seen along the normal `[m]`.
+pub(super) fn inside(corners: [&Vector3; 3], normal: &Vector3, place: &Vector3) -> [f64; 3] {
+    let along = edges(corners);
+    let of_edge = |k: usize| normal.cross(&along[k]).dot(&(place - corners[k])) / along[k].norm();
+    [of_edge(0), of_edge(1), of_edge(2)]
+}
+
+/// From each corner to the next.
+pub(super) fn edges([a, b, c]: [&Vector3; 3]) -> [Vector3; 3] {
+    [b - a, c - b, a - c]
+}
+
+/// How far a place has to go at least to be [inside](inside()) of all edges `[m]`.
+pub(super) fn outside(inside: &[f64; 3]) -> f64 {
+    inside.iter().fold(0.0, |way, inside| way.max(-inside))
+}
+
 /// The nearest point alone.
 pub(crate) fn nearest_point(corners: [&Vector3; 3], place: &Vector3) -> Vector3 {
     nearest(corners, place).0
