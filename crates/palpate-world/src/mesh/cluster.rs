@@ -103,6 +103,11 @@ impl Pushes {
             .map_or(0, |deepest| self.joined(all, deepest, around))
     }
 
+    /// Whether there is more than one that may be hidden by another.
+    pub fn are_several(&self) -> bool {
+        self.count > 1
+    }
+
     /// Leaves out what a surface hides: what is not of it and is not seen.
     pub fn hide(&mut self, surface: Chosen, is_seen: impl Fn(&Push) -> bool) {
         for number in numbers(self.left() & !surface) {
@@ -150,7 +155,11 @@ impl Pushes {
     ) -> Option<Vector3> {
         let near = first.depth * STEEP;
         let is_near = |way: &Vector3| way.norm() <= near;
-        let mut way = way_out(self.of(surface), first).filter(is_near)?;
+        let mut way = if surface.is_power_of_two() {
+            first.normal * first.depth
+        } else {
+            way_out(self.of(surface), first).filter(is_near)?
+        };
         let Some(around) = around.filter(|around| around.is_hollow()) else {
             return Some(way);
         };
@@ -204,6 +213,9 @@ impl Pushes {
 
     /// Those that are one bent surface with one of them.
     fn joined(&self, among: Chosen, one: usize, around: Option<&mut Around>) -> Chosen {
+        if among.is_power_of_two() {
+            return among;
+        }
         let surface = self.alike(among, 1 << one);
         let others = among & !surface;
         let Some(around) = around else {

@@ -103,6 +103,9 @@ impl Around<'_> {
         let mut seen = 0;
         while let Some(number) = about.by_face.next(&mut seen) {
             let found = about.near[number];
+            if from.clone().any(|triangle| triangle == found.triangle) {
+                continue; // it is out of this one but for round-off
+            }
             let normal = &mesh.topology.normals[found.triangle as usize];
             let corners = mesh.corners(found.triangle);
             let height = normal.dot(&(lifted - corners[0]));
@@ -112,9 +115,6 @@ impl Around<'_> {
                 let way = way_over().max(-short.min(height));
                 about.by_face.spare(number, way);
                 continue;
-            }
-            if from.clone().any(|triangle| triangle == found.triangle) {
-                continue; // it is out of this one but for round-off
             }
             let (_, region) = nearest(corners, &lifted);
             if region != Region::Inside {

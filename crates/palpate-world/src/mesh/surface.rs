@@ -274,6 +274,9 @@ impl Surface {
         }
         self.memory.clearance = least.min(reach) - off;
         pushes.left_out = pushes.left_out.max(left_out);
+        if !pushes.are_several() {
+            return;
+        }
         // What is seen first hides what lies behind it.
         let mut around = Around {
             mesh,
