@@ -87,6 +87,7 @@ impl PointLaw {
 
 /// `vector` of a plane with normal `from`, carried with the plane to one with normal `to`: turned about the axis
 /// that is perpendicular to both, and by no more.
+#[inline]
 pub(crate) fn carried(vector: Vector3, from: &Vector3, to: &Vector3) -> Vector3 {
     let axis = from.cross(to);
     let cosine = from.dot(to);

@@ -333,8 +333,7 @@ impl Moving {
                 }
                 continue;
             }
-            let is_looked_up = matches!(point.solid, Solid::Mesh { .. } | Solid::Between { .. });
-            let moved = if touch.is_apart() && !is_looked_up {
+            let moved = if touch.is_apart() {
                 approached(first, second, point)
             } else {
                 0.0
@@ -353,14 +352,15 @@ impl Moving {
                     place: centre - nearest.normal * below,
                 }
             };
+            let is_looked_up = matches!(point.solid, Solid::Mesh { .. } | Solid::Between { .. });
             let met = match point.solid {
-                Solid::Mesh { surface, point, .. } => match self.surfaces[surface].found(point) {
-                    None if touch.is_apart() => continue,
-                    found => of_sphere(found.map_or(Nearest::far(), |found| Nearest {
+                Solid::Mesh { surface, point, .. } => {
+                    let found = self.surfaces[surface].found(point);
+                    of_sphere(found.map_or(Nearest::far(), |found| Nearest {
                         normal: second.rigid.orientation * found.normal,
                         ..Nearest::exact(found.distance, found.normal)
-                    })),
-                },
+                    }))
+                }
                 Solid::Between { blocks, point, .. } => {
                     let blocks = &self.blocks[blocks];
                     let found = blocks.found(point);
