@@ -333,7 +333,8 @@ impl Moving {
                 }
                 continue;
             }
-            let moved = if touch.is_apart() {
+            let is_looked_up = matches!(point.solid, Solid::Mesh { .. } | Solid::Between { .. });
+            let moved = if touch.is_apart() && !is_looked_up {
                 approached(first, second, point)
             } else {
                 0.0
@@ -352,15 +353,14 @@ impl Moving {
                     place: centre - nearest.normal * below,
                 }
             };
-            let is_looked_up = matches!(point.solid, Solid::Mesh { .. } | Solid::Between { .. });
             let met = match point.solid {
-                Solid::Mesh { surface, point, .. } => {
-                    let found = self.surfaces[surface].found(point);
-                    of_sphere(found.map_or(Nearest::far(), |found| Nearest {
+                Solid::Mesh { surface, point, .. } => match self.surfaces[surface].found(point) {
+                    None if touch.is_apart() => continue,
+                    found => of_sphere(found.map_or(Nearest::far(), |found| Nearest {
                         normal: second.rigid.orientation * found.normal,
                         ..Nearest::exact(found.distance, found.normal)
-                    }))
-                }
+                    })),
+                },
                 Solid::Between { blocks, point, .. } => {
                     let blocks = &self.blocks[blocks];
                     let found = blocks.found(point);
