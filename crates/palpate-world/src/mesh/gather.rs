@@ -32,9 +32,9 @@ pub(super) struct Gathered {
     place: Vector3,
     /// How far the centre may be from the place; below 0 before anything was gathered `[m]`.
     way: f64,
-    /// Those that are not looked at for a minimum of the distance,
+    /// When to look at each again for a minimum of the distance.
     by_minimum: Spared,
-    /// and those that are not for a face over which the sphere stands.
+    /// When to look at each again for a face over which the sphere stands.
     by_face: Spared,
     left_out: u32,
 }
@@ -50,9 +50,9 @@ pub(super) struct About<'a> {
     /// Where they were gathered.
     pub place: Vector3,
     numbers: &'a [u16],
-    /// Those on which the distance has no minimum within the radius for a while,
+    /// When to look at each again for a minimum of the distance within the radius.
     pub by_minimum: &'a mut Spared,
-    /// and those over which the sphere does not come to stand for a while.
+    /// When to look at each again for a face over which the sphere comes to stand.
     pub by_face: &'a mut Spared,
     /// Triangles within the sphere that did not fit, the furthest ones.
     pub left_out: u32,

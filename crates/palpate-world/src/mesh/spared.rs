@@ -3,9 +3,9 @@
 use super::gather::MOST_TRIANGLES;
 use crate::rigid::Vector3;
 
-/// Of the triangles about a sphere, when to look at each again: those that cannot have what is looked for until the centre has
-/// gone some way are left alone until then. The centre is never further from where a triangle was last looked at than the way
-/// that it has gone since.
+/// When to look again at each triangle about a sphere. A triangle that cannot have what is looked for until the centre has gone
+/// some way is left alone until then. This holds whatever path the centre takes: its distance from where it was when the triangle
+/// was looked at is at most the way that it has gone since.
 #[derive(Clone, Debug)]
 pub(super) struct Spared {
     /// Where the centre was last.
