@@ -16,9 +16,9 @@ mod rods;
 mod shapes;
 
 use crate::law::PointLaw;
-use crate::moving::Touch;
 use crate::pairs::{MOST_POINTS, Point};
 use crate::rigid::{Rigid, Vector3};
+use crate::touch::Touch;
 use boxes::Placed;
 use hulls::Hulls;
 use rods::Rod;

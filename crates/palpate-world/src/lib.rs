@@ -39,6 +39,7 @@ mod sample;
 mod shape;
 mod solid;
 mod state;
+mod touch;
 mod tracking;
 mod turning;
 mod turning_observer;

@@ -11,12 +11,13 @@ use crate::guard::{Account, most_of};
 use crate::link::{Link, links_of};
 use crate::mesh::Surface;
 use crate::method::{Checked, Memory, WorldMethod};
-use crate::moving::{Moving, Touch};
+use crate::moving::Moving;
 use crate::nearby::Nearby;
 use crate::pairs::{Point, Side, points};
 use crate::part::{Drive, Part};
 use crate::rigid::{Mobility, Rigid, Vector3};
 use crate::state::{ContactState, Progress, ToolState, WorldState, body_state};
+use crate::touch::Touch;
 use crate::tracking::Tracking;
 use crate::{
     Body, Effort, Limited, Motion, Output, Sample, Tool, Vector, World, WorldError, WorldFault,

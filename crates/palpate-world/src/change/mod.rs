@@ -4,8 +4,8 @@ mod going_on;
 mod succession;
 
 use crate::body::rotation;
-use crate::moving::Touch;
 use crate::state::{BodyState, WorldState, body_state};
+use crate::touch::Touch;
 use crate::world::{Faults, is_unit};
 use crate::{Motion, World, WorldError, WorldField, WorldPart, WorldRenderer};
 

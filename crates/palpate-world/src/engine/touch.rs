@@ -2,8 +2,8 @@
 
 use crate::Mode;
 use crate::law::{PointLaw, carried};
-use crate::moving::SAME_FACE;
 use crate::rigid::Vector3;
+use crate::touch::SAME_FACE;
 
 /// What a point of contact does, and has done since the period began.
 #[derive(Clone, Copy, Debug)]

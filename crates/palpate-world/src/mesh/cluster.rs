@@ -191,6 +191,11 @@ impl Pushes {
             .map(|push| push.triangle)
     }
 
+    /// Whether anything pushes.
+    pub fn are_left(&self) -> bool {
+        self.left() != 0
+    }
+
     fn left(&self) -> Chosen {
         let all = if self.count < MOST_PUSHES {
             (1 << self.count) - 1

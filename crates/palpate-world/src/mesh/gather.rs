@@ -32,6 +32,8 @@ pub(super) struct Gathered {
     place: Vector3,
     /// How far the centre may be from the place; below 0 before anything was gathered `[m]`.
     way: f64,
+    /// How many times the least way is tried next: fewer where there are many triangles.
+    times: f64,
     /// When to look at each again for a minimum of the distance.
     by_minimum: Spared,
     /// When to look at each again for a face over which the sphere stands.
@@ -67,10 +69,12 @@ impl About<'_> {
     }
 }
 
-/// How far a centre may go before triangles are gathered anew: this, and a share of the radius `[m]`.
+/// How far a centre may go before triangles are gathered anew: this, and a share of the radius `[m]`,
 const WAY: f64 = 2e-4;
 const SHARE_OF_RADIUS: f64 = 0.02;
-/// The least share of that, where there are many triangles.
+/// so many times as far where there are few triangles,
+const MOST_TIMES: f64 = 2.0;
+/// and at least this share of it where there are many.
 const LEAST_SHARE: f64 = 0.2;
 /// Most triangles that are looked at to find the nearest ones.
 const MOST_SEEN: usize = 1024;
@@ -90,6 +94,7 @@ impl Gathered {
             numbers: vec![0; triangles].into(),
             place: Vector3::zeros(),
             way: -1.0,
+            times: MOST_TIMES,
             by_minimum: Spared::none(),
             by_face: Spared::none(),
             left_out: 0,
@@ -99,6 +104,7 @@ impl Gathered {
     /// The triangles that a sphere of `radius` `[m]` about `centre` may touch, and how far the centre is from where
     /// they were gathered `[m]`: none of them is nearer than its distance there less that. Nothing else is nearer to that
     /// place than `reach` `[m]`.
+    #[inline]
     pub fn about(&mut self, mesh: &Mesh, centre: &Vector3, radius: f64) -> About<'_> {
         let mut off = (centre - self.place).norm();
         // A centre that is no number finds nothing.
@@ -106,6 +112,12 @@ impl Gathered {
             self.gather(mesh, centre, radius);
             off = 0.0;
         }
+        self.at(off, radius)
+    }
+
+    /// What was gathered, for a centre that is so far from where it was `[m]`.
+    #[inline]
+    pub fn at(&mut self, off: f64, radius: f64) -> About<'_> {
         About {
             near: &self.near[..self.count],
             least: self.least,
@@ -119,9 +131,11 @@ impl Gathered {
         }
     }
 
-    /// Whether these are the triangles that a sphere with that centre may touch, and all that are `more` further away `[m]`.
-    pub fn holds(&self, centre: &Vector3, more: f64) -> bool {
-        (centre - self.place).norm() + more <= self.way
+    /// How far a centre is from where they were gathered `[m]`, if these are the triangles that a sphere there may touch, and all that
+    /// are `more` further away `[m]`.
+    pub fn held(&self, centre: &Vector3, more: f64) -> Option<f64> {
+        let off = (centre - self.place).norm();
+        (off + more <= self.way).then_some(off)
     }
 
     /// Whether one of the triangles about the place goes on over a hollow edge.
@@ -129,37 +143,35 @@ impl Gathered {
         self.is_hollow
     }
 
+    #[cold]
+    #[inline(never)]
     fn gather(&mut self, mesh: &Mesh, centre: &Vector3, radius: f64) {
-        let most = WAY + SHARE_OF_RADIUS * radius;
-        let reach = radius + most;
-        let mut count = 0;
-        let near = &mut self.near;
-        let is_all = mesh.tree.within(centre, reach, |number| {
-            let (nearest, _) = triangle::nearest(mesh.corners(number), centre);
-            let distance = (centre - nearest).norm();
-            if distance > reach {
-                return true;
-            }
-            let has_room = count < near.len();
-            if has_room {
-                near[count] = Near {
-                    triangle: number,
-                    distance,
-                };
-                count += 1;
-            }
-            has_room
-        });
+        let way = WAY + SHARE_OF_RADIUS * radius;
+        let mut most = self.times * way;
+        let (mut count, mut is_all) = self.see(mesh, centre, radius + most);
+        if !is_all && self.times > 1.0 {
+            most = way;
+            (count, is_all) = self.see(mesh, centre, radius + most);
+        }
+        self.times = if !is_all {
+            1.0
+        } else if count > MOST_TRIANGLES {
+            (0.5 * self.times).max(1.0)
+        } else if 4 * count < MOST_TRIANGLES {
+            (2.0 * self.times).min(MOST_TIMES)
+        } else {
+            self.times
+        };
         self.place = *centre;
         self.way = most;
         self.count = count.min(MOST_TRIANGLES);
         self.left_out = u32::from(!is_all);
         if count > MOST_TRIANGLES {
             let by_distance = |a: &Near, b: &Near| a.distance.total_cmp(&b.distance);
-            let found = &mut near[..count];
+            let found = &mut self.near[..count];
             let (_, first_out, out) = found.select_nth_unstable_by(MOST_TRIANGLES, by_distance);
             // All that are nearer than the first that does not fit are there.
-            self.way = (first_out.distance - radius).clamp(LEAST_SHARE * most, most);
+            self.way = (first_out.distance - radius).clamp(LEAST_SHARE * way, most);
             let within = radius + self.way;
             let is_within = |it: &&Near| it.distance < within;
             let left_out = std::iter::once(&*first_out).chain(&*out).filter(is_within);
@@ -173,11 +185,35 @@ impl Gathered {
         }
         let near = &self.near[..self.count];
         let ways = || near.iter().map(|near| near.distance - radius);
+        let reach = radius + most;
         self.by_minimum.begin(centre, reach, ways());
         self.by_face.begin(centre, reach, ways());
         for (number, near) in (0_u16..).zip(&self.near[..self.count]) {
             self.numbers[near.triangle as usize] = number;
         }
+    }
+
+    /// Puts the triangles that are within `reach` of a place `[m]` into `near`. How many there are, and whether all had room.
+    fn see(&mut self, mesh: &Mesh, place: &Vector3, reach: f64) -> (usize, bool) {
+        let near = &mut self.near;
+        let mut count = 0;
+        let is_all = mesh.tree.within(place, reach, |number| {
+            let (nearest, _) = triangle::nearest(mesh.corners(number), place);
+            let distance = (place - nearest).norm();
+            if distance > reach {
+                return true;
+            }
+            let has_room = count < near.len();
+            if has_room {
+                near[count] = Near {
+                    triangle: number,
+                    distance,
+                };
+                count += 1;
+            }
+            has_room
+        });
+        (count, is_all)
     }
 }
 
@@ -195,7 +231,7 @@ pub(super) fn way_to_push(mesh: &Mesh, triangle: u32, centre: &Vector3) -> f64 {
     ];
     let lengths = [along[0].norm(), along[1].norm(), along[2].norm()];
     // How far the centre is inside of each edge, beyond its begin and beyond its end.
-    let inside = triangle::inside(corners, own, centre);
+    let inside = triangle::inside_of(&along, &lengths, own, &off);
     let begin = |k: usize| -along[k].dot(&off[k]) / lengths[k];
     let before = [begin(0), begin(1), begin(2)];
     let end = |k: usize| -before[k] - lengths[k];
@@ -320,6 +356,8 @@ mod tests {
         for (radius, above) in [(0.04, 0.02), (0.3, 0.25), (0.6, 0.5)] {
             let new = || Surface::new(mesh.clone(), [0, 1], Vector3::zeros(), size * radius);
             let mut surface = new();
+            // It is elsewhere, and the two exchange what they gather.
+            let mut other = new();
             let mut look = |time: f64| {
                 let (x, y) = (0.6 * (1.1 * time).sin(), 0.6 * (1.7 * time).cos());
                 let height = 0.15 * (5.0 * x).sin() * (4.0 * y).cos();
@@ -328,6 +366,8 @@ mod tests {
                 let mut anew = new();
                 anew.copy_from(&surface);
                 anew.look(&at(place), &at(Vector3::zeros()));
+                other.look(&at(place + Vector3::x() * 1e-4), &at(Vector3::zeros()));
+                surface.exchange_gathered(&mut other);
                 surface.look(&at(place), &at(Vector3::zeros()));
                 let found = |surface: &Surface| [0, 1, 2, 3].map(|k| surface.found(k).copied());
                 assert_eq!(found(&surface), found(&anew), "{radius} {time}");
@@ -344,5 +384,42 @@ mod tests {
             }
         }
         assert!(touched > 5000 && several > 500, "{touched} {several}");
+    }
+
+    /// Where more triangles lie within the longest way than are looked at, they are gathered within a shorter one, and none of those
+    /// that the sphere touches is left out.
+    #[test]
+    fn among_many_triangles_the_way_is_shorter() {
+        let (row, cell) = (61_u32, 5.8e-5);
+        let vertices: Vec<_> = (0..row * row)
+            .map(|k| [k % row, k / row].map(|k| cell * (f64::from(k) - 30.0)))
+            .map(|[x, y]| [x, y, 0.0])
+            .collect();
+        let squares = (0..row - 1).flat_map(|i| (0..row - 1).map(move |j| j * row + i));
+        let faces: Vec<_> = squares
+            .flat_map(|a| [[a, a + 1, a + row + 1], [a, a + row + 1, a + row]])
+            .collect();
+        let mesh = Mesh::new(&vertices, &faces).unwrap();
+        let radius = 5e-4;
+        let centre = Vector3::new(1e-5, 2e-5, 4.6e-4);
+        let mut gathered = Gathered::none(faces.len());
+        let way = WAY + SHARE_OF_RADIUS * radius;
+        let (_, is_all) = gathered.see(&mesh, &centre, radius + MOST_TIMES * way);
+        assert!(!is_all, "the mesh has too few triangles for this test");
+        let moved = centre + Vector3::new(0.6, 0.0, -0.8) * (0.9 * LEAST_SHARE * way);
+        let mut touched = 0;
+        for place in [centre, moved] {
+            let about = gathered.about(&mesh, &place, radius);
+            assert_eq!(about.left_out, 0);
+            assert!(place == centre || about.off > 0.0, "it was gathered anew");
+            for triangle in 0..size(mesh.faces.len()) {
+                let nearest = triangle::nearest_point(mesh.corners(triangle), &place);
+                if (place - nearest).norm() < radius {
+                    assert!(about.number(triangle).is_some(), "{triangle}");
+                    touched += 1;
+                }
+            }
+        }
+        assert!(touched > 100, "{touched}");
     }
 }

@@ -64,10 +64,9 @@ impl Around<'_> {
     /// The triangles about the sphere where its centre is `place`, as far as one bent surface may go on.
     fn about_wide(&mut self, place: &Vector3) -> About<'_> {
         let wider = (WIDE - 1.0) * self.radius;
-        let about = if self.gathered.holds(place, wider) {
-            self.gathered.about(self.mesh, place, self.radius)
-        } else {
-            self.lifted.about(self.mesh, place, self.radius + wider)
+        let about = match self.gathered.held(place, wider) {
+            Some(off) => self.gathered.at(off, self.radius),
+            None => self.lifted.about(self.mesh, place, self.radius + wider),
         };
         *self.left_out = about.left_out.max(*self.left_out);
         about
@@ -94,6 +93,10 @@ impl Around<'_> {
         slack: f64,
     ) -> Option<Push> {
         let (mesh, radius) = (self.mesh, self.radius);
+        let goes_on = |triangle: u32| mesh.topology.bends[triangle as usize].goes_on_at_all();
+        if !from.clone().any(goes_on) {
+            return None; // where all edges stand out, nothing is one bent surface with them
+        }
         let lifted = self.centre + way;
         let about = self.about_wide(&lifted);
         about.by_face.go_to(&lifted, about.near.len());

@@ -26,7 +26,7 @@ pub(super) struct Spared {
 const ROUNDED: f64 = 1e-4;
 /// A way after which all triangles are gone through for those that are looked at soon `[m]`: that of a few sub-steps of a tool
 /// that a hand moves.
-const STRIDE: f64 = 5e-5;
+const STRIDE: f64 = 8e-5;
 
 impl Spared {
     pub fn none() -> Self {

@@ -115,6 +115,12 @@ impl Surface {
         self.memory = other.memory;
     }
 
+    /// Gives the triangles that it has gathered for those of another of the same sphere and mesh. What is found does not depend on them.
+    pub fn exchange_gathered(&mut self, other: &mut Self) {
+        std::mem::swap(&mut self.gathered, &mut other.gathered);
+        std::mem::swap(&mut self.lifted, &mut other.lifted);
+    }
+
     /// What pushes at the contact point of this number, as of the last look.
     pub fn found(&self, point: usize) -> Option<&Found> {
         self.memory.found[point].as_ref()
@@ -328,36 +334,30 @@ impl Surface {
             radius: self.radius,
             left_out: &mut self.left_out,
         });
-        let before = self.memory.found;
-        let mut now = [None; POINTS_PER_MESH];
-        let mut waiting = [None; POINTS_PER_MESH];
+        let before = std::mem::take(&mut self.memory.found);
+        let now = &mut self.memory.found;
         let mut count = 0;
-        while let Some((depth, normal)) = self.pushes.take_surface(around.as_mut()) {
+        while self.pushes.are_left()
+            && let Some((depth, normal)) = self.pushes.take_surface(around.as_mut())
+        {
             if count == POINTS_PER_MESH {
                 self.left_out += 1;
                 break;
             }
-            waiting[count] = Some(Found {
-                distance: self.radius - depth,
-                normal,
-            });
             count += 1;
-        }
-        for found in waiting.iter_mut().flatten() {
             // The likest that is still free.
             let likeness = |place: usize| {
                 let other: &Option<Found> = &before[place];
-                other.map_or(0.0, |other| other.normal.dot(&found.normal))
+                other.map_or(0.0, |other| other.normal.dot(&normal))
             };
             let free = (0..POINTS_PER_MESH).filter(|&place| now[place].is_none());
             let best = free.max_by(|&a, &b| likeness(a).total_cmp(&likeness(b)).then(b.cmp(&a)));
             if let Some(place) = best {
-                now[place] = Some(*found);
+                now[place] = Some(Found {
+                    distance: self.radius - depth,
+                    normal,
+                });
             }
-        }
-        self.memory.found = now;
-        if let Standing::Front { centre: last } = &mut self.memory.standing {
-            *last = *centre;
         }
     }
 }

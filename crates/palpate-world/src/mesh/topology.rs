@@ -25,6 +25,11 @@ impl Bends {
         self.0 >> k & 1 == 1
     }
 
+    /// Whether it goes on over any of its edges.
+    pub fn goes_on_at_all(self) -> bool {
+        self.0 != 0
+    }
+
     /// Whether it goes on over an edge that is hollow.
     pub fn is_hollow(self) -> bool {
         self.0 & Self::HOLLOW != 0

@@ -49,7 +49,23 @@ pub(super) fn nearest([a, b, c]: [&Vector3; 3], place: &Vector3) -> (Vector3, Re
 /// How far a place is inside of each edge, as it is seen along the normal `[m]`.
 pub(super) fn inside(corners: [&Vector3; 3], normal: &Vector3, place: &Vector3) -> [f64; 3] {
     let along = edges(corners);
-    let of_edge = |k: usize| normal.cross(&along[k]).dot(&(place - corners[k])) / along[k].norm();
+    let lengths = [0, 1, 2].map(|k| along[k].norm());
+    inside_of(
+        &along,
+        &lengths,
+        normal,
+        &[0, 1, 2].map(|k| place - corners[k]),
+    )
+}
+
+/// The same of a place that is `off` each corner `[m]`, with the edges and their lengths `[m]`.
+pub(super) fn inside_of(
+    along: &[Vector3; 3],
+    lengths: &[f64; 3],
+    normal: &Vector3,
+    off: &[Vector3; 3],
+) -> [f64; 3] {
+    let of_edge = |k: usize| normal.cross(&along[k]).dot(&off[k]) / lengths[k];
     [of_edge(0), of_edge(1), of_edge(2)]
 }
 

@@ -203,6 +203,7 @@ impl Coupled {
             }
         }
         // The interval anew, from where it began, with what the sample tells of it.
+        exchange_gathered(&mut state.now, &mut state.ahead);
         state.now.look(points);
         self.carry(&mut state.now, &memory.devices, elapsed);
         state.books.observe(&state.now, points);
@@ -327,6 +328,7 @@ impl Coupled {
         state.torque_commands.look_ahead(period);
         let mut effort = Effort::default();
         state.ahead.copy_from(&state.now);
+        exchange_gathered(&mut state.ahead, &mut state.now);
         for (tool, device) in memory.devices.iter_mut().enumerate() {
             device.ahead = device.seen();
             place(
@@ -468,6 +470,13 @@ pub(crate) const LEAST_FORCE: f64 = 1e-6;
 
 /// Torques below this are none, where nothing touches a tool `[N m]`.
 const LEAST_TORQUE: f64 = 1e-8;
+
+/// Both go over the same places of the meshes: the one that begins to move takes over the triangles that the other has gathered last.
+fn exchange_gathered(begins: &mut Moving, other: &mut Moving) {
+    for (surface, other) in begins.surfaces.iter_mut().zip(&mut other.surfaces) {
+        surface.exchange_gathered(other);
+    }
+}
 
 /// What the contacts have done to a tool over an interval.
 struct Impulse {

@@ -8,12 +8,12 @@ use palpate::Range;
 use super::god_object_proxy::{Constraint, Proxy, limit_slip, nearest_allowed};
 use crate::fault::out_of_range;
 use crate::interval::advance;
-use crate::moving::Held;
 use crate::pairs::Point;
 use crate::part::Drive;
 use crate::rigid::Vector3;
 use crate::solid::Solid;
 use crate::state::{Progress, show_contacts};
+use crate::touch::Held;
 use crate::{Effort, Shape, Tool, Vector, WorldError, WorldField, WorldPart, WorldRenderer};
 
 /// Parameters of rendering by a god-object.
