@@ -63,6 +63,39 @@ fn the_title_tells_the_errors_of_the_report() {
 }
 
 #[test]
+fn the_farthest_is_one_of_those_that_hold_together() {
+    let folder = Folder::new();
+    let report = folder.json(&format!(
+        "simulate {} --method all --plot all.svg",
+        scene("experiment2")
+    ));
+    let error = |method: &str| number(of_method(&report, method), "force_rendering_error_percent");
+    assert!(
+        error("hfcr-mod") > error("popc"),
+        "or there is nothing to say"
+    );
+    let shown = words(&folder, "all.svg");
+    let expected = format!(
+        "; diverged or stopped: 5 of 9; farthest of the others: popc, {:.1} %",
+        error("popc")
+    );
+    assert!(title(&shown).contains(&expected), "{shown:?}");
+    let head = format!("hfcr-mod: FRE {:.1} %, diverged", error("hfcr-mod"));
+    assert_eq!(count(&shown, &head), 1, "{shown:?}");
+}
+
+#[test]
+fn where_no_loop_runs_away_every_leak_is_on_the_scale() {
+    let folder = Folder::new();
+    folder.succeed(&format!(
+        "simulate {} --method basic,coupled --plot two.svg",
+        scene("fig2")
+    ));
+    let shown = title(&words(&folder, "two.svg"));
+    assert!(!shown.contains("off scale: basic"), "{shown}");
+}
+
+#[test]
 fn one_run_says_its_own_error_and_leak() {
     let folder = Folder::new();
     let report = folder.json(&format!(

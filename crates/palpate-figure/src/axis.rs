@@ -138,10 +138,30 @@ pub(super) fn tick_step(range: (f64, f64), length: f64, room: f64) -> f64 {
         )]
         let step = compute_tick_step(range.0, range.1, spaces as usize);
         if width / step <= length / room || spaces <= 2.0 {
-            return step;
+            return with_two(range, step);
         }
         spaces -= 1.0;
     }
+}
+
+/// The largest friendly step up to `step` that has two ticks in the range: one number alone tells no scale.
+fn with_two(range: (f64, f64), mut step: f64) -> f64 {
+    const LESS: f64 = 1e-9;
+    let ticks = |step: f64| (range.1 / step + LESS).floor() - (range.0 / step - LESS).ceil() + 1.0;
+    // Any range has two after three of them.
+    for _ in 0..4 {
+        if ticks(step) >= 2.0 {
+            break;
+        }
+        let leading = step / 10.0_f64.powf((step.log10() + LESS).floor());
+        // From 5 to 2.5, 2, 1 and 0.5.
+        step *= if (leading - 2.5).abs() < 0.1 {
+            0.8
+        } else {
+            0.5
+        };
+    }
+    step
 }
 
 /// The label of the tick at `value`, as short as the distance of the ticks allows.
@@ -289,6 +309,30 @@ mod tests {
                 assert!(has_height(low, high), "{y:?}: {low}..{high}");
             }
         }
+    }
+
+    #[test]
+    fn a_low_axis_has_two_numbers() {
+        let ticks = |range: (f64, f64)| {
+            let step = tick_step(range, 36.0, 26.0);
+            let first = (range.0 / step).ceil();
+            let places = (0..9).map(|tick| (first + f64::from(tick)) * step);
+            places.take_while(|place| *place <= range.1).count()
+        };
+        for range in [
+            (-0.034, 0.022),
+            (0.9, 2.1),
+            (-0.011, 0.0),
+            (6.5, 19.5),
+            (-3e-7, 4e-7),
+        ] {
+            assert!(
+                (2..=4).contains(&ticks(range)),
+                "{range:?}: {}",
+                ticks(range)
+            );
+        }
+        assert!((tick_step((-0.034, 0.022), 36.0, 26.0) - 0.025).abs() < 1e-12);
     }
 
     #[test]

@@ -248,6 +248,57 @@ fn each_name_stands_in_the_legend_once() {
     }
 }
 
+#[test]
+fn words_of_dots_stay_on_a_narrow_page() {
+    let panel = |head: &str| DotPanel {
+        head: head.into(),
+        floor: Some(0.1),
+        dots: vec![Dot {
+            name: "a method with a name".into(),
+            value: Some(900.0),
+            ring: true,
+            note: String::new(),
+        }],
+    };
+    let figure = DotFigure {
+        x_label: "error [%]".into(),
+        largest: 1000.0,
+        floor_label: "floor".into(),
+        ring_label: "diverged, left the safety box or jammed".into(),
+        panels: vec![panel("the first one at 360 Hz"), panel("another")],
+        ..DotFigure::default()
+    };
+    for size in ["column", "120x90", "page"] {
+        let document = super::svg(&figure, size.parse().unwrap()).unwrap();
+        let tree = parse(&document);
+        let number =
+            |node: roxmltree::Node, name| -> f64 { node.attribute(name).unwrap().parse().unwrap() };
+        let page = number(tree.root_element(), "width");
+        let mut numbers = Vec::new();
+        for node in tree.descendants().filter(|node| node.has_tag_name("text")) {
+            let (words, x) = (node.text().unwrap(), number(node, "x"));
+            let width = text::width(words, node.attribute("font-size").unwrap().parse().unwrap());
+            let before = match node.attribute("text-anchor") {
+                Some("middle") => 0.5 * width,
+                Some("end") => width,
+                _ => 0.0,
+            };
+            assert!(
+                x - before >= 0.0 && x - before + width <= page,
+                "{size}: {words}"
+            );
+            assert_ne!(words, "Hz", "{size}: a unit stays with its number");
+            if words.parse::<f64>().is_ok() {
+                numbers.push((number(node, "y"), x - before, width));
+            }
+        }
+        numbers.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        for pair in numbers.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+            assert!(pair[0].1 + pair[0].2 < pair[1].1, "{size}: {pair:?}");
+        }
+    }
+}
+
 #[cfg(feature = "png")]
 #[test]
 fn a_png_is_the_same_each_time() {

@@ -15,11 +15,24 @@ pub(super) fn width(text: &str, size: u32) -> f64 {
     ComputedLayout::from_layout(&layout).y_tick_label_px
 }
 
-/// `text` in lines of at most `characters`; a percent sign stays with its number.
+/// What stays with the number before it.
+const UNITS: [&str; 16] = [
+    "%", "Hz", "kHz", "N", "mN", "N/m", "s/m", "kg", "g", "s", "ms", "m", "mm", "um", "J", "mJ",
+];
+
+/// `text` in lines of at most `characters`; a unit stays with its number.
 fn wrap_text(text: &str, characters: usize) -> Vec<String> {
     // A character that is no white space, and that no text has after `clean`.
     const GLUE: &str = "\u{fffe}";
-    let glued = text.replace(" %", &format!("{GLUE}%"));
+    let mut glued = String::with_capacity(text.len());
+    for (number, word) in text.split(' ').enumerate() {
+        let is_unit = UNITS.contains(&word.trim_end_matches([',', ';', '.', ':', ')']));
+        let follows = glued.ends_with(|c: char| c.is_ascii_digit() || c == 'N');
+        if number > 0 {
+            glued += if is_unit && follows { GLUE } else { " " };
+        }
+        glued += word;
+    }
     let lines = render_utils::wrap_text(&glued, characters).into_iter();
     lines.map(|line| line.replace(GLUE, " ")).collect()
 }

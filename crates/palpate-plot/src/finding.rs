@@ -29,26 +29,16 @@ pub fn of_runs(runs: &[&Run], names: &[&str]) -> Option<String> {
         .filter_map(|((_, name), error)| Some((*name, (*error)?)));
     let nearest = whole.clone().min_by(|a, b| a.1.total_cmp(&b.1));
     let farthest = whole.max_by(|a, b| a.1.total_cmp(&b.1));
-    let mut text = match (nearest, farthest) {
-        (Some(near), Some(far)) if near.0 != far.0 => format!(
-            "Nearest to the ideal: {}, FRE {} % ({floor}); farthest: {}, {} %",
-            near.0,
-            percent(near.1),
-            far.0,
-            percent(far.1)
-        ),
-        (Some(near), _) => format!(
-            "Nearest to the ideal: {}, FRE {} % ({floor})",
-            near.0,
-            percent(near.1)
-        ),
-        _ => {
-            return Some(format!(
-                "All of {} methods diverged or were stopped",
-                runs.len()
-            ));
-        }
+    let Some((near, least)) = nearest else {
+        return Some(format!(
+            "All of {} methods diverged or were stopped",
+            runs.len()
+        ));
     };
+    let mut text = format!(
+        "Nearest to the ideal: {near}, FRE {} % ({floor})",
+        percent(least)
+    );
     if !broken.is_empty() {
         let what = if broken.len() <= MOST_NAMES {
             broken.join(", ")
@@ -56,6 +46,15 @@ pub fn of_runs(runs: &[&Run], names: &[&str]) -> Option<String> {
             format!("{} of {}", broken.len(), runs.len())
         };
         text += &format!("; diverged or stopped: {what}");
+    }
+    // The error of a run that ended early may be larger still; it is no worst of what holds together.
+    if let Some((far, most)) = farthest.filter(|(far, _)| *far != near) {
+        let of_whom = if broken.is_empty() {
+            ""
+        } else {
+            " of the others"
+        };
+        text += &format!("; farthest{of_whom}: {far}, {} %", percent(most));
     }
     Some(text)
 }
@@ -67,7 +66,7 @@ pub fn error(run: &Run) -> Option<f64> {
 }
 
 /// How a run came to an early end; none where it did not.
-fn end(run: &Run) -> Option<&'static str> {
+pub fn end(run: &Run) -> Option<&'static str> {
     if run.diverged == Some(true) {
         Some("diverges")
     } else if run.left_box_at.is_some() {

@@ -4,6 +4,7 @@ use palpate_figure::{Grid, Limits, Panel, Role, Row, Series};
 use palpate_sim::run::Run;
 use palpate_study::text::{digits, percent};
 
+use crate::finding;
 use crate::runs::{Devices, RunsFigure};
 use crate::series::{
     JOULE_TO_MILLIJOULE, device_position, end_of_motors, held_force, ideal_force, object_position,
@@ -46,11 +47,19 @@ pub(super) fn lines(figure: &RunsFigure) -> (Vec<Vec<Grid>>, String) {
     (lines.collect(), note)
 }
 
-/// Name, error and leak of a run.
+/// Name, error and leak of a run; of one that came to an early end, that it did in place of the leak.
 fn head(run: &Run) -> String {
     let error = run.force.fidelity.map_or_else(String::new, |fidelity| {
         format!("FRE {} %, ", percent(fidelity.force_rendering_error))
     });
+    if finding::end(run).is_some() {
+        let end = if run.diverged == Some(true) {
+            "diverged"
+        } else {
+            "stopped"
+        };
+        return format!("{}: {error}{end}", run.method);
+    }
     let leak = JOULE_TO_MILLIJOULE * run.last().ledger.held_leak.absolute;
     format!("{}: {error}{} mJ", run.method, digits(leak))
 }

@@ -46,9 +46,14 @@ pub fn tune_world(report: &WorldTuneReport) -> Figure {
     let error = |point: &WorldPointReport| point.mean_force_error_percent.unwrap_or(f64::NAN);
     Figure {
         title: format!(
-            "{} with {} has the least {}: E {} %",
+            "{} with {}{} has the least {}: E {} %",
             report.method,
             report.best.settings.in_short(),
+            if report.has_largest_damping() {
+                ", the largest damping tried,"
+            } else {
+                ""
+            },
             report.least,
             percent(error(&report.best))
         ),

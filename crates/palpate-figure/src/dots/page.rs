@@ -11,6 +11,10 @@ const EDGE: f64 = 10.0;
 const LABEL_SIZE: u32 = 12;
 const NAME_SIZE: u32 = 11;
 const NOTE_SIZE: u32 = 10;
+/// Height of a line of the legend `[px]`.
+const LEGEND_LINE: f64 = 19.0;
+/// Least space between two numbers of an axis `[px]`.
+const BETWEEN_NUMBERS: f64 = 6.0;
 /// Between panels side by side `[px]`.
 const BETWEEN: f64 = 18.0;
 /// Height of the line of one dot where nothing else is asked for, and the least `[px]`.
@@ -119,7 +123,7 @@ fn scene(figure: &DotFigure, plan: &Plan) -> Scene {
         room: width - 2.0 * EDGE,
     };
     let mut top = head.draw(&mut page, EDGE);
-    top = legend(&mut page, figure, plan.left, top);
+    top = legend(&mut page, figure, (plan.left, width - EDGE), top);
     let rows: Vec<&[DotPanel]> = figure.panels.chunks(plan.columns).collect();
     for (number, row) in rows.iter().enumerate() {
         let heads: Vec<Vec<String>> = (row.iter())
@@ -152,42 +156,34 @@ fn scene(figure: &DotFigure, plan: &Plan) -> Scene {
     page
 }
 
-/// What line and ring say; where it ends.
-fn legend(page: &mut Scene, figure: &DotFigure, left: f64, top: f64) -> f64 {
-    let baseline = top + 11.0;
+/// What line and ring say, beside each other where both fit between `left` and `right`; where it ends.
+fn legend(page: &mut Scene, figure: &DotFigure, (left, right): (f64, f64), mut top: f64) -> f64 {
     let mut x = left;
-    let floors = figure.panels.iter().any(|panel| panel.floor.is_some());
-    if floors {
-        page.add(line(
-            (x + 8.0, top),
-            (x + 8.0, top + 14.0),
-            FLOOR,
-            FLOOR_WIDTH,
-            None,
-        ));
+    if figure.panels.iter().any(|panel| panel.floor.is_some()) {
+        let middle = x + 8.0;
+        let (from, to) = ((middle, top), (middle, top + 14.0));
+        page.add(line(from, to, FLOOR, FLOOR_WIDTH, None));
         let label = text::clean(&figure.floor_label);
-        page.add(words(
-            &label,
-            (x + 16.0, baseline),
-            LABEL_SIZE,
-            TextAnchor::Start,
-            None,
-        ));
-        x += 36.0 + text::width(&label, LABEL_SIZE);
+        let at = (x + 18.0, top + 11.0);
+        page.add(words(&label, at, LABEL_SIZE, TextAnchor::Start, None));
+        x += 38.0 + text::width(&label, LABEL_SIZE);
     }
-    let rings = figure.panels.iter().flat_map(|panel| &panel.dots);
-    if rings.into_iter().any(|dot| dot.ring) {
-        page.add(disc((x + 8.0, top + 7.0), DOT, DOTS, false));
+    let mut dots = figure.panels.iter().flat_map(|panel| &panel.dots);
+    if dots.any(|dot| dot.ring) {
         let label = text::clean(&figure.ring_label);
-        page.add(words(
-            &label,
-            (x + 18.0, baseline),
-            LABEL_SIZE,
-            TextAnchor::Start,
-            None,
-        ));
+        if x > left && x + 18.0 + text::width(&label, LABEL_SIZE) > right {
+            (x, top) = (left, top + LEGEND_LINE);
+        }
+        page.add(disc((x + 8.0, top + 7.0), DOT, DOTS, false));
+        let lines = text::lines(&label, right - x - 18.0, LABEL_SIZE);
+        for (number, words_of) in lines.iter().enumerate() {
+            top += if number > 0 { LEGEND_LINE } else { 0.0 };
+            let at = (x + 18.0, top + 11.0);
+            page.add(words(words_of, at, LABEL_SIZE, TextAnchor::Start, None));
+        }
+        x = right;
     }
-    if x > left || floors { top + 19.0 } else { top }
+    if x > left { top + LEGEND_LINE } else { top }
 }
 
 const DOTS: &str = "#0072b2";
@@ -206,6 +202,10 @@ fn draw(
     let bottom = top + height;
     let (low, high) = plan.range;
     let at = |log: f64| left + plan.panel * (log - low) / (high - low);
+    // The last number stands left of its tick: where it would meet the one before it, the tick is enough.
+    let number_width = |decade: f64| text::width(&axis::decade_label(decade), NAME_SIZE);
+    let taken = number_width(high) + 0.5 * number_width(high - 1.0) + BETWEEN_NUMBERS;
+    let has_last_number = taken <= at(high) - at(high - 1.0);
     let mut decade = low;
     while decade <= high {
         for step in [1.0_f64, 2.0, 5.0] {
@@ -217,6 +217,9 @@ fn draw(
             page.add(line((x, top), (x, bottom), ink::GRID, 0.7, None));
             if is_last && step == 1.0 {
                 page.add(line((x, bottom), (x, bottom + 4.0), ink::FRAME, 0.8, None));
+                if decade + 1.0 > high && !has_last_number {
+                    continue;
+                }
                 let number = axis::decade_label(decade);
                 let place = (x, bottom + 15.0);
                 // Those at the ends stay within the panel, clear of those of its neighbours.

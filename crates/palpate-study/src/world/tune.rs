@@ -180,6 +180,19 @@ impl WorldTuneReport {
     pub fn wrote(&mut self, path: &std::path::Path) {
         self.files.push(path.display().to_string());
     }
+
+    /// Whether no larger damping was tried with the coupling of the best setting, so that a larger one may be better.
+    #[must_use]
+    pub fn has_largest_damping(&self) -> bool {
+        let damping = |point: &WorldPointReport| point.settings.damping_n_s_per_m;
+        let coupling = |point: &WorldPointReport| {
+            let setting = &point.settings;
+            (setting.coupling_stiffness_n_per_m, setting.coupling_mass_kg)
+        };
+        let same = (self.curve.iter()).filter(|point| coupling(point) == coupling(&self.best));
+        let most = same.filter_map(damping).fold(f64::NEG_INFINITY, f64::max);
+        damping(&self.best).is_some_and(|best| best >= most)
+    }
 }
 
 /// Of so many settings a table shows all; of more only the best.
@@ -235,19 +248,8 @@ impl fmt::Display for WorldTuneReport {
             );
             writeln!(f, "{}", wrapped(&words))?;
         }
-        let damping = |point: &WorldPointReport| point.settings.damping_n_s_per_m;
-        let coupling = |point: &WorldPointReport| {
-            let setting = &point.settings;
-            (setting.coupling_stiffness_n_per_m, setting.coupling_mass_kg)
-        };
-        let same = self
-            .curve
-            .iter()
-            .filter(|point| coupling(point) == coupling(&self.best));
-        let most = same.filter_map(damping).fold(f64::NEG_INFINITY, f64::max);
-        let is_at_the_end = damping(&self.best).is_some_and(|best| best >= most);
         let end = match self.best.settings.coupling_stiffness_n_per_m {
-            _ if !is_at_the_end => "",
+            _ if !self.has_largest_damping() => "",
             None => " It has the largest damping that was tried; a larger one may be better.",
             Some(_) => {
                 " It has the largest damping that was tried with its coupling; a larger one may be better."
