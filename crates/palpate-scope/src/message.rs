@@ -1,7 +1,7 @@
 //! What page and server tell each other in text; `docs/scope.md` has every field.
 
-use palpate_scene::Scene;
 use palpate_scene::method::{MethodName, SettingKey, deserialize_method};
+use palpate_scene::{Scene, in_plain_words};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Map, Value};
 
@@ -154,7 +154,8 @@ fn request(kind: &str, fields: Map<String, Value>) -> Result<ClientRequest, Stri
         on: bool,
     }
     fn read<T: serde::de::DeserializeOwned>(fields: Map<String, Value>) -> Result<T, String> {
-        serde_json::from_value(Value::Object(fields)).map_err(|error| error.to_string())
+        serde_json::from_value(Value::Object(fields))
+            .map_err(|error| in_plain_words(&error.to_string()))
     }
     Ok(match kind {
         "hand" => ClientRequest::Hand(read::<Hand>(fields)?.position_m),
@@ -508,21 +509,38 @@ mod tests {
     #[test]
     fn wrong_values_are_refused_and_the_rest_is_unknown() {
         for (text, about, words) in [
-            (r#"{"type":"hand"}"#, "hand", "position_m"),
-            (r#"{"type":"hand","position_m":"left"}"#, "hand", "f64"),
+            (
+                r#"{"type":"hand"}"#,
+                "hand",
+                "the key position_m is missing",
+            ),
+            (
+                r#"{"type":"hand","position_m":"left"}"#,
+                "hand",
+                "\"left\", expected a number",
+            ),
+            (
+                r#"{"type":"tool","position_m":[0,1,null]}"#,
+                "tool",
+                "null, expected a number",
+            ),
             (r#"{"type":"tool","position_m":[0,1]}"#, "tool", "length"),
             (
                 r#"{"type":"tool","position_m":null,"device":-1}"#,
                 "tool",
-                "usize",
+                "-1`, expected a whole number from 0 up",
             ),
-            (r#"{"type":"set","mass":1}"#, "set", "unknown field `mass`"),
+            (r#"{"type":"set","mass":1}"#, "set", "unknown key mass"),
             (
                 r#"{"type":"set","lanes":[{"method":"hfc"}]}"#,
                 "set",
                 "did you mean",
             ),
-            (r#"{"type":"rearm","lane":-1}"#, "rearm", "usize"),
+            (
+                r#"{"type":"rearm","lane":-1}"#,
+                "rearm",
+                "expected a whole number from 0 up",
+            ),
             (r#"{"type":"restart","now":1}"#, "restart", "now"),
         ] {
             match parse(text) {

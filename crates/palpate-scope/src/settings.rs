@@ -277,7 +277,17 @@ fn inside(name: &str, value: f64, [least, most]: [f64; 2]) -> Result<f64, String
     if (least..=most).contains(&value) {
         Ok(value)
     } else {
+        let value = written(value);
         Err(format!("{name} is {value}; allowed: {least} to {most}"))
+    }
+}
+
+/// A number for a message, with an exponent where it would be mostly zeros.
+pub(crate) fn written(value: f64) -> String {
+    if value == 0.0 || (1e-5..1e7).contains(&value.abs()) {
+        value.to_string()
+    } else {
+        format!("{value:e}")
     }
 }
 
@@ -392,6 +402,16 @@ mod tests {
                 2
             ),
             "period_s is 1; allowed: 0.00025 to 0.05"
+        );
+        assert_eq!(
+            refused(
+                Set {
+                    stiffness_n_per_m: Some(1e300),
+                    ..Set::default()
+                },
+                2
+            ),
+            "stiffness_n_per_m is 1e300; allowed: 10 to 10000"
         );
         assert_eq!(
             refused(lanes(&[coupled, coupled]), 1),

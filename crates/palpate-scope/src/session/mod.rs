@@ -24,7 +24,7 @@ use crate::message::{
     ClientRequest, DeviceSaid, LaneState, RecordingState, RecordingStatus, ServerMessage, Set,
 };
 use crate::pace::Pace;
-use crate::settings::{self, Limits, Settings};
+use crate::settings::{self, Limits, Settings, written};
 
 pub use handle::Session;
 pub use lane::Ended;
@@ -323,6 +323,7 @@ impl Running {
                 self.holder = Some(client);
             }
             Some(target) => {
+                let target = written(target);
                 return Err(format!(
                     "position_m is {target}; allowed: -{REACH} to {REACH}, or null"
                 ));
