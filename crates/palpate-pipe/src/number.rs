@@ -1,6 +1,8 @@
-//! Numbers of an answer.
+//! Numbers of an answer and of a summary.
 
 use std::fmt::Write;
+
+use palpate_study::text::digits;
 
 /// Below it a number has an exponent: its decimals would be hundreds of zeros.
 const LEAST_DECIMAL: f64 = 1e-5;
@@ -19,9 +21,30 @@ pub(crate) fn push(line: &mut String, number: f64) {
     };
 }
 
+/// An energy `[J]` in mJ, for a person. What is below a picojoule, which no hand feels and round-off may be all of, is called
+/// that.
+pub(crate) fn millijoules(energy: f64) -> String {
+    const LEAST: f64 = 1e-12;
+    if energy != 0.0 && energy.abs() < LEAST {
+        "less than 1e-9 mJ".to_owned()
+    } else {
+        format!("{} mJ", digits(1e3 * energy))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_energy_that_may_be_round_off_has_no_digits() {
+        for small in [1.6e-34, -1e-20, 9e-13] {
+            assert_eq!(millijoules(small), "less than 1e-9 mJ");
+        }
+        assert_eq!(millijoules(0.0), "0 mJ");
+        assert_eq!(millijoules(-1.234e-3), "-1.23 mJ");
+        assert_eq!(millijoules(2e-12), "2.00e-9 mJ");
+    }
 
     #[test]
     fn a_number_reads_back_and_is_short() {

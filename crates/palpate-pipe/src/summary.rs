@@ -7,6 +7,8 @@ use serde::Serialize;
 
 use palpate_study::text::{counted, digits};
 
+use crate::number::millijoules;
+
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate pipe 1";
 
@@ -93,12 +95,12 @@ impl fmt::Display for PipeSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{}, {} refused, {} limited; leak {} mJ, the spring force alone would have leaked {} mJ",
+            "{}, {} refused, {} limited; leak {}, the spring force alone would have leaked {}",
             counted(self.samples, "sample"),
             self.refused,
             counted(self.limited, "force"),
-            digits(1e3 * self.leak_held_j),
-            digits(1e3 * self.leak_original_j),
+            millijoules(self.leak_held_j),
+            millijoules(self.leak_original_j),
         )?;
         if self.changes > 0 {
             write!(f, "; {} made", counted(self.changes, "change"))?;

@@ -2,9 +2,11 @@
 
 use std::fmt;
 
-use palpate_study::text::{counted, digits};
+use palpate_study::text::counted;
 use palpate_world::Books;
 use serde::Serialize;
+
+use crate::number::millijoules;
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate world pipe 1";
@@ -78,12 +80,12 @@ impl fmt::Display for WorldSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{}, {} refused, {} limited; leak {} mJ, friction and damping took {} mJ",
+            "{}, {} refused, {} limited; leak {}, friction and damping took {}",
             counted(self.samples, "sample"),
             self.refused,
             counted(self.limited, "line"),
-            digits(1e3 * self.leak_held_j),
-            digits(1e3 * self.dissipated_j),
+            millijoules(self.leak_held_j),
+            millijoules(self.dissipated_j),
         )?;
         match self.guarded {
             0 => Ok(()),
