@@ -94,11 +94,17 @@ pub fn hanging(line: &str, blanks: usize) -> String {
     " ".repeat(own) + &lines.join(&below)
 }
 
-/// The words of a text in lines of at most so many characters; a longer word stands alone. A number keeps its `%`.
+/// The words of a text in lines of at most so many characters; a longer word stands alone. A number keeps its `%`, and a line
+/// that the text ends stays ended.
 #[must_use]
 pub fn within(text: &str, width: usize) -> Vec<String> {
+    let lines = text.split('\n');
+    lines.flat_map(|line| line_within(line, width)).collect()
+}
+
+fn line_within(line: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = vec![String::new()];
-    for word in text.replace(" %", "\u{a0}%").split(' ') {
+    for word in line.replace(" %", "\u{a0}%").split(' ') {
         let word = word.replace('\u{a0}', " ");
         let line = lines.last_mut().expect("there is always one");
         if !line.is_empty() && line.chars().count() + 1 + word.chars().count() > width {
@@ -269,6 +275,11 @@ mod tests {
     #[test]
     fn a_number_keeps_its_percent_sign() {
         assert_eq!(within("aa below 20 %, b", 11), ["aa below", "20 %, b"]);
+    }
+
+    #[test]
+    fn a_line_that_has_ended_stays_ended() {
+        assert_eq!(within("aa;\nb cc dd", 5), ["aa;", "b cc", "dd"]);
     }
 
     #[test]
