@@ -225,7 +225,8 @@ export class Scene {
     context.textAlign = "center";
     context.textBaseline = "middle";
     const text = mass === null ? "wall" : quantity(mass * 1000, "g");
-    const textY = mass === null ? y - side * 16 : top + tall / 2 + 0.5;
+    // Beyond a block: within it, the device would cover the words.
+    const textY = mass === null ? y - side * 16 : y - side * (tall + 10);
     if (mass === null) {
       const wide = context.measureText(text).width + 12;
       context.fillStyle = theme.solid;
