@@ -499,7 +499,7 @@ Examples:
 Examples:
   palpate figure fig1
   palpate figure fig4
-  palpate figure fig2 --plot figures/fig2.svg --json")]
+  palpate figure fig2 --plot fig2.svg --json")]
     Figure(FigureArguments),
     /// Show the whole story, without any input
     #[command(after_help = "\
