@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { WIDE } from "../visit.mjs";
 import { play } from "./open.mjs";
 
 test("every world of the gallery runs by both methods, and everything in it is a number", async (t) => {
@@ -34,6 +35,18 @@ test("two hands pinch the cube and lift it", async () => {
   await lead([-0.014, 0, 0.036], [0.014, 0, 0.036]);
   await open.until("the cube is lifted by both methods", () => palpate.worlds.now.lanes.every(({ bodies }) => bodies[0][0][2] > 0.025));
   await open.until("it is said what was created", () => /Left \(basic\) .*; right \(coupled\) /.test(document.querySelector("#world-seen").textContent));
+  await leave();
+});
+
+test("where there is less room, the views of a world become lower and cover nothing", async () => {
+  const { open, leave } = await play("#world=groove-90", { viewport: WIDE });
+  await open.until("both are drawn", () => [...document.querySelectorAll("#world-lanes canvas")].filter(({ height }) => height > 400).length === 2);
+  await open.page.setViewport({ ...WIDE, height: WIDE.height - 200 });
+  await open.until("all of each view is within the frame of the views", () => {
+    const { top } = document.querySelector("#world-lanes").nextElementSibling.getBoundingClientRect();
+    const views = [...document.querySelectorAll("#world-lanes canvas")].map((canvas) => canvas.getBoundingClientRect());
+    return innerHeight < 800 && views.length === 2 && views.every((view) => view.height > 200 && view.bottom <= top + 1);
+  });
   await leave();
 });
 
