@@ -207,7 +207,17 @@ fn a_table_of_one_matrix_is_a_device_of_that_mass() {
 
 #[test]
 fn the_books_of_a_linkage_close() {
-    for (name, scene) in scenes(0.002) {
+    let turning = "
+inertia_kg_m2 = [2e-5, 3e-5, 4e-5]
+angular_velocity_rad_per_s = [3.0, 1.0, -2.0]
+hand_torque_n_m = [1e-3, 0.0, 2e-3]
+";
+    let turned = format!("{}{turning}", arm());
+    let led = format!("{turned}gives_torque = false\n");
+    let [five_bar, arm] = scenes(0.002);
+    let six_axes = ("arm of six axes", parsed(SLOPE, &turned, 0.002));
+    let stylus = ("arm with a stylus", parsed(SLOPE, &led, 0.002));
+    for (name, scene) in [five_bar, arm, six_axes, stylus] {
         let bench = WorldBench::new(&scene).unwrap();
         let run = bench
             .run("coupled", &scene.renderer("coupled").unwrap())

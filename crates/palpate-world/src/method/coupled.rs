@@ -243,6 +243,10 @@ impl Coupled {
             let path = turned
                 .as_ref()
                 .map_or(Vector3::zeros(), |(work, ..)| work.path);
+            // What has turned the avatar: contacts and drive, or its hand against the contacts.
+            let mut to_turn = turned
+                .as_ref()
+                .map_or(0.0, |(work, ..)| work.by_avatar - part.turning_error);
             let book = &mut state.books.devices[tool];
             book.carried += axes.across(&mean).dot(&way);
             for (point, (touch, contact)) in points
@@ -255,6 +259,7 @@ impl Coupled {
                     let held = if part.led {
                         // The hand turns the tool against the contact itself, not against a mean.
                         book.carried += past.work_on_led_turn;
+                        to_turn += past.work_on_led_turn;
                         impulse / elapsed + past.work_on_led_turn
                     } else {
                         (impulse + past.angular_impulse.dot(&path)) / elapsed
@@ -281,7 +286,7 @@ impl Coupled {
             };
             let gained = match &self.linkages[tool] {
                 None => motion.gained(part.driven),
-                Some(linkage) => motion.gained_by(linkage, work),
+                Some(linkage) => motion.gained_by(linkage, work - to_turn),
             };
             book.offset += gained.driven - (gained.device - acted.intended.dot(&way));
             book.velocity_offset += gained.more;

@@ -38,7 +38,8 @@ impl Moved<'_> {
         }
     }
 
-    /// Of a linkage, each with the mass of its own place; the contacts' `work` on the avatar `[J]`.
+    /// Of a linkage, each with the mass of its own place; the contacts' `work` on the avatar, less what has gone into its turn
+    /// `[J]`.
     pub fn gained_by(&self, linkage: &Linkage, work: f64) -> Gained {
         let [device, avatar] = [false, true].map(|is_avatar| {
             let ends = self.device.iter().zip(self.avatar);

@@ -31,7 +31,9 @@ pub(super) struct TurningWork {
     pub path: Vector3,
     /// Kinetic energy that the device has gained, less the work of the torque that was asked for.
     pub by_hand: f64,
-    /// By how much more kinetic energy the avatar has gained.
+    /// Kinetic energy that the avatar has gained,
+    pub by_avatar: f64,
+    /// and by how much more that is.
     pub gained_more: f64,
 }
 
@@ -108,6 +110,7 @@ impl Turning {
             return TurningWork {
                 path,
                 by_hand: 0.0,
+                by_avatar: 0.0,
                 gained_more: 0.0,
             };
         }
@@ -131,6 +134,7 @@ impl Turning {
         TurningWork {
             path,
             by_hand: by_device - acted.intended.dot(&path),
+            by_avatar,
             gained_more: by_avatar - by_device,
         }
     }
