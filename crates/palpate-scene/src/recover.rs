@@ -122,7 +122,11 @@ fn take_out_of_tables(
             return Some(format!("{index}.{found}"));
         }
     }
-    let is_one = |item: &Spanned<DeValue<'_>>| item.get_ref().is_table() && is_it(item.span());
+    // A table among numbers is taken out with them: a list that is shorter by it would be said to be too short.
+    if !items.iter().all(|item| item.get_ref().is_table()) {
+        return None;
+    }
+    let is_one = |item: &Spanned<DeValue<'_>>| is_it(item.span());
     let index = items.iter().position(is_one)?;
     let others = items.clone().into_iter().enumerate();
     *items = others

@@ -65,7 +65,7 @@ impl Reading {
                 Tremor::default()
             }
         };
-        let turning = self.turning(&mut raw, tremor_torque, tremor.frequency_hz);
+        let turning = self.turning(index, &mut raw, tremor_torque, tremor.frequency_hz);
         if raw
             .name
             .get_ref()
@@ -206,6 +206,7 @@ impl Reading {
     /// How a device of six axes turns: one that has an inertia.
     fn turning(
         &mut self,
+        index: usize,
         raw: &mut RawDevice,
         tremor: Option<Spanned<f64>>,
         frequency_hz: f64,
@@ -219,6 +220,10 @@ impl Reading {
         let angular_velocity = raw.angular_velocity_rad_per_s.take();
         let gives_torque = raw.gives_torque.take();
         let Some(inertia) = raw.inertia_kg_m2.take() else {
+            // It has been said to be at fault; these are not.
+            if self.lost_its_inertia(index) {
+                return None;
+            }
             let spans = [
                 ("hand_rotational_stiffness_n_m_per_rad", &stiffness),
                 ("hand_rotational_damping_n_m_s_per_rad", &damping),

@@ -58,8 +58,16 @@ impl Reading {
     /// Whether the axes of the device of this number are what its file says: neither they nor what they may have been
     /// misspelt as was at fault.
     pub(super) fn has_its_axes(&self, number: usize) -> bool {
-        let ax = format!("device.{number}.ax");
-        !self.removed.iter().any(|key| key.starts_with(&ax))
+        !self.is_removed(&format!("device.{number}.ax"))
+    }
+
+    /// Whether the inertia of the device of this number was at fault, or what it may have been misspelt as.
+    pub(super) fn lost_its_inertia(&self, number: usize) -> bool {
+        self.is_removed(&format!("device.{number}.inert"))
+    }
+
+    fn is_removed(&self, beginning: &str) -> bool {
+        self.removed.iter().any(|key| key.starts_with(beginning))
     }
 
     pub(super) fn vector(

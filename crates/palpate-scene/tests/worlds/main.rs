@@ -147,6 +147,21 @@ fn a_fault_is_said_once() {
             "mass_kg is 1",
         ),
         ("name = \"tool\"", "name = \"left, upper\"", "has no comma"),
+        (
+            "mass_kg = [0.25, 0.3, 0.35]",
+            "mass_kg = 0.2\ninertia_kg_m2 = [1e-4, 1e-4]\norientation = [1, 0, 0, 0]\nquantum_rad = 1e-5",
+            "invalid length 2",
+        ),
+        (
+            "mass_kg = [0.25, 0.3, 0.35]",
+            "mass_kg = 0.2\ninertia = [1e-4, 1e-4, 1e-4]\norientation = [1, 0, 0, 0]",
+            "unknown key inertia, did you mean inertia_kg_m2?",
+        ),
+        (
+            "mass_kg = [0.25, 0.3, 0.35]",
+            "mass_kg = 0.2\nvelocity_m_per_s = [0.1, { y = 0.2 }, 0.0]",
+            "invalid type: map, expected a number",
+        ),
     ] {
         assert!(BALL.contains(wrong), "{wrong}");
         // The name of the tool stands in contacts too.
