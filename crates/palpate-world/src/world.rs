@@ -365,15 +365,26 @@ impl<'a> Faults<'a> {
             Shape::Hull(hull) => (hull.mesh(), "hull"),
             _ => return,
         };
-        if free.inertia.is_some() || shape.moments(free.mass).is_some() {
+        if free.inertia.is_some() {
             return;
         }
-        let message = match mesh.mass_properties(1.0) {
+        let filled = mesh.mass_properties(1.0);
+        let is_solid = filled.is_none_or(|of| of.moments.iter().all(|moment| *moment > 0.0));
+        if is_solid && shape.moments(free.mass).is_some() {
+            return;
+        }
+        let message = match filled {
             None => {
                 "the mesh has open edges, so it encloses no volume from which its inertia would follow; give three \
                  moments of inertia about the mesh's origin, which is the centre of mass then, or close the mesh"
                     .into()
             }
+            Some(of) if !is_solid => format!(
+                "the {word} passes through itself, so that parts of it count as hollows: filled evenly, each kilogram of it would have \
+                 the moments of inertia {:?} kg m^2, and those of a mass are above 0; mend it, or give three moments about the \
+                 {word}'s origin, which is the centre of mass then",
+                of.moments
+            ),
             Some(of) => format!(
                 "the {word} has its centre of mass at {:?} m or is turned against its principal axes, so its moments of \
                  inertia do not say how it turns; balance the body, or give three moments about the {word}'s origin, which \

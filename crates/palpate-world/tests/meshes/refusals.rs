@@ -101,6 +101,22 @@ fn a_mesh_that_moves_has_to_have_an_inertia_and_to_meet_what_it_can() {
     let said = faults(world(0.01, vec![free(beside(), None)], law))[0].to_string();
     assert!(said.contains("centre of mass at [0.002"), "{said}");
     assert!(made(world(0.01, vec![free(beside(), None).balanced()], law)).is_ok());
+    // A part beside it is inside out: a hollow where nothing is.
+    let (part, hollow) = (block([0.01; 3], 1), block([0.008; 3], 1));
+    let mut vertices = part.vertices();
+    let first = u32::try_from(vertices.len()).unwrap();
+    let mut faces = part.faces().to_vec();
+    vertices.extend(hollow.vertices().iter().map(|[x, y, z]| [x + 0.05, *y, *z]));
+    faces.extend(hollow.faces().iter().map(|face| {
+        let [a, b, c] = face.map(|corner| first + corner);
+        [a, c, b]
+    }));
+    let odd = || Mesh::new(&vertices, &faces).unwrap();
+    for part in [free(odd(), None), free(odd(), None).balanced()] {
+        let said = faults(world(0.01, vec![part], law))[0].to_string();
+        assert!(said.contains("the mesh passes through itself"), "{said}");
+    }
+    assert!(made(world(0.01, vec![free(odd(), Some([1e-5; 3]))], law)).is_ok());
     // Round parts have a hull of many corners, and flat ones have none.
     let floor = || plane("floor", [0.0, 0.0, 1.0], 0.0);
     let ball = patch(1.0, 12, |u, v| {
