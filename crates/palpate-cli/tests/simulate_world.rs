@@ -497,6 +497,73 @@ fn a_recorded_motion_of_six_axes_is_rendered_with_its_torques() {
 }
 
 #[test]
+fn what_the_damper_of_a_joint_takes_is_dissipated() {
+    let folder = Folder::new();
+    // The ball slides down beside the floor and touches nothing.
+    let joint = "[[joint]]\nkind = \"slider\"\nbetween = [\"ball\", \"world\"]\naxis = [0.0, 0.0, 1.0]\n\
+                 stiffness_n_per_m = 2e4\nspan_m = 0.04\nalong_damping_n_s_per_m = 2.0\n[render]";
+    let slides = BALL
+        .replace("[render]", joint)
+        .replace(
+            "normal = [0.0, 0.0, 1.0]",
+            "normal = [0.0, 0.0, 1.0], offset_m = -1.0",
+        )
+        .replace("hand_force_n = [0.0, 0.0, -1.0]", "");
+    folder.write("slides.toml", slides);
+    let taken = |report: &Value| report["dissipated_j"].as_f64().unwrap();
+    let report = folder.json("simulate slides.toml");
+    // The damper takes P = F v of the weight, and the ball is at its speed F/B after some 50 ms.
+    let (weight, damping, time): (f64, f64, f64) = (0.981, 2.0, 0.3);
+    let late = 0.1 / damping;
+    let slowed = late * (-time / late).exp_m1();
+    let twice = late / 2.0 * (-2.0 * time / late).exp_m1();
+    let expected = weight.powi(2) / damping * (time + 2.0 * slowed - twice);
+    let simulated = taken(&report["methods"][0]);
+    assert!(
+        (simulated / expected - 1.0).abs() < 0.02,
+        "{simulated} {expected}"
+    );
+    let motion = "0.004,0,0.08\n".repeat(300);
+    let answer = folder.palpate_reading(motion, "pipe slides.toml --json");
+    let summary = parse(&answer.stderr[answer.stderr.find('{').unwrap()..]);
+    let piped = taken(&summary);
+    assert!((piped / expected - 1.0).abs() < 0.02, "{piped} {expected}");
+}
+
+/// A finger falls on a plate of 10 g at 50 Hz: no sample is refused, but E is some 30 %.
+#[test]
+fn a_contact_that_asks_for_more_sub_steps_than_there_are_is_said() {
+    let folder = Folder::new();
+    let light = BALL
+        .replace("period_s = 0.001", "period_s = 0.02")
+        .replace("mass_kg = 0.25", "mass_kg = 0.2")
+        .replace("[0.004, 0.0, 0.08]", "[0.003, 0.002, 0.013]")
+        .replace("radius_m = 0.01", "radius_m = 0.008")
+        .replace("mass_kg = 0.1", "mass_kg = 0.01")
+        .replace("[0.0, 0.0, 0.03]", "[0.0, 0.0, 0.00198]")
+        .replace("-0.981", "-0.0981")
+        .replace(
+            "sphere = { radius_m = 0.03 }",
+            "box = { size_m = [0.04, 0.04, 0.004] }",
+        )
+        .replace("4000.0", "4800.0")
+        .replace("device_mass_kg = 0.375", "")
+        .replace("duration_s = 0.3", "duration_s = 0.6");
+    folder.write("light.toml", light);
+    let report = folder.json("simulate light.toml");
+    let method = &report["methods"][0];
+    let count = |key: &str| method[key].as_u64().unwrap();
+    let many = count("too_fast_samples");
+    assert!(many > 0 && count("refused_samples") == 0, "{method}");
+    let said = common::in_a_line(&folder.succeed("simulate light.toml"));
+    let words = format!("coupled: at {many} samples the fastest contact or joint asked for more");
+    assert!(said.contains(&words), "{said}");
+    folder.write("ball.toml", BALL);
+    let report = folder.json("simulate ball.toml");
+    assert_eq!(report["methods"][0]["too_fast_samples"], 0);
+}
+
+#[test]
 fn a_guard_is_asked_for_by_flags_or_the_file_and_what_it_holds_back_is_counted() {
     let folder = Folder::new();
     folder.write("ball.toml", BALL);
@@ -504,13 +571,22 @@ fn a_guard_is_asked_for_by_flags_or_the_file_and_what_it_holds_back_is_counted()
         let report = folder.json(arguments);
         assert_eq!(schema::check(&report), "world");
         let count = |key: &str| report["methods"][0][key].as_u64().unwrap();
-        assert!(count("limited_samples") >= count("guarded_samples"));
+        // Nothing else limits a force here, and a guard that reports changes none.
+        let changed = if arguments.contains("report") {
+            0
+        } else {
+            count("guarded_samples")
+        };
+        assert_eq!(count("limited_samples"), changed, "{arguments}");
         (count("guarded_samples"), error(&report, "coupled"))
     };
     let open = guarded("simulate ball.toml");
     assert_eq!(guarded("simulate ball.toml --guard limit"), open);
     let (seen, error) = guarded("simulate ball.toml --guard report --guard-allowance 1e-5");
     assert!(seen > 4 && error == open.1, "{seen} {error}");
+    let said = folder.succeed("simulate ball.toml --guard report --guard-allowance 1e-5");
+    let words = format!("coupled: at {seen} samples the forces exceeded the guard's bound.");
+    assert!(said.contains(&words), "{said}");
     let (acted, error) = guarded("simulate ball.toml --guard limit --guard-allowance 1e-5");
     assert!(acted > 4 && error > 10.0 * open.1, "{acted} {error}");
     // The file's own, of which a flag changes the speed.

@@ -174,6 +174,15 @@ impl Books {
         self.contacts.iter().map(|book| book.observed).sum()
     }
 
+    /// Energy that damping and friction of all contacts and joints took, of those that are gone too `[J]`: never falls.
+    #[must_use]
+    pub fn dissipated(&self) -> f64 {
+        let contacts = self.contacts.iter().chain([&self.gone.contacts]);
+        let joints = self.joints.iter().chain([&self.gone.joints]);
+        contacts.map(|book| book.dissipated).sum::<f64>()
+            + joints.map(|book| book.dissipated).sum::<f64>()
+    }
+
     /// Sums up what is gone of the `old` books: what none of the new ones has come from. The energy that was stored there
     /// `[J]`.
     pub(crate) fn take_leave(

@@ -32,7 +32,7 @@ pub struct WorldSummary {
     /// Largest torque on each device that turns; none: no limit, or no such device.
     torque_limit_n_m: Option<f64>,
     soft_start_s: f64,
-    /// Energy that friction and damping of all contacts took.
+    /// Energy that friction and damping of all contacts and joints took.
     dissipated_j: f64,
     /// Work of the held forces on the hands.
     port_work_j: f64,
@@ -69,7 +69,7 @@ impl WorldSummary {
     #[must_use]
     pub fn with_books(&self, books: &Books) -> Self {
         Self {
-            dissipated_j: books.contacts.iter().map(|book| book.dissipated).sum(),
+            dissipated_j: books.dissipated(),
             port_work_j: books.devices.iter().map(|book| book.port_work).sum(),
             ..self.clone()
         }

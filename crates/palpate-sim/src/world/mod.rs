@@ -11,7 +11,8 @@ use palpate_testbed::world::{
     WorldIdeal, WorldJudgement, WorldPlant,
 };
 use palpate_world::{
-    Books, Output, Quaternion, Sample, Vector, WorldError, WorldFault, WorldRenderer,
+    Books, Limited, Output, Quaternion, Sample, Vector, WorldError, WorldFault, WorldGuard,
+    WorldRenderer,
 };
 
 pub use judged::as_judged;
@@ -68,7 +69,7 @@ pub struct WorldRun {
     pub refused: usize,
     /// The first of them, and why.
     pub first_refusal: Option<Refusal>,
-    /// Samples at which a limit changed a force.
+    /// Samples at which a limit changed a force. A guard that only reports is none.
     pub limited: usize,
     /// Samples at which forces exceeded the guard's bound.
     pub guarded: usize,
@@ -76,6 +77,9 @@ pub struct WorldRun {
     pub coarse: usize,
     /// Samples at which more of what may touch was near than the renderer has room for.
     pub crowded: usize,
+    /// Samples at which the fastest contact or joint asked for more sub-steps than a tick has: see
+    /// [`Effort::too_fast`](palpate_world::Effort::too_fast).
+    pub too_fast: usize,
 }
 
 /// A sample that the renderer refused.
@@ -260,9 +264,11 @@ impl WorldBench {
             found_at_start: 0.0,
             coarse: 0,
             crowded: 0,
+            too_fast: 0,
         };
         let end = grid.edge(grid.intervals());
         let period = self.params.period;
+        let guard_limits = matches!(renderer.in_loop().guard, WorldGuard::Limit(_));
         while plant.time() < end - 0.5 * period {
             let (mut measured, mut turned) = (plant.measure(), plant.measure_orientations());
             let (mut positions, mut orientations) = (plant.positions(), plant.orientations());
@@ -282,10 +288,15 @@ impl WorldBench {
             let output = renderer.step(&mut state, &sample);
             run.refused += usize::from(output.fault.is_some());
             run.first_refusal = run.first_refusal.or(Refusal::of(&output, time));
-            run.limited += usize::from(output.limited.any());
+            let changed = Limited {
+                guard: output.limited.guard && guard_limits,
+                ..output.limited
+            };
+            run.limited += usize::from(changed.any());
             run.guarded += usize::from(output.limited.guard);
             run.coarse += usize::from(output.effort.unrefined > 0);
             run.crowded += usize::from(output.effort.left_out > 0);
+            run.too_fast += usize::from(output.effort.too_fast);
             run.commanded.push(output.forces.to_vec());
             run.commanded_torques.push(output.torques.to_vec());
             plant.hold_wrenches(output.forces, output.torques);

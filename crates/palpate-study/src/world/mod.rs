@@ -89,13 +89,13 @@ pub struct WorldMethodReport {
     pub devices: Vec<WorldDeviceReport>,
     /// Energy that held forces created: what hands, bodies, contacts and dissipation have gained together.
     pub leak_j: f64,
-    /// Energy that friction and damping took.
+    /// Energy that friction and damping took, of contacts and joints.
     pub dissipated_j: f64,
     /// Samples that the renderer refused.
     pub refused_samples: usize,
     /// The first of them; none if the renderer refused none.
     pub first_refusal: Option<RefusalReport>,
-    /// Samples at which a limit changed a force.
+    /// Samples at which a limit changed a force; a guard that only reports changes none.
     pub limited_samples: usize,
     /// Samples at which forces exceeded the guard's bound, whether it kept them to it or not.
     pub guarded_samples: usize,
@@ -104,6 +104,8 @@ pub struct WorldMethodReport {
     /// Samples at which more triangles, or points of a shell, were near what they may touch than the renderer has room for: it left
     /// out the furthest.
     pub crowded_samples: usize,
+    /// Samples at which the fastest contact or joint asked for more sub-steps than a tick has: errors may grow there.
+    pub too_fast_samples: usize,
 }
 
 /// A sample that the renderer refused, and why.
@@ -259,19 +261,19 @@ struct OfDevice<'a> {
 
 fn of_run(run: &WorldRun, of_devices: &[OfDevice<'_>]) -> WorldMethodReport {
     let devices = run.judgement.devices.iter().zip(of_devices);
-    let contacts = &run.books.contacts;
     WorldMethodReport {
         method: run.method.clone(),
         sum: run.judgement.sum.map(Into::into),
         devices: devices.map(|(judged, of)| of_device(judged, of)).collect(),
         leak_j: run.created(),
-        dissipated_j: contacts.iter().map(|book| book.dissipated).sum(),
+        dissipated_j: run.books.dissipated(),
         refused_samples: run.refused,
         first_refusal: run.first_refusal.map(|it| of_refusal(&it, of_devices)),
         limited_samples: run.limited,
         guarded_samples: run.guarded,
         coarse_samples: run.coarse,
         crowded_samples: run.crowded,
+        too_fast_samples: run.too_fast,
     }
 }
 

@@ -205,6 +205,21 @@ impl WorldReport {
                     counted(method.refused_samples, "sample")
                 ));
             }
+            if method.guarded_samples > 0 {
+                remarks.push(format!(
+                    "{}: at {} the forces exceeded the guard's bound.",
+                    method.method,
+                    counted(method.guarded_samples, "sample")
+                ));
+            }
+            let error = method.sum.map(|sum| sum.mean_force_error_percent);
+            if method.too_fast_samples > 0 && method.method == "coupled" && error >= Some(1.0) {
+                remarks.push(format!(
+                    "{}: at {} the fastest contact or joint asked for more sub-steps than a tick has, which may be a part of E.",
+                    method.method,
+                    counted(method.too_fast_samples, "sample")
+                ));
+            }
             if method.coarse_samples > 0 {
                 remarks.push(format!(
                     "{}: at {} contacts changed their mode more often than the renderer follows at its finest.",
