@@ -66,6 +66,7 @@ fn a_light_plate_under_a_finger_at_50_hz_is_followed() {
             run.created()
         );
         assert_eq!((run.refused, run.first_refusal), (0, None));
+        assert!(run.too_fast > 0);
         assert!(error(&run) < most && run.created() < 1e-3);
     }
 }
@@ -115,6 +116,37 @@ friction = 0.4
 [measure]
 duration_s = 0.1
 "#;
+
+/// What a sample that is refused would have made of the world is in no book.
+#[test]
+fn the_books_of_refused_samples_have_nothing_of_a_motion_that_grows() {
+    for (key, strong) in [
+        ("\ndamping_n_s_per_m = 8.0", "\ndamping_n_s_per_m = 1e5"),
+        (
+            "\nalong_damping_n_s_per_m = 0.5",
+            "\nalong_damping_n_s_per_m = 1e5\nspring_n_per_m = 100.0\nrest_m = 0.01",
+        ),
+    ] {
+        let scene = scene(&DRAWER.replace(key, strong));
+        let bench = WorldBench::new(&scene).unwrap();
+        for method in ["basic", "coupled"] {
+            let run = bench.run(method, &scene.renderer(method).unwrap()).unwrap();
+            let books = &run.books;
+            let (created, dissipated) = (run.created(), books.dissipated());
+            let off: f64 = books.joints.iter().map(|book| book.step_error.abs()).sum();
+            println!(
+                "{strong}, {method}: {} refused, {created:e} J created, {dissipated:e} J dissipated, {off:e} J off",
+                run.refused
+            );
+            assert!(run.refused >= 50, "{}", run.refused);
+            // Where every other sample is used, the device is pushed by the drawer at its start: as deep as it is there.
+            assert!(created.abs() < 0.1 && dissipated < 0.1 && off == 0.0);
+            let stored: f64 = books.joints.iter().map(|book| book.stored).sum();
+            let at_start = if strong.contains("rest_m") { 5e-3 } else { 0.0 };
+            assert!((stored - at_start).abs() < 1e-15, "{stored}");
+        }
+    }
+}
 
 #[test]
 fn a_joint_is_followed_or_refused_however_strong_its_dampers_are() {

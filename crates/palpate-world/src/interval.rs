@@ -157,7 +157,7 @@ pub(crate) fn advance(
 }
 
 /// Integrates `moving` over `h` `[s]`, by as many sub-steps as what is `fastest` asks for, and by so many `times`
-/// [`SubSteps::most`] where it would grow by that many. `before` is overwritten.
+/// [`SubSteps::most`] where it would grow by that many. Where it would grow by these, too, nothing moves. `before` is overwritten.
 pub(crate) fn integrate<M: SubStepped>(
     moving: &mut M,
     before: &mut M,
@@ -181,6 +181,10 @@ pub(crate) fn integrate<M: SubStepped>(
         effort.too_fast = true;
         count = sub_steps.most.saturating_mul(times);
         effort.unstable = fastest.grows(h / f64::from(count));
+    }
+    // The sample is refused, and the books keep nothing of a motion that grows.
+    if effort.unstable {
+        return effort;
     }
     let step = h / f64::from(count);
     moving.expect_the_missed(fastest.may_expect(step));

@@ -448,7 +448,13 @@ fn shorten(vector: &mut Vector, most: Option<&f64>) -> bool {
 impl WorldRenderer {
     /// The bodies are where the world has them at the start: their motion was no number any more.
     fn put_back(&self, state: &mut Progress) {
-        state.now.parts.copy_from_slice(&self.parts);
+        let Moving { parts, links, .. } = &mut state.now;
+        parts.copy_from_slice(&self.parts);
+        for link in links {
+            link.meet(parts);
+        }
+        // Without the loads of the joints.
+        parts.copy_from_slice(&self.parts);
         for touch in &mut state.now.touches {
             *touch = Touch::apart();
         }
@@ -462,6 +468,13 @@ impl WorldRenderer {
             book.observed -= book.stored;
             state.guard.appeared(-book.stored);
             book.stored = 0.0;
+        }
+        for (number, book) in state.books.joints.iter_mut().enumerate() {
+            let links = state.now.links.iter().filter(|link| link.joint == number);
+            let stored: f64 = links.map(|link| link.stored).sum();
+            book.outside += stored - book.stored;
+            state.guard.appeared(stored - book.stored);
+            book.stored = stored;
         }
     }
 
