@@ -6,7 +6,7 @@
 use palpate::Fault;
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_sim::world::{WorldBench, WorldRun};
-use palpate_world::Sample;
+use palpate_world::{Sample, SubSteps, WorldRenderer};
 
 fn scene(source: &str) -> WorldScene {
     WorldFile::parse("scene.toml", source).unwrap().scene
@@ -58,16 +58,34 @@ duration_s = 0.6
 #[test]
 fn a_light_plate_under_a_finger_at_50_hz_is_followed() {
     for (stiffness, most) in [("4800.0", 45.0), ("20000.0", 90.0)] {
-        let run = coupled(&PLATE.replace("4800.0", stiffness));
+        let source = PLATE.replace("4800.0", stiffness);
+        let run = coupled(&source);
+        // Many more sub-steps: the error is not theirs.
+        let scene = scene(&source);
+        let mut in_loop = scene.in_loop();
+        in_loop.sub_steps = SubSteps {
+            phase: 0.003,
+            most: 4096,
+            refined: 100,
+            ..SubSteps::default()
+        };
+        let method = scene.method("coupled").unwrap();
+        let fine = WorldRenderer::new(&scene.world, in_loop, method).unwrap();
+        let fine = WorldBench::new(&scene)
+            .unwrap()
+            .run("coupled", &fine)
+            .unwrap();
         println!(
-            "{stiffness} N/m: E {:.1} %, {} refused, {:.2e} J created",
+            "{stiffness} N/m: E {:.1} %, {:.1} % with fine sub-steps, {} refused, {:.2e} J created",
             error(&run),
+            error(&fine),
             run.refused,
             run.created()
         );
         assert_eq!((run.refused, run.first_refusal), (0, None));
         assert!(run.too_fast > 0);
         assert!(error(&run) < most && run.created() < 1e-3);
+        assert!((error(&fine) / error(&run) - 1.0).abs() < 0.02);
     }
 }
 

@@ -550,6 +550,10 @@ impl Reading {
             let orientation = self.places.take(place, Field::Orientation, orientation);
             unit(orientation)
         });
+        if raw.name.get_ref().contains(char::is_control) {
+            let message = "a body's name stands in lines of text, so it has no control character";
+            self.fault(raw.name.span(), message);
+        }
         let name = self.places.take(place, Field::Name, raw.name);
         Body {
             shape: self.shape(place, &name, raw.shape),

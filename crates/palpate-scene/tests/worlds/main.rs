@@ -181,6 +181,16 @@ fn a_fault_is_said_once() {
     }
 }
 
+/// What a terminal would take for a command.
+#[test]
+fn a_body_has_no_control_character_in_its_name() {
+    let said = said(&BALL.replace("floor", "flo\\u001b[31mor"));
+    let [only] = &said[..] else {
+        panic!("{said:?}");
+    };
+    assert!(only.contains("has no control character"), "{only}");
+}
+
 /// A key at fault that has nothing to do with the axes does not hide that there are too few masses for them.
 #[test]
 fn two_faults_of_a_device_are_both_said() {

@@ -104,7 +104,7 @@ pub struct WorldMethodReport {
     /// Samples at which more triangles, or points of a shell, were near what they may touch than the renderer has room for: it left
     /// out the furthest.
     pub crowded_samples: usize,
-    /// Samples at which the fastest contact or joint asked for more sub-steps than a tick has: errors may grow there.
+    /// Samples at which the fastest contact or joint asked for more sub-steps than a tick has: it swings within a few periods.
     pub too_fast_samples: usize,
 }
 

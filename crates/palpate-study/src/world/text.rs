@@ -215,7 +215,8 @@ impl WorldReport {
             let error = method.sum.map(|sum| sum.mean_force_error_percent);
             if method.too_fast_samples > 0 && method.method == "coupled" && error >= Some(1.0) {
                 remarks.push(format!(
-                    "{}: at {} the fastest contact or joint asked for more sub-steps than a tick has, which may be a part of E.",
+                    "{}: at {} a contact or joint swings within a few periods; small errors of a motion are large ones of its \
+                     force there.",
                     method.method,
                     counted(method.too_fast_samples, "sample")
                 ));
