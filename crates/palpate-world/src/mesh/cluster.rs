@@ -217,10 +217,15 @@ impl Pushes {
     }
 
     /// Those that are one bent surface with one of them.
+    #[inline]
     fn joined(&self, among: Chosen, one: usize, around: Option<&mut Around>) -> Chosen {
         if among.is_power_of_two() {
             return among;
         }
+        self.joined_of_several(among, one, around)
+    }
+
+    fn joined_of_several(&self, among: Chosen, one: usize, around: Option<&mut Around>) -> Chosen {
         let surface = self.alike(among, 1 << one);
         let others = among & !surface;
         let Some(around) = around else {

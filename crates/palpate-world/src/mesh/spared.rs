@@ -16,17 +16,24 @@ pub(super) struct Spared {
     until: Box<[f64]>,
     /// So much earlier it is looked at, for what is rounded `[m]`.
     slack: f64,
-    /// Those that are looked at before `gone` is `soon` `[m]`, in the order of their numbers.
-    next: Box<[u16]>,
+    /// Those that are looked at within a stride, and of these those within a shorter one.
+    listed: [Listed; STRIDES.len()],
+}
+
+/// The triangles that are looked at before the centre has `gone` a stride further, in the order of their numbers.
+#[derive(Clone, Debug)]
+struct Listed {
+    numbers: Box<[u16]>,
     count: usize,
+    /// What `gone` is then `[m]`.
     soon: f64,
 }
 
 /// Share of a reach that covers what is rounded where a sphere is held against triangles within it.
 const ROUNDED: f64 = 1e-4;
-/// A way after which all triangles are gone through for those that are looked at soon `[m]`: that of a few sub-steps of a tool
-/// that a hand moves.
-const STRIDE: f64 = 8e-5;
+/// Ways after which the triangles that are looked at soon are listed anew `[m]`: out of all, and out of those that are listed for the
+/// way before. Under a hand a tool goes the last one in a few sub-steps.
+const STRIDES: [f64; 2] = [4e-4, 5e-5];
 
 impl Spared {
     pub fn none() -> Self {
@@ -35,9 +42,11 @@ impl Spared {
             gone: 0.0,
             until: vec![0.0; MOST_TRIANGLES].into(),
             slack: 0.0,
-            next: vec![0; MOST_TRIANGLES].into(),
-            count: 0,
-            soon: 0.0,
+            listed: STRIDES.map(|_| Listed {
+                numbers: vec![0; MOST_TRIANGLES].into(),
+                count: 0,
+                soon: 0.0,
+            }),
         }
     }
 
@@ -47,7 +56,9 @@ impl Spared {
         self.place = *place;
         self.gone = 0.0;
         self.slack = ROUNDED * reach;
-        self.soon = 0.0;
+        for listed in &mut self.listed {
+            listed.soon = 0.0;
+        }
         for (until, way) in self.until.iter_mut().zip(ways) {
             *until = way - self.slack;
         }
@@ -57,21 +68,25 @@ impl Spared {
     pub fn go_to(&mut self, place: &Vector3, triangles: usize) {
         self.gone += (place - self.place).norm();
         self.place = *place;
-        if self.gone < self.soon {
+        let gone = self.gone;
+        let [wide, narrow] = &mut self.listed;
+        if gone < narrow.soon {
             return;
         }
-        self.soon = self.gone + STRIDE;
-        self.count = 0;
-        for (number, &until) in (0..).zip(&self.until[..triangles]) {
-            self.next[self.count] = number;
-            self.count += usize::from(until < self.soon);
+        let until = &self.until[..triangles];
+        if gone >= wide.soon {
+            wide.list((0..).zip(until), gone + STRIDES[0]);
         }
+        let of_wide = wide.numbers[..wide.count].iter();
+        let waiting = of_wide.map(|&number| (number, &until[usize::from(number)]));
+        narrow.list(waiting, wide.soon.min(gone + STRIDES[1]));
     }
 
     /// The number of the next triangle that may have what is looked for, after the `seen` ones.
     pub fn next(&self, seen: &mut usize) -> Option<usize> {
-        while *seen < self.count {
-            let number = usize::from(self.next[*seen]);
+        let [_, narrow] = &self.listed;
+        while *seen < narrow.count {
+            let number = usize::from(narrow.numbers[*seen]);
             *seen += 1;
             if self.gone >= self.until[number] {
                 return Some(number);
@@ -83,5 +98,17 @@ impl Spared {
     /// The triangle of this number cannot have it until the centre has gone this way from here `[m]`.
     pub fn spare(&mut self, number: usize, way: f64) {
         self.until[number] = self.gone + way - self.slack;
+    }
+}
+
+impl Listed {
+    /// Takes those that are looked at before the centre has gone so far `[m]`.
+    fn list<'a>(&mut self, waiting: impl Iterator<Item = (u16, &'a f64)>, soon: f64) {
+        self.soon = soon;
+        self.count = 0;
+        for (number, &until) in waiting {
+            self.numbers[self.count] = number;
+            self.count += usize::from(until < soon);
+        }
     }
 }

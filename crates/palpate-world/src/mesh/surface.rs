@@ -112,7 +112,19 @@ impl Surface {
 
     /// Takes over what another of the same sphere and mesh remembers, without allocating.
     pub fn copy_from(&mut self, other: &Self) {
-        self.memory = other.memory;
+        let Memory {
+            standing,
+            found,
+            clearance,
+        } = &other.memory;
+        self.memory.standing = *standing;
+        self.memory.clearance = *clearance;
+        for (own, found) in self.memory.found.iter_mut().zip(found) {
+            // Most are none in both.
+            if own.is_some() || found.is_some() {
+                *own = *found;
+            }
+        }
     }
 
     /// Gives the triangles that it has gathered for those of another of the same sphere and mesh. What is found does not depend on them.
@@ -345,15 +357,17 @@ impl Surface {
                 break;
             }
             count += 1;
-            // The likest that is still free.
-            let likeness = |place: usize| {
-                let other: &Option<Found> = &before[place];
-                other.map_or(0.0, |other| other.normal.dot(&normal))
-            };
-            let free = (0..POINTS_PER_MESH).filter(|&place| now[place].is_none());
-            let best = free.max_by(|&a, &b| likeness(a).total_cmp(&likeness(b)).then(b.cmp(&a)));
+            // The likest that is still free, of equals the first.
+            let mut best = None;
+            let mut most = f64::NEG_INFINITY;
+            for (place, before) in now.iter_mut().zip(&before) {
+                let likeness = before.map_or(0.0, |other| other.normal.dot(&normal));
+                if place.is_none() && likeness > most {
+                    (best, most) = (Some(place), likeness);
+                }
+            }
             if let Some(place) = best {
-                now[place] = Some(Found {
+                *place = Some(Found {
                     distance: self.radius - depth,
                     normal,
                 });
