@@ -3,7 +3,7 @@
 use palpate::{
     AnyParams, AnyRenderer, Contact, Difficulty, HfcrParams, LeakDissipation, LoopParams, Mass,
     Parameter, ParameterError, ParameterName as _, PopcParams, PopcRefParams, Renderer, Scalar,
-    VirtualDamperParams,
+    SettingKey, VirtualDamperParams,
 };
 
 fn contact<S: Scalar>() -> Contact<S> {
@@ -175,4 +175,11 @@ fn difficulty_refuses_what_has_no_meaning() {
         pair.object_mass(1.0).unwrap_err().to_string(),
         "object_kappa is -1, but must be finite and not below 0"
     );
+}
+
+#[test]
+fn a_key_of_a_setting_is_shown_as_files_have_it() {
+    let key = SettingKey::DAMPING;
+    assert_eq!(key.to_string(), "damping_n_s_per_m");
+    assert_eq!(format!("{key:>20}|"), "   damping_n_s_per_m|");
 }
