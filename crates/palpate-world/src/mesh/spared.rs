@@ -31,8 +31,8 @@ struct Listed {
 
 /// Share of a reach that covers what is rounded where a sphere is held against triangles within it.
 const ROUNDED: f64 = 1e-4;
-/// Ways after which the triangles that are looked at soon are listed anew `[m]`: out of all, and out of those that are listed for the
-/// way before. Under a hand a tool goes the last one in a few sub-steps.
+/// Ways of the centre after which each of the two lists is made anew `[m]`. The first list is made of all triangles, the second of those
+/// in the first. Under a hand a tool goes the second way in some ten sub-steps.
 const STRIDES: [f64; 2] = [4e-4, 5e-5];
 
 impl Spared {

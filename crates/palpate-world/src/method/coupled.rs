@@ -476,7 +476,8 @@ pub(crate) const LEAST_FORCE: f64 = 1e-6;
 /// Torques below this are none, where nothing touches a tool `[N m]`.
 const LEAST_TORQUE: f64 = 1e-8;
 
-/// Both go over the same places of the meshes: the one that begins to move takes over the triangles that the other has gathered last.
+/// Exchanges the triangles that two motions have gathered about the spheres. Both passes of a tick go over the same places of the
+/// meshes, so the motion that begins needs the triangles that the other gathered last.
 fn exchange_gathered(begins: &mut Moving, other: &mut Moving) {
     for (surface, other) in begins.surfaces.iter_mut().zip(&mut other.surfaces) {
         surface.exchange_gathered(other);
