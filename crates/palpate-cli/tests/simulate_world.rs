@@ -1,6 +1,8 @@
-//! `palpate simulate` with a world.
+//! `palpate simulate`, `compare`, `tune` and `render` with a world.
 
 mod common;
+#[path = "simulate_world/recorded.rs"]
+mod recorded;
 
 use common::{Folder, parse, schema};
 use serde_json::Value;
@@ -399,100 +401,6 @@ fn tune_tries_the_dampings_that_are_named_and_refuses_what_has_nothing_to_tune()
         "compare ball.toml --method hfcr",
         2,
         &["hfcr does not render worlds"],
-    );
-}
-
-#[test]
-fn a_recorded_motion_is_rendered_in_a_world() {
-    let folder = Folder::new();
-    folder.write("ball.toml", BALL);
-    let mut motion = String::from("t,x,y,z\n");
-    for sample in 0..=300 {
-        let time = 0.001 * f64::from(sample);
-        let z = 0.08 - 0.013 * (1.0 - (40.0 * time).cos()) / 2.0;
-        motion += &format!("{},0.002,0,{z}\n", 7.0 + time);
-    }
-    folder.write("motion.csv", motion);
-    let report =
-        folder.json("render ball.toml --input motion.csv --method basic,coupled --out forces.csv");
-    assert_eq!(schema::check(&report), "world");
-    assert_eq!(report["samples"], 300);
-    let (basic, coupled) = (error(&report, "basic"), error(&report, "coupled"));
-    assert!(coupled < 0.5 * basic, "{basic} {coupled}");
-    let forces = folder.read("forces.csv");
-    assert_eq!(forces.lines().count(), 1 + 2 * 300);
-    assert!(
-        forces.starts_with(
-            "method,device,t_s,x_m,y_m,z_m,fx_n,fy_n,fz_n\nbasic,tool,0,0.002,0,0.08,"
-        )
-    );
-
-    folder.fail("render ball.toml", 2, &["--input RECORDING.csv"]);
-    folder.write("wrong.csv", "t,x,y\n0,0,0\n1,0,0\n");
-    folder.fail(
-        "render ball.toml --input wrong.csv",
-        3,
-        &["wrong.csv:1", "4 columns in all"],
-    );
-    folder.fail(
-        "render ball.toml --input motion.csv --plot x.svg",
-        2,
-        &["--plot", "is a world"],
-    );
-    folder.write("fig2.toml", common::experiment_text("fig2"));
-    folder.fail(
-        "render fig2.toml --input motion.csv",
-        2,
-        &["is one contact"],
-    );
-}
-
-/// A box that is turned about an edge on the table: E of force and torque together.
-#[test]
-fn a_recorded_motion_of_six_axes_is_rendered_with_its_torques() {
-    let folder = Folder::new();
-    folder.write("box.toml", common::experiment_text("worlds/box"));
-    let mut motion = String::from("t,x,y,z,qw,qx,qy,qz\n");
-    for sample in 0..=300 {
-        let time = 0.001 * f64::from(sample);
-        let (z, half) = (
-            0.0165 - 0.004 * (20.0 * time).sin(),
-            0.1 * (30.0 * time).sin(),
-        );
-        motion += &format!("{time},0,0,{z},{},0,{},0\n", half.cos(), half.sin());
-    }
-    folder.write("motion.csv", motion);
-    let report =
-        folder.json("render box.toml --input motion.csv --method basic,coupled --out forces.csv");
-    assert_eq!(schema::check(&report), "world");
-    let (basic, coupled) = (error(&report, "basic"), error(&report, "coupled"));
-    assert!(coupled < 0.5 * basic, "{basic} {coupled}");
-    let forces = folder.read("forces.csv");
-    assert!(
-        forces
-            .lines()
-            .next()
-            .unwrap()
-            .ends_with("qw,qx,qy,qz,tx_n_m,ty_n_m,tz_n_m")
-    );
-    let largest = forces
-        .lines()
-        .skip(1)
-        .map(|line| {
-            line.split(',')
-                .nth(14)
-                .unwrap()
-                .parse::<f64>()
-                .unwrap()
-                .abs()
-        })
-        .fold(0.0, f64::max);
-    assert!(largest > 1e-3, "a torque about y of {largest} N m at most");
-    folder.write("wrong.csv", "t,x,y,z\n0,0,0,0\n1,0,0,0\n");
-    folder.fail(
-        "render box.toml --input wrong.csv",
-        3,
-        &["wrong.csv:1", "x,y,z [m] and qw,qx,qy,qz, 8 columns in all"],
     );
 }
 
