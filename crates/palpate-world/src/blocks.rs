@@ -1,4 +1,4 @@
-//! Contact of two boxes or hulls, or of a capsule with another solid: the plane between them that costs least.
+//! Contact of two boxes or hulls, or of a capsule or cylinder with another solid: the plane between them that costs least.
 //!
 //! A face of one solid bounds a half-space, and the other solid overlaps it by corners, as it does a half-space that is a
 //! body: E = K/2n sum of p^2 over the corners at depth p > 0, where n corners share the law of the pair: 4 of two boxes, and
@@ -11,15 +11,20 @@
 //! no jump where another plane takes over, and the pair does not stay at such a place.
 
 mod boxes;
+mod crossing;
+mod cylinders;
 mod hulls;
+mod rims;
 mod rods;
 mod shapes;
+mod zero;
 
 use crate::law::PointLaw;
 use crate::pairs::{MOST_POINTS, Point};
 use crate::rigid::{Rigid, Vector3};
 use crate::touch::Touch;
 use boxes::Placed;
+use cylinders::Cylinders;
 use hulls::Hulls;
 use rods::Rod;
 
@@ -33,10 +38,33 @@ const PARALLEL: f64 = 1e-6;
 /// A plane that may be between two solids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Plane {
-    /// A face of the first (0) or second (1), by its number; of a box twice its axis, and 1 more on the positive side.
+    /// A face of the first (0) or second (1), by its number; of a box twice its axis, and 1 more on the positive side. What
+    /// numbers mean beside a cylinder: [`cylinders`].
     Face { of: usize, number: usize },
-    /// Along an edge of each: of a box the axis along which it is, of a hull its number.
+    /// Along an edge of each: of a box the axis along which it is, of a hull its number, of two cylinders 0.
     Edges([usize; 2]),
+}
+
+/// All places with normal . x <= offset.
+#[derive(Clone, Copy, Debug)]
+struct Bound {
+    normal: Vector3,
+    offset: f64,
+}
+
+impl Bound {
+    /// How deep a place is `[m]`.
+    fn depth(&self, place: &Vector3) -> f64 {
+        self.offset - self.normal.dot(place)
+    }
+
+    /// The places on the other side.
+    fn turned_round(&self) -> Self {
+        Self {
+            normal: -self.normal,
+            offset: -self.offset,
+        }
+    }
 }
 
 /// What is found at one of the points.
@@ -82,6 +110,11 @@ trait Between {
 
     /// The points of contact by a plane.
     fn points(&self, plane: Plane, found: &mut [Found]);
+
+    /// Whether the points of a solid are the same corners behind each plane.
+    fn keeps_points(&self, _of: usize) -> bool {
+        true
+    }
 }
 
 /// The shapes of a pair.
@@ -91,6 +124,7 @@ enum Solids {
     Boxes([Vector3; 2]),
     Hulls(Hulls),
     Rod(Rod),
+    Cylinders(Cylinders),
 }
 
 /// How two solids touch.
@@ -104,7 +138,7 @@ struct Across {
     found: Vec<Found>,
 }
 
-/// Two boxes or hulls, or a capsule and another solid, that can touch.
+/// Two boxes or hulls, or a capsule or cylinder and another solid, that can touch.
 #[derive(Clone, Debug)]
 pub(crate) struct Blocks {
     /// Their numbers among tools and bodies.
@@ -163,6 +197,7 @@ impl Blocks {
             Solids::Boxes(half) => half.map(|half| half.norm()),
             Solids::Hulls(hulls) => hulls.reaches(),
             Solids::Rod(rod) => rod.reaches(),
+            Solids::Cylinders(cylinders) => cylinders.reaches(),
         }
     }
 
@@ -178,6 +213,11 @@ impl Blocks {
         self.across.depth = *depth;
         self.across.normal = *normal;
         self.across.found.copy_from_slice(found);
+        if let (Solids::Cylinders(own), Solids::Cylinders(other)) =
+            (&mut self.solids, &other.solids)
+        {
+            own.copy_from(other);
+        }
     }
 
     /// The solids were put to other places.
@@ -224,6 +264,13 @@ impl Blocks {
                 rod.place([first, second]);
                 across.look_at(rod, &mut touches[range], law);
             }
+            Solids::Cylinders(cylinders) => {
+                cylinders.place([first, second]);
+                across.look_at(cylinders, &mut touches[range], law);
+                if let Some(plane) = across.plane {
+                    cylinders.turn(plane);
+                }
+            }
         }
     }
 }
@@ -236,20 +283,24 @@ impl Across {
         self.depth = depth;
         self.normal = between.normal(plane);
         between.points(plane, &mut self.found);
+        // Where they are apart, nothing is handed on.
         if let Some(before) = before
             && before != plane
+            && depth > 0.0
         {
             let mut by_old = [Found::none(); MOST_POINTS];
             let by_old = &mut by_old[..touches.len()];
             between.points(before, by_old);
-            let keeps = before.corners_of() == plane.corners_of();
+            let corners_of = plane.corners_of();
+            let keeps = before.corners_of() == corners_of
+                && corners_of.is_none_or(|of| between.keeps_points(of));
             hand_on(touches, law, by_old, &self.found, keeps);
         }
     }
 }
 
 impl Plane {
-    /// The solid whose corners touch.
+    /// The solid whose corners or rims touch.
     fn corners_of(&self) -> Option<usize> {
         match self {
             Self::Face { of, .. } => Some(1 - of),

@@ -128,7 +128,7 @@ pub(crate) struct Contacts {
     pub nearby: Nearby,
     /// The meshes that spheres touch.
     pub surfaces: Vec<Surface>,
-    /// The pairs of boxes, hulls and capsules.
+    /// The pairs of boxes, hulls, capsules and cylinders.
     pub blocks: Vec<Blocks>,
 }
 
@@ -179,11 +179,16 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                 }
                 continue;
             }
-            if let Some(pair) = Blocks::between([one.shape, other.shape], [i, j], points.len()) {
+            // A half-space has no centre from which all of it is within reach, so it is the second.
+            let (shapes, sides) = match one.shape {
+                Shape::HalfSpace { .. } => ([other.shape, one.shape], [j, i]),
+                _ => ([one.shape, other.shape], [i, j]),
+            };
+            if let Some(pair) = Blocks::between(shapes, sides, points.len()) {
                 let [first, second] = pair.reaches();
                 points.extend((0..pair.points()).map(|point| Point {
-                    first: i,
-                    second: j,
+                    first: sides[0],
+                    second: sides[1],
                     is_off_centre: true,
                     centre: Vector3::x() * first,
                     lever: first,
@@ -227,11 +232,10 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                     WorldField::Shape,
                     format!("{:?} and {:?}", one.name, other.name),
                     format!(
-                        "there is no contact of {} with {} yet: they can touch along an edge or rim where no corner or \
-                         end is. A sphere, or a tool of several, may touch any shape, a box, hull or capsule another one \
-                         and a half-space, a capsule a cylinder, and a mesh a half-space. A mesh with a shell of points \
-                         may touch a box, hull, capsule or cylinder, and a mesh with a distance grid. Give one of them another \
-                         shape, such as a hull (that of a prism is nearly a cylinder), or leave the pair without a law",
+                        "there is no contact of {} with {} yet: they can touch along an edge where no corner is. A mesh may \
+                         touch a sphere, a tool of several and a half-space; with a shell of points also a box, hull, \
+                         capsule or cylinder, and a mesh with a distance grid. Give one of them another shape, such as a hull, \
+                         or leave the pair without a law",
                         one.words(),
                         other.words()
                     ),

@@ -347,12 +347,16 @@ impl<'a> Faults<'a> {
     /// The shapes that a tool may have.
     fn tool(&mut self, shape: &Shape) {
         match shape {
-            Shape::Sphere { .. } | Shape::Spheres { .. } | Shape::Box { .. } | Shape::Capsule { .. } => {}
+            Shape::Sphere { .. }
+            | Shape::Spheres { .. }
+            | Shape::Box { .. }
+            | Shape::Capsule { .. }
+            | Shape::Cylinder { .. } => {}
             Shape::Mesh(mesh) if mesh.shell().is_some() => {}
             _ => self.fault(
                 WorldField::Shape,
-                "a tool has to be a sphere, of radius 0 or more, several spheres, a box, a capsule or a mesh with a shell of \
-                 points"
+                "a tool has to be a sphere, of radius 0 or more, several spheres, a box, a capsule, a cylinder or a mesh with a \
+                 shell of points"
                     .into(),
             ),
         }

@@ -3,8 +3,8 @@
 
 use palpate::Actuation;
 use palpate_world::{
-    BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Motion, Party, Prior, Shape,
-    SubSteps, Tool, World, WorldError, WorldGuard, WorldGuardParams, WorldLoop, WorldMethod,
+    BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Hull, Mesh, Motion, Party, Prior,
+    Shape, SubSteps, Tool, World, WorldError, WorldGuard, WorldGuardParams, WorldLoop, WorldMethod,
     WorldPart, WorldRenderer,
 };
 
@@ -54,33 +54,43 @@ fn a_pair_that_has_a_law_and_no_contact_is_refused_and_one_without_a_law_is_not(
         radius,
         half_length,
     };
+    assert!(WorldRenderer::new(&world, in_loop.clone(), BasicParams::default()).is_ok());
+    let corners = [
+        [0.0; 3],
+        [0.01, 0.0, 0.0],
+        [0.0, 0.01, 0.0],
+        [0.0, 0.0, 0.01],
+    ];
+    let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    world.bodies[2].shape = Shape::Mesh(Mesh::new(&corners, &faces).unwrap().into());
     let faults = faults(&world, in_loop, BasicParams::default());
     assert_eq!(faults.len(), 1, "{faults:?}");
     assert_eq!(
         faults[0].to_string(),
-        "\"block\" and \"shelf\": there is no contact of a box with a cylinder yet: they can touch along an edge or rim where \
-         no corner or end is. A sphere, or a tool of several, may touch any shape, a box, hull or capsule another one and a \
-         half-space, a capsule a cylinder, and a mesh a half-space. A mesh with a shell of points may touch a box, hull, capsule or \
-         cylinder, and a mesh with a distance grid. Give one of them another shape, such as a hull (that of a prism is nearly a \
-         cylinder), or leave the pair without a \
+        "\"block\" and \"shelf\": there is no contact of a box with a mesh yet: they can touch along an edge where no corner is. \
+         A mesh may touch a sphere, a tool of several and a half-space; with a shell of points also a box, hull, capsule or \
+         cylinder, and a mesh with a distance grid. Give one of them another shape, such as a hull, or leave the pair without a \
          law"
     );
 }
 
 #[test]
-fn a_tool_that_is_a_cylinder_and_more_points_than_fit_are_refused() {
+fn a_tool_that_is_a_hull_and_more_points_than_fit_are_refused() {
     let mut world = a_world();
     world.contacts[0].between[1] = Party::Named("floor".into());
-    world.tools[0].shape = Shape::Cylinder {
-        radius: 0.01,
-        half_length: 0.01,
-    };
+    let corners = [
+        [0.0; 3],
+        [0.01, 0.0, 0.0],
+        [0.0, 0.01, 0.0],
+        [0.0, 0.0, 0.01],
+    ];
+    world.tools[0].shape = Shape::Hull(Hull::around(&corners).unwrap().into());
     let refused = faults(&world, WorldLoop::new(0.001), BasicParams::default());
     assert_eq!(refused[0].part, WorldPart::Tool(0));
     assert!(
         refused[0]
             .to_string()
-            .contains("a box, a capsule or a mesh with a shell of points")
+            .contains("a capsule, a cylinder or a mesh with a shell of points")
     );
     world.tools[0].shape = Shape::Spheres {
         spheres: Vec::new(),

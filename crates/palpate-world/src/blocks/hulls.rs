@@ -9,21 +9,21 @@ use crate::rigid::{Rigid, Vector3};
 
 /// A hull as it lies in the world.
 #[derive(Clone, Debug)]
-struct Solid {
-    own: Arc<Corners>,
-    reach: f64,
-    corners: Vec<Vector3>,
+pub(super) struct Flat {
+    pub own: Arc<Corners>,
+    pub reach: f64,
+    pub corners: Vec<Vector3>,
     /// Normal and offset of each face.
-    normals: Vec<Vector3>,
-    offsets: Vec<f64>,
+    pub normals: Vec<Vector3>,
+    pub offsets: Vec<f64>,
     /// Unit vector along each edge.
-    along: Vec<Vector3>,
+    pub along: Vec<Vector3>,
 }
 
 /// Two hulls.
 #[derive(Clone, Debug)]
 pub(super) struct Hulls {
-    solids: [Solid; 2],
+    solids: [Flat; 2],
     /// How many corners share the law of the pair.
     pub(super) share: usize,
 }
@@ -59,8 +59,8 @@ impl Near {
     }
 }
 
-impl Solid {
-    fn new(own: Arc<Corners>) -> Self {
+impl Flat {
+    pub fn new(own: Arc<Corners>) -> Self {
         Self {
             reach: own.reach(),
             corners: own.places.clone(),
@@ -71,7 +71,7 @@ impl Solid {
         }
     }
 
-    fn place(&mut self, rigid: &Rigid) {
+    pub fn place(&mut self, rigid: &Rigid) {
         let turned = rigid.orientation.to_rotation_matrix();
         for (corner, own) in self.corners.iter_mut().zip(&self.own.places) {
             *corner = rigid.position + turned * own;
@@ -87,11 +87,11 @@ impl Solid {
     }
 
     /// The normals of the faces at an edge.
-    fn at(&self, edge: usize) -> [&Vector3; 2] {
+    pub fn at(&self, edge: usize) -> [&Vector3; 2] {
         self.own.edges[edge].faces.map(|face| &self.normals[face])
     }
 
-    fn begin(&self, edge: usize) -> &Vector3 {
+    pub fn begin(&self, edge: usize) -> &Vector3 {
         &self.corners[self.own.edges[edge].ends[0]]
     }
 }
@@ -99,7 +99,7 @@ impl Solid {
 impl Hulls {
     pub fn new(hulls: [Arc<Corners>; 2], share: usize) -> Self {
         Self {
-            solids: hulls.map(Solid::new),
+            solids: hulls.map(Flat::new),
             share,
         }
     }

@@ -13,6 +13,7 @@
 
 use std::sync::Arc;
 
+use super::zero::rising_zero;
 use super::{Between, Found, Plane};
 use crate::hull::Corners;
 use crate::mesh::nearest_of_triangle;
@@ -21,10 +22,6 @@ use crate::solid::{Nearest, Solid};
 
 /// A capsule's two ends share the law.
 pub(super) const ENDS: usize = 2;
-/// Looks for the place of most overlap, at most: each third one halves what is left.
-const MOST_LOOKS: usize = 96;
-/// Shares of the segment that are no longer told apart.
-const SAME_PLACE: f64 = 1e-15;
 /// Distances below this have no direction `[m]`.
 const NO_DIRECTION: f64 = 1e-12;
 
@@ -148,47 +145,22 @@ impl Rod {
         }
     }
 
-    /// The place on the segment that stores most, as a share of the way: false position (Illinois), and halving where that is slow.
+    /// The place on the segment that stores most, as a share of the way.
     fn most(&self, ends: &[Vector3; 2], other: &Rigid) -> (f64, SegmentPoint) {
         let look = |s: f64| self.look(ends, other, s);
-        let (mut low, mut high) = (0.0, 1.0);
-        let (first, last) = (look(low), look(high));
+        let (first, last) = (look(0.0), look(1.0));
         if first.slope >= 0.0 {
-            return (low, first);
+            return (0.0, first);
         }
         if last.slope <= 0.0 {
-            return (high, last);
+            return (1.0, last);
         }
-        let (mut of_low, mut of_high) = (first.slope, last.slope);
-        let mut kept = 0_i8;
-        let mut here = (0.5, look(0.5));
-        for number in 0..MOST_LOOKS {
-            if here.1.slope == 0.0 || high - low < SAME_PLACE {
-                break;
-            }
-            let (s, slope) = (here.0, here.1.slope);
-            if slope < 0.0 {
-                (low, of_low) = (s, slope);
-                of_high *= if kept < 0 { 0.5 } else { 1.0 };
-                kept = -1;
-            } else {
-                (high, of_high) = (s, slope);
-                of_low *= if kept > 0 { 0.5 } else { 1.0 };
-                kept = 1;
-            }
-            let middle = 0.5 * (low + high);
-            let crosses = low - of_low * (high - low) / (of_high - of_low);
-            let next = if number % 3 == 2 || !(low < crosses && crosses < high) {
-                middle
-            } else {
-                crosses
-            };
-            if next <= low || next >= high {
-                break;
-            }
-            here = (next, look(next));
-        }
-        here
+        let mut here = first;
+        let s = rising_zero((0.0, first.slope), (1.0, last.slope), |s| {
+            here = look(s);
+            here.slope
+        });
+        (s, here)
     }
 }
 

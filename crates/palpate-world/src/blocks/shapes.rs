@@ -3,15 +3,17 @@
 use std::sync::Arc;
 
 use super::boxes::ON_A_FACE;
+use super::cylinders::{Cylinders, Form};
 use super::hulls::Hulls;
+use super::rims::Cylinder;
 use super::rods::{ENDS, Other, Rod};
-use super::{Blocks, Solids};
+use super::{Blocks, Bound, Solids};
 use crate::Shape;
 use crate::hull::Corners;
 use crate::solid::Solid;
 
 impl Blocks {
-    /// Of two boxes or hulls, or of a capsule and another solid; `None` of other shapes.
+    /// Of two boxes or hulls, or of a capsule or cylinder and another solid; `None` of other shapes.
     pub fn between(shapes: [&Shape; 2], parts: [usize; 2], first_point: usize) -> Option<Self> {
         if let [
             Shape::Box { half_extents: a },
@@ -25,13 +27,13 @@ impl Blocks {
         if let Some(rod) = capsule(shapes) {
             return Some(Self::new(parts, Solids::Rod(rod), first_point, ENDS, ENDS));
         }
-        let hull = |shape: &Shape| match shape {
-            Shape::Hull(hull) => Some(hull.by_corners().clone()),
-            Shape::Box { half_extents } => Some(Arc::new(Corners::of_box((*half_extents).into()))),
-            _ => None,
-        };
+        if let Some((cylinders, share)) = cylinders(shapes) {
+            let points = cylinders.points();
+            let solids = Solids::Cylinders(cylinders);
+            return Some(Self::new(parts, solids, first_point, share, points));
+        }
         let [one, other] = shapes;
-        let hulls = [hull(one)?, hull(other)?];
+        let hulls = [flat(one)?, flat(other)?];
         let most = |of: fn(&Corners) -> usize| hulls.iter().map(|hull| of(hull)).max();
         let share = most(Corners::most_on_a_face).unwrap_or(1);
         let points = most(|hull| hull.places.len()).unwrap_or(1);
@@ -62,4 +64,40 @@ fn capsule(shapes: [&Shape; 2]) -> Option<Rod> {
         _ => return None,
     };
     Some(Rod::new(side, radius, half_length, other))
+}
+
+/// The corners of a box or hull.
+fn flat(shape: &Shape) -> Option<Arc<Corners>> {
+    match shape {
+        Shape::Hull(hull) => Some(hull.by_corners().clone()),
+        Shape::Box { half_extents } => Some(Arc::new(Corners::of_box((*half_extents).into()))),
+        _ => None,
+    }
+}
+
+/// A cylinder on a half-space, a box, a hull or another cylinder, and how many points share the law.
+fn cylinders(shapes: [&Shape; 2]) -> Option<(Cylinders, usize)> {
+    let is_cylinder = |shape: &Shape| matches!(shape, Shape::Cylinder { .. });
+    if !shapes.into_iter().any(is_cylinder) {
+        return None;
+    }
+    // As a box has four corners on a face, so that both give way alike.
+    let most = |shape: &Shape| flat(shape).map_or(0, |corners| corners.most_on_a_face());
+    let share = shapes.map(most).into_iter().fold(ON_A_FACE, usize::max);
+    let form = |shape: &Shape| match *shape {
+        Shape::Cylinder {
+            radius,
+            half_length,
+        } => Some(Form::Cylinder(Cylinder::new(radius, half_length, share))),
+        Shape::HalfSpace { normal, offset } => {
+            let own = Bound {
+                normal: normal.into(),
+                offset,
+            };
+            Some(Form::HalfSpace { own, placed: own })
+        }
+        ref other => flat(other).map(Form::flat),
+    };
+    let [one, other] = shapes;
+    Some((Cylinders::new([form(one)?, form(other)?], share), share))
 }

@@ -1,3 +1,4 @@
+mod of_cylinders;
 mod of_hulls;
 mod of_rods;
 

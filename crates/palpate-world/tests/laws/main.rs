@@ -13,6 +13,7 @@ mod changes;
 mod closed_form;
 mod common;
 mod conservation;
+mod cylinders;
 mod engine;
 mod engine_sub_steps;
 mod floor;

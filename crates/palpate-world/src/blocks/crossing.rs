@@ -1,0 +1,187 @@
+//! Where the rims of two cylinders cross.
+//!
+//! A plane that touches a rim of each is overlapped by D(n), how far the second reaches along the normal n beyond the first. Two rims
+//! that cross are between the two where D has a minimum at which n is along neither axis and across neither: there the way from the one
+//! rim's deepest point to the other's is along n.
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::Bound;
+use super::rims::Cylinder;
+use super::zero::rising_zero;
+use crate::rigid::Vector3;
+
+/// Steps of Newton's method, at most.
+const MOST_STEPS: usize = 40;
+/// Longest step `[rad]`.
+const LONGEST: f64 = 0.3;
+/// A slope is 0 below this part of the solids' size.
+const NO_SLOPE: f64 = 1e-13;
+/// Sine and cosine below which a normal is along an axis, or across it.
+const ALONG: f64 = 1e-9;
+
+/// Two cylinders across a direction.
+struct Across<'a> {
+    cylinders: [&'a Cylinder; 2],
+    /// Out of the second.
+    normal: Vector3,
+    /// From the first one's deepest point to the second's `[m]`.
+    way: Vector3,
+}
+
+impl<'a> Across<'a> {
+    fn new(cylinders: [&'a Cylinder; 2], normal: Vector3) -> Self {
+        let bound = Bound {
+            normal,
+            offset: 0.0,
+        };
+        let [first, second] = cylinders;
+        Self {
+            cylinders,
+            normal,
+            way: second.deepest(&bound.turned_round()) - first.deepest(&bound),
+        }
+    }
+
+    fn overlap(&self) -> f64 {
+        self.way.dot(&self.normal)
+    }
+
+    fn slope(&self) -> Vector3 {
+        self.way - self.normal * self.overlap()
+    }
+
+    fn bound(&self) -> Bound {
+        let [_, second] = self.cylinders;
+        let out = Bound {
+            normal: self.normal,
+            offset: 0.0,
+        };
+        let place = second.deepest(&out.turned_round());
+        Bound {
+            offset: self.normal.dot(&place),
+            ..out
+        }
+    }
+
+    /// Whether the normal is along no axis and across none, so that it touches the rims.
+    fn is_at_rims(&self) -> bool {
+        self.cylinders.iter().all(|cylinder| {
+            let along = self.normal.dot(&cylinder.axes[2]).abs();
+            along > ALONG && (1.0 - along * along).max(0.0).sqrt() > ALONG
+        })
+    }
+
+    /// By Newton's method, or down the slope where D is not convex.
+    fn step(&self) -> Vector3 {
+        let slope = self.slope();
+        let one = self.normal.cross(&self.cylinders[0].axes[2]);
+        let basis = match one.try_normalize(0.0) {
+            Some(one) => [one, self.normal.cross(&one)],
+            None => return -slope,
+        };
+        let mut second = nalgebra::Matrix2::identity() * -self.overlap();
+        let mut most = 0.0;
+        for cylinder in self.cylinders {
+            let axis = cylinder.axes[2];
+            let across = axis.cross(&self.normal);
+            let sine = across.norm();
+            // The rim bends along this.
+            let along = nalgebra::Vector2::from(basis.map(|basis| basis.dot(&across) / sine));
+            let bend = cylinder.radius / sine;
+            second += along * along.transpose() * bend;
+            most += bend;
+        }
+        let flat = nalgebra::Vector2::from(basis.map(|basis| basis.dot(&slope)));
+        let is_convex = second[(0, 0)] > 0.0 && second.determinant() > 0.0;
+        let step = second
+            .try_inverse()
+            .filter(|_| is_convex)
+            .map_or(-flat / most, |inverse| -(inverse * flat));
+        let step = if step.norm() > LONGEST {
+            step * (LONGEST / step.norm())
+        } else {
+            step
+        };
+        basis[0] * step.x + basis[1] * step.y
+    }
+
+    fn moved(&self, way: &Vector3) -> Self {
+        Self::new(self.cylinders, (self.normal + way).normalize())
+    }
+
+    /// From here to the least overlap nearby, or to any direction across which the two are apart.
+    fn least(mut self) -> Option<Self> {
+        let size: f64 = self.cylinders.iter().map(|cylinder| cylinder.reach()).sum();
+        for _ in 0..MOST_STEPS {
+            if self.overlap() <= 0.0 {
+                return Some(self);
+            }
+            if !self.is_at_rims() {
+                return None;
+            }
+            if self.slope().norm() < NO_SLOPE * size {
+                return Some(self);
+            }
+            let mut step = self.step();
+            let mut next = self.moved(&step);
+            // Near the end the overlaps differ by round-off only.
+            while next.overlap() > self.overlap() && step.norm() > 1e-6 {
+                step *= 0.5;
+                next = self.moved(&step);
+            }
+            self = next;
+        }
+        None
+    }
+}
+
+/// The plane at the crossing of two rims, if they cross; `sides`: those on the side of each cylinder. Where a plane is found that parts
+/// the two, it is that one.
+pub(super) fn across_rims(cylinders: [&Cylinder; 2], sides: [Option<Bound>; 2]) -> Option<Bound> {
+    let mut least: Option<(f64, Bound)> = None;
+    for of in [0, 1] {
+        let (own, other) = (cylinders[of], cylinders[1 - of]);
+        let axis = own.axes[2];
+        let caps = [0, 1].map(|number| Some(own.cap(number)));
+        for (number, bound) in caps.into_iter().chain([sides[of]]).enumerate() {
+            let Some(bound) = bound else { continue };
+            // The overlap falls from a cap or side towards where the other's deepest point is beyond it.
+            let place = other.deepest(&bound) - own.centre;
+            let along = axis * axis.dot(&place);
+            let (beyond, reach) = if number < 2 {
+                (place - along, own.radius)
+            } else {
+                (along, own.half_length)
+            };
+            if beyond.norm() <= reach {
+                continue;
+            }
+            let towards = beyond.normalize();
+            let at = |angle: f64| {
+                let (sine, cosine) = angle.sin_cos();
+                let sign = if of == 0 { -1.0 } else { 1.0 };
+                let here = Across::new(cylinders, (bound.normal * cosine + towards * sine) * sign);
+                let rate = (towards * cosine - bound.normal * sine) * sign;
+                (here.way.dot(&rate), here)
+            };
+            let (low, high) = (ALONG, FRAC_PI_2 - ALONG);
+            let (of_low, of_high) = (at(low).0, at(high).0);
+            if !(of_low < 0.0 && of_high > 0.0) {
+                continue;
+            }
+            let angle = rising_zero((low, of_low), (high, of_high), |angle| at(angle).0);
+            let Some(found) = at(angle).1.least() else {
+                continue;
+            };
+            let overlap = found.overlap();
+            if least.is_none_or(|(least, _)| overlap < least) {
+                least = Some((overlap, found.bound()));
+            }
+            if overlap <= 0.0 {
+                return Some(found.bound());
+            }
+        }
+    }
+    Some(least?.1)
+}

@@ -1,0 +1,151 @@
+//! The same laws of a cylinder on a half-space, a box, a hull and another cylinder.
+
+use super::cylinders::{Cylinders, Form};
+use super::rims::Cylinder;
+use super::*;
+
+/// The cylinder, and how many points share the law.
+struct OnForm(Cylinders, usize);
+
+impl Pair for OnForm {
+    fn placed(&self, first: &Rigid, second: &Rigid) -> impl Between {
+        let mut pair = self.0.clone();
+        pair.place([first, second]);
+        pair
+    }
+
+    fn share(&self) -> usize {
+        self.1
+    }
+
+    fn points(&self) -> usize {
+        self.0.points()
+    }
+}
+
+/// An upright prism of five sides.
+fn prism() -> Arc<Corners> {
+    let corners: Vec<Vector3> = (0..10)
+        .map(|number| {
+            let angle = std::f64::consts::TAU * f64::from(number % 5) / 5.0;
+            let side = if number < 5 { -0.3 } else { 0.08 };
+            Vector3::new(0.5 * angle.cos(), 0.4 * angle.sin(), side)
+        })
+        .collect();
+    Arc::new(Corners::around(&corners, 0.0).unwrap())
+}
+
+const KINDS: [&str; 4] = ["half-space", "box", "hull", "cylinder"];
+
+fn pair(kind: &str, is_first: bool) -> OnForm {
+    let share = if kind == "hull" { 5 } else { 4 };
+    let cylinder = |radius, half_length| Form::Cylinder(Cylinder::new(radius, half_length, share));
+    let own = Bound {
+        normal: Vector3::new(0.6, 0.0, 0.8),
+        offset: 0.1,
+    };
+    let other = match kind {
+        "half-space" => Form::HalfSpace { own, placed: own },
+        "box" => Form::flat(Arc::new(Corners::of_box(HALF[0].into()))),
+        "hull" => Form::flat(prism()),
+        _ => cylinder(0.4, 0.25),
+    };
+    let mut forms = [cylinder(0.3, 0.45), other];
+    if !is_first {
+        forms.reverse();
+    }
+    OnForm(Cylinders::new(forms, share), share)
+}
+
+#[test]
+fn force_and_torque_of_a_cylinder_are_the_gradient_of_the_energy() {
+    for kind in KINDS {
+        for is_first in [true, false] {
+            let mut seen = [0; 3];
+            let pair = pair(kind, is_first);
+            assert_gradient(&pair, &mut Numbers(41), 8000, 0.06, &mut seen);
+            let [first, second, edges] = seen;
+            assert!(first + second > 100, "{kind} {seen:?}");
+            assert!((edges > 10) == (kind == "cylinder"), "{kind} {seen:?}");
+        }
+    }
+}
+
+#[test]
+fn the_energy_of_a_cylinder_has_no_jump() {
+    for kind in KINDS {
+        // Where the two overlap by more than half of the thinner one, other places of least overlap are nearer.
+        let within = if kind == "half-space" {
+            f64::INFINITY
+        } else {
+            0.08
+        };
+        let changes = changes_without_a_jump(&pair(kind, true), &mut Numbers(43), 100, 2.0, within);
+        assert!((changes > 20) == (kind != "half-space"), "{kind} {changes}");
+    }
+}
+
+/// The nearest place of a solid.
+fn into(form: &Form, rigid: &Rigid, place: Vector3) -> Vector3 {
+    let own = rigid.orientation.inverse() * (place - rigid.position);
+    let own = match form {
+        Form::Cylinder(cylinder) => {
+            let from_axis = own.xy().norm();
+            let across = own.xy() * (cylinder.radius / from_axis).min(1.0);
+            let (low, high) = (-cylinder.half_length, cylinder.half_length);
+            Vector3::new(across.x, across.y, own.z.clamp(low, high))
+        }
+        Form::Flat(flat) => {
+            let nearest = flat.own.nearest(&own);
+            own - nearest.normal * nearest.distance.max(0.0)
+        }
+        Form::HalfSpace { own: bound, .. } => own + bound.normal * bound.depth(&own).min(0.0),
+    };
+    rigid.position + rigid.orientation * own
+}
+
+/// Solids that are apart have no energy, and ones with a common place have some.
+#[test]
+fn cylinders_push_if_and_only_if_they_overlap() {
+    for kind in KINDS {
+        let mut numbers = Numbers(47);
+        let (mut apart, mut together) = (0, 0);
+        for _ in 0..1000 {
+            let rigids = [
+                rigid(Vector3::zeros(), numbers.vector()),
+                rigid(numbers.vector() * 1.3, numbers.vector() * 3.0),
+            ];
+            let [first, second] = &rigids;
+            let mut here = pair(kind, true).0;
+            here.place([first, second]);
+            let (plane, depth) = here.least(None);
+            let normal = here.normal(plane);
+            // From one solid to the nearest place of the other and back: ends at a common place, if there is one.
+            let [one, other] = here.forms();
+            let mut place = second.position;
+            let mut ends = [place; 2];
+            let mut way = f64::INFINITY;
+            for _ in 0..20_000 {
+                let in_first = into(one, first, place);
+                place = into(other, second, in_first);
+                ends = [in_first, place];
+                way = (place - in_first).norm();
+                if way < 1e-9 {
+                    break;
+                }
+            }
+            if depth < 0.0 {
+                // The plane is between the two, by as much.
+                let gap = normal.dot(&(ends[0] - ends[1]));
+                assert!(gap > -depth - 1e-9, "{kind} {plane:?} {depth} {gap}");
+                apart += 1;
+            } else {
+                together += 1;
+            }
+            // From place to place the way shortens slowly where the two overlap little.
+            assert!(way < 1e-5 || depth < 0.01, "{kind} {plane:?} {depth} {way}");
+            assert!(way > 1e-9 || depth > 0.0, "{kind} {plane:?} {depth}");
+        }
+        assert!(apart > 100 && together > 100, "{kind} {apart} {together}");
+    }
+}
