@@ -30,18 +30,19 @@ pub(super) enum Between {
 /// A solid in its own axes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Flat {
-    corners: Vec<Vec3>,
+    pub corners: Vec<Vec3>,
     /// Normal of each face, and how far along it the face is.
-    faces: Vec<(Vec3, f64)>,
-    edges: Vec<Edge>,
-    most: usize,
+    pub faces: Vec<(Vec3, f64)>,
+    pub edges: Vec<Edge>,
+    /// Corners of the face with the most.
+    pub most: usize,
 }
 
 /// An edge by its ends, and the faces that meet there.
 #[derive(Debug, Clone, PartialEq)]
-struct Edge {
-    ends: [usize; 2],
-    faces: [usize; 2],
+pub(super) struct Edge {
+    pub ends: [usize; 2],
+    pub faces: [usize; 2],
 }
 
 impl Flat {
@@ -52,6 +53,16 @@ impl Flat {
             .map(|number| Vec3(std::array::from_fn(|i| sign(number, i) * half[i])))
             .collect();
         Some(Self::of(&Wrapped::around(&corners, 8)?))
+    }
+
+    /// All points x with normal · x ≤ offset: one face without an end.
+    pub fn half_space(normal: Vec3, offset: f64) -> Self {
+        Self {
+            corners: Vec::new(),
+            faces: vec![(normal, offset)],
+            edges: Vec::new(),
+            most: 0,
+        }
     }
 
     pub fn of(wrapped: &Wrapped) -> Self {
@@ -288,8 +299,14 @@ impl Between {
         least.map_or(Self::Face { of: 0, face: 0 }, |(plane, _)| plane)
     }
 
+    /// Whether each contact is at the same corner as with another plane.
+    pub fn has_points_of(self, other: Self) -> bool {
+        let corners = self.has_corners_of();
+        corners.is_some() && corners == other.has_corners_of()
+    }
+
     /// The solid whose corners touch, if corners do.
-    pub fn has_corners_of(self) -> Option<u8> {
+    fn has_corners_of(self) -> Option<u8> {
         match self {
             Self::Face { of, .. } => Some(1 - of),
             Self::Edges { .. } => None,

@@ -5,6 +5,7 @@ use thiserror::Error;
 use std::sync::Arc;
 
 use super::between::{Between, Pair as Solids};
+use super::cylinder::Cylinder;
 use super::field::Field;
 use super::mesh::{MOST_CONTACTS, OnMesh};
 use super::pairing::of_pair;
@@ -26,7 +27,7 @@ pub enum WorldError {
     /// A pair of shapes for which there is no contact yet.
     #[error(
         "pairs[{number}]: {reason}; a sphere can touch a sphere, half-space, box, capsule, cylinder, mesh or hull, \
-         and a box, a capsule, and a hull or mesh of at most {MOST_CORNERS} convex corners a half-space, a box or hull a box or \
+         and a box, a capsule, a cylinder, and a hull or mesh of at most {MOST_CORNERS} convex corners a half-space, a box or hull a box or \
          hull, a capsule a box, hull, capsule or cylinder, and a mesh by its points a box, capsule, cylinder or mesh with a field"
     )]
     Pair {
@@ -71,6 +72,8 @@ pub(super) struct Contact {
     pub solids: Option<(Arc<Solids>, usize)>,
     /// Of a capsule on another convex solid, both of them, and the end.
     pub rod: Option<(Arc<Rod>, usize)>,
+    /// Of a cylinder on a solid with flat faces, both of them, and the contact's number among those of the pair.
+    pub cylinder: Option<(Arc<Cylinder>, usize)>,
     /// Of a point on a mesh by its field, that field.
     pub field: Option<Arc<Field>>,
     pub law: ContactLaw,
@@ -220,6 +223,9 @@ impl Contact {
         if let (Some((solids, number)), Feature::Between(plane)) = (&self.solids, feature) {
             return plane.touch(*number, solids, [first, second]);
         }
+        if let (Some((cylinder, number)), Feature::OnCylinder(at)) = (&self.cylinder, feature) {
+            return cylinder.touch(*number, at, [first, second]);
+        }
         if let Some((rod, end)) = &self.rod {
             return rod.touch(*end, [first, second]);
         }
@@ -319,33 +325,49 @@ impl Contact {
         Some(super::mesh::wanted(mesh, now, self.radius, centre))
     }
 
-    /// The plane between two boxes or hulls that the contact should be at, if it is at `now`; `None` of other shapes.
-    pub fn wanted_between(
+    /// What all contacts of two solids should be at, if they are at `now`; `None` where each contact has a feature of its own.
+    pub fn wanted_of_solids(
         &self,
-        now: Option<Between>,
+        now: Option<Feature>,
         placed: &[Placed],
         slack: f64,
-    ) -> Option<Between> {
-        let (solids, _) = self.solids.as_ref()?;
+    ) -> Option<Feature> {
         let two = [&placed[self.first], &placed[self.second]];
-        Some(Between::least(now, solids, two, slack))
+        if let Some((solids, _)) = &self.solids {
+            let now = match now {
+                Some(Feature::Between(now)) => Some(now),
+                _ => None,
+            };
+            return Some(Feature::Between(Between::least(now, solids, two, slack)));
+        }
+        let (cylinder, _) = self.cylinder.as_ref()?;
+        let now = match now {
+            Some(Feature::OnCylinder(now)) => Some(now),
+            _ => None,
+        };
+        Some(Feature::OnCylinder(cylinder.wanted(now, two, slack)))
     }
 
-    /// Whether it is the first one of a pair of boxes or hulls.
+    /// Whether it is of two solids that have one feature for all of their contacts.
+    fn is_of_solids(&self) -> bool {
+        self.solids.is_some() || self.cylinder.is_some()
+    }
+
+    /// Whether it is the first one of two such solids.
     pub fn begins_solids(&self) -> bool {
-        matches!(self.solids, Some((_, 0)))
+        matches!(self.solids, Some((_, 0))) || matches!(self.cylinder, Some((_, 0)))
     }
 
-    /// How many contacts a pair of boxes or hulls has.
+    /// How many contacts two such solids have.
     pub fn of_pair(&self) -> usize {
-        self.solids
-            .as_ref()
-            .map_or(1, |(solids, _)| solids.contacts())
+        let flat = self.solids.iter().map(|(solids, _)| solids.contacts());
+        let round = self.cylinder.iter().map(|(with, _)| with.contacts());
+        flat.chain(round).next().unwrap_or(1)
     }
 
     /// Whether its feature is found for several contacts together.
     pub fn is_of_several(&self) -> bool {
-        self.is_with_mesh() || self.solids.is_some()
+        self.is_with_mesh() || self.is_of_solids()
     }
 
     /// Whether it is with the triangles of a mesh.
@@ -361,8 +383,8 @@ impl Contact {
 
     /// The feature of the surface that is nearest.
     pub fn feature(&self, placed: &[Placed]) -> Feature {
-        if let Some(plane) = self.wanted_between(None, placed, 0.0) {
-            return Feature::Between(plane);
+        if let Some(feature) = self.wanted_of_solids(None, placed, 0.0) {
+            return feature;
         }
         if self.rod.is_some() || self.field.is_some() {
             return Feature::Whole;
@@ -373,7 +395,7 @@ impl Contact {
     /// Whether `current` is that, but for `slack` `[m]`.
     pub fn holds(&self, current: Feature, placed: &[Placed], slack: f64) -> bool {
         current == Feature::Whole
-            || self.solids.is_some()
+            || self.is_of_solids()
             || holds(&self.surface, current, self.centre_in_second(placed), slack)
     }
 

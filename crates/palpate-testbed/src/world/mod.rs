@@ -42,6 +42,7 @@
 pub mod benchmarks;
 mod between;
 mod contact;
+mod cylinder;
 mod decisive;
 mod dormand_prince;
 mod field;

@@ -3,7 +3,7 @@
 //! A mode holds a little beyond its end, so that a state at an event, known to round-off, is in one mode or
 //! in the other and not in each of the two by turns.
 
-use super::between::{Between, order_after};
+use super::between::order_after;
 use super::mesh::{MOST_CONTACTS, OnMesh};
 use super::motion::{Condition, Instant, Mode, System, slip_direction};
 use super::surface::Feature;
@@ -63,44 +63,37 @@ impl System {
                 .all(|first| self.moves_on_mesh(first, conditions, now).is_none())
             && self
                 .solid_pairs()
-                .all(|first| self.moves_between(first, conditions, now).is_none())
+                .all(|first| self.moves_of_solids(first, conditions, now).is_none())
     }
 
-    /// Numbers of the first contact of each pair of boxes or hulls.
+    /// Numbers of the first contact of each pair of boxes or hulls, and of each cylinder with one.
     fn solid_pairs(&self) -> impl Iterator<Item = usize> {
         let contacts = self.contacts.iter().enumerate();
         contacts.filter_map(|(number, contact)| contact.begins_solids().then_some(number))
     }
 
-    /// The plane at which two boxes or hulls should touch, if it is another one.
-    fn moves_between(
+    /// How two solids should touch, if that is another way.
+    fn moves_of_solids(
         &self,
         first: usize,
         conditions: &[Condition],
         now: &Instant,
-    ) -> Option<Between> {
-        let Feature::Between(at) = conditions[first].feature else {
-            return None;
-        };
-        let wanted = self.contacts[first].wanted_between(Some(at), &now.placed, SLACK)?;
+    ) -> Option<Feature> {
+        let at = conditions[first].feature;
+        let wanted = self.contacts[first].wanted_of_solids(Some(at), &now.placed, SLACK)?;
         (wanted != at).then_some(wanted)
     }
 
-    /// Two boxes or hulls touch across another plane: bristles go on to the contacts there.
-    fn move_between(
+    /// Two solids touch across another plane, or with other places of a rim: bristles go on to the contacts there.
+    fn move_solids(
         &self,
-        (first, plane): (usize, Between),
+        (first, feature): (usize, Feature),
         state: &mut [f64],
         conditions: &mut [Condition],
         now: &mut Instant,
     ) {
-        let feature = Feature::Between(plane);
         let all = first..first + self.contacts[first].of_pair();
-        let corners = match conditions[first].feature {
-            Feature::Between(old) => old.has_corners_of(),
-            _ => None,
-        };
-        if corners.is_none() || corners != plane.has_corners_of() {
+        if !feature.has_points_of(conditions[first].feature) {
             let new: Vec<_> = self.contacts[all.clone()]
                 .iter()
                 .map(|contact| contact.touch(feature, &now.placed))
@@ -208,8 +201,8 @@ impl System {
             }
             let pairs: Vec<usize> = self.solid_pairs().collect();
             for first in pairs {
-                if let Some(plane) = self.moves_between(first, conditions, now) {
-                    self.move_between((first, plane), state, conditions, now);
+                if let Some(feature) = self.moves_of_solids(first, conditions, now) {
+                    self.move_solids((first, feature), state, conditions, now);
                     settled = false;
                 }
             }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::between::{Flat, Pair as Solids};
 use super::contact::{Contact, MOST_CORNERS};
+use super::cylinder::Cylinder;
 use super::mesh::MOST_CONTACTS;
 use super::rod::{Base, Faces, Rod};
 use super::scene::{ContactLaw, Member, Pair, Shape, SphereAt, Tool, WorldScene};
@@ -110,6 +111,33 @@ fn rod(shapes: [&Shape; 2]) -> Option<Rod> {
     })
 }
 
+/// A cylinder on a half-space.
+fn cylinder(shapes: [&Shape; 2]) -> Option<Cylinder> {
+    let on = |is_first: bool| {
+        let [one, other] = if is_first {
+            shapes
+        } else {
+            [shapes[1], shapes[0]]
+        };
+        match (one, other) {
+            (
+                &Shape::Cylinder {
+                    radius,
+                    half_length,
+                },
+                &Shape::HalfSpace { normal, offset },
+            ) => Some(Cylinder {
+                is_first,
+                radius,
+                half_length,
+                flat: Flat::half_space(Vec3(normal), offset),
+            }),
+            _ => None,
+        }
+    };
+    on(true).or_else(|| on(false))
+}
+
 /// The share of a law that one has of so many that lie flat together.
 fn shared(law: &ContactLaw, count: f64) -> ContactLaw {
     ContactLaw {
@@ -161,6 +189,7 @@ fn by_points(number: usize, pair: &Pair, sides: [&Side; 2]) -> Option<Vec<Contac
                 .unwrap_or(Shape::Sphere { radius: 0.0 }),
             solids: None,
             rod: None,
+            cylinder: None,
             field: field.clone(),
             law: shared(&pair.law, sharers as f64),
         });
@@ -192,10 +221,10 @@ pub(super) fn of_pair(
     }
     // The tool goes first, then a free sphere, so that the sphere is the first of the two.
     let rank = |side: &Side| match side.shape {
-        None => 3,
         Some(Shape::Sphere { .. }) => 2 + u8::from(side.is_device),
-        Some(Shape::Box { .. } | Shape::Capsule { .. } | Shape::Mesh(_) | Shape::Hull(_)) => 1,
-        _ => 0,
+        None => 3,
+        Some(Shape::HalfSpace { .. }) => 0,
+        Some(_) => 1,
     };
     let (first, second) = if rank(&one) >= rank(&other) {
         (one, other)
@@ -222,6 +251,7 @@ pub(super) fn of_pair(
         surface: surface.clone(),
         solids: None,
         rod: None,
+        cylinder: None,
         field: None,
         law,
     };
@@ -240,6 +270,17 @@ pub(super) fn of_pair(
             ..contact(Vec3::ZERO, 0.0, shared(2.0))
         };
         return Ok(vec![end(0), end(1)]);
+    }
+    if let Some(one) = &first.shape
+        && let Some(cylinder) = cylinder([one, surface])
+    {
+        let cylinder = Arc::new(cylinder);
+        let law = shared(cylinder.share() as f64);
+        let each = (0..cylinder.contacts()).map(|number| Contact {
+            cylinder: Some((cylinder.clone(), number)),
+            ..contact(Vec3::ZERO, 0.0, law)
+        });
+        return Ok(each.collect());
     }
     match (&first.shape, surface) {
         (&Some(Shape::Sphere { radius }), Shape::Mesh(_)) => {

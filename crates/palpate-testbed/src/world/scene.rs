@@ -418,13 +418,20 @@ impl WorldDevice {
         match &self.tool {
             Tool::Solid(Shape::Sphere { radius }) => not_negative(&tool, &[*radius])?,
             Tool::Solid(Shape::Box { half_extents }) => above_zero(&tool, half_extents)?,
-            Tool::Solid(Shape::Capsule {
-                radius,
-                half_length,
-            }) => above_zero(&tool, &[*radius, *half_length])?,
+            Tool::Solid(
+                Shape::Capsule {
+                    radius,
+                    half_length,
+                }
+                | Shape::Cylinder {
+                    radius,
+                    half_length,
+                },
+            ) => above_zero(&tool, &[*radius, *half_length])?,
             Tool::Solid(Shape::Mesh(mesh)) if mesh.points().is_some() => {}
             Tool::Solid(_) => {
-                let allowed = "a sphere, a box, a capsule, a mesh with points or several spheres";
+                let allowed =
+                    "a sphere, a box, a capsule, a cylinder, a mesh with points or several spheres";
                 InvalidParameter::unless(false, tool, f64::NAN, allowed)?;
             }
             Tool::Spheres(spheres) => {

@@ -6,6 +6,7 @@
 //! a kink.
 
 use super::between::Between;
+use super::cylinder::OnCylinder;
 use super::hull::OfHull;
 use super::mesh::OnMesh;
 use super::scene::Shape;
@@ -29,10 +30,23 @@ pub(super) enum Feature {
     Rim(i8),
     /// Of two boxes or hulls, the plane between them.
     Between(Between),
+    /// Of a cylinder and a solid with flat faces, how they touch.
+    OnCylinder(OnCylinder),
     /// Of a hull, what is nearest to a point.
     OfHull(OfHull),
     /// Parts of a mesh.
     OnMesh(OnMesh),
+}
+
+impl Feature {
+    /// Whether each contact of two solids keeps its point and so its bristle, if they come from another one.
+    pub fn has_points_of(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::Between(at), Self::Between(other)) => at.has_points_of(other),
+            (Self::OnCylinder(at), Self::OnCylinder(other)) => at.has_points_of(other),
+            _ => false,
+        }
+    }
 }
 
 /// How a surface lies with respect to a point, in the body's axes.

@@ -7,6 +7,7 @@ mod capsules;
 mod chaos;
 mod closed_forms;
 mod conservation;
+mod cylinders;
 mod friction;
 mod joints;
 mod linkages;

@@ -1,0 +1,184 @@
+//! Cylinders on half-spaces, boxes and hulls.
+
+use palpate_testbed::world::{ContactLaw, Member, Shape, WorldBody, WorldIdeal, WorldScene};
+
+use crate::boxes::drift;
+use crate::{body, half_space, motion, pair, solve};
+
+const RADIUS: f64 = 0.02;
+const HALF_LENGTH: f64 = 0.03;
+const MASS: f64 = 0.2;
+const WEIGHT: f64 = MASS * 9.81;
+const STIFFNESS: f64 = 5000.0;
+/// The axis along y.
+const LYING: [f64; 4] = [
+    std::f64::consts::FRAC_1_SQRT_2,
+    std::f64::consts::FRAC_1_SQRT_2,
+    0.0,
+    0.0,
+];
+
+fn cylinder() -> Shape {
+    Shape::Cylinder {
+        radius: RADIUS,
+        half_length: HALF_LENGTH,
+    }
+}
+
+/// A cylinder with its centre so high, under its weight.
+fn heavy(height: f64) -> WorldBody {
+    let mut one = body(cylinder(), MASS, [0.0, 0.0, height]);
+    motion(&mut one).force = [0.0, 0.0, -WEIGHT];
+    one
+}
+
+fn on(below: WorldBody, above: WorldBody, law: ContactLaw) -> WorldScene {
+    WorldScene {
+        joints: Vec::new(),
+        devices: vec![],
+        bodies: vec![above, below],
+        pairs: vec![pair(Member::Body(0), Member::Body(1), law)],
+    }
+}
+
+fn floor() -> WorldBody {
+    half_space([0.0, 0.0, 1.0], 0.0)
+}
+
+/// The largest difference of a number of each sample from a function of time.
+fn apart(
+    ideal: &WorldIdeal,
+    found: impl Fn(&palpate_testbed::world::BodyState) -> f64,
+    expected: impl Fn(f64) -> f64,
+) -> f64 {
+    let states = ideal.states.iter();
+    let each = states.map(|state| (found(&state.bodies[0]) - expected(state.time)).abs());
+    each.fold(0.0, f64::max)
+}
+
+#[test]
+fn a_cylinder_has_all_of_the_stiffness_on_its_end_and_half_of_it_on_its_side() {
+    for (orientation, reach, stiffness) in [
+        ([1.0, 0.0, 0.0, 0.0], HALF_LENGTH, STIFFNESS),
+        (LYING, RADIUS, 0.5 * STIFFNESS),
+    ] {
+        let (rest, swing) = (reach - WEIGHT / stiffness, 0.9 * WEIGHT / stiffness);
+        let mut one = heavy(rest + swing);
+        one.orientation = orientation;
+        let ideal = solve(&on(floor(), one, ContactLaw::spring(STIFFNESS)), 0.001, 200);
+        let rate = (stiffness / MASS).sqrt();
+        let apart = apart(
+            &ideal,
+            |body| body.position[2],
+            |t| rest + swing * (rate * t).cos(),
+        );
+        println!("swings on {stiffness} N/m to {apart:.1e} m");
+        assert!(apart < 1e-11, "{apart}");
+    }
+}
+
+/// V = K ((h cos a - z)² + r² sin² a/2)/2 + m g z, so a small angle swings on K r²/2 - m g h.
+#[test]
+fn a_cylinder_on_its_end_tips_on_a_spring_of_k_r_squared_over_two() {
+    let angle = 1e-5_f64;
+    let mut one = heavy(HALF_LENGTH - WEIGHT / STIFFNESS);
+    // About an axis between its x and y axes, and turned about its own axis by any angle.
+    let (sine, cosine) = (0.5 * angle).sin_cos();
+    one.orientation = [cosine, 0.6 * sine, 0.8 * sine, 0.0];
+    let inertia = one.motion.unwrap().inertia[0];
+    let ideal = solve(&on(floor(), one, ContactLaw::spring(STIFFNESS)), 0.001, 200);
+    let stiffness = 0.5 * STIFFNESS * RADIUS * RADIUS - WEIGHT * HALF_LENGTH;
+    let rate = (stiffness / inertia).sqrt();
+    let off = apart(
+        &ideal,
+        |body| 2.0 * (0.6 * body.orientation[1] + 0.8 * body.orientation[2]),
+        |t| angle * (rate * t).cos(),
+    );
+    println!("tips to {:.1e} of its angle", off / angle);
+    assert!(off < 1e-5 * angle, "{off}");
+}
+
+/// The bristle is a spring between the turning and the way: with the way u of the material at the place of contact,
+/// m x″ = f − k u, I θ″ = R k u, u″ = x″ − R θ″.
+#[test]
+fn a_cylinder_rolls_down_a_slope_at_two_thirds_of_its_pull() {
+    let (slope, stiffness) = (0.3_f64, 20_000.0);
+    let deep = WEIGHT * slope.cos() / (0.5 * STIFFNESS);
+    let mut one = heavy(RADIUS - deep);
+    one.orientation = LYING;
+    motion(&mut one).force = [WEIGHT * slope.sin(), 0.0, -WEIGHT * slope.cos()];
+    let inertia = one.motion.unwrap().inertia[2];
+    let law = ContactLaw::spring(STIFFNESS).rough(1.5, stiffness);
+    let ideal = solve(&on(floor(), one, law), 0.002, 200);
+    let reach = RADIUS - 0.5 * deep;
+    let parts = 1.0 + MASS * reach * reach / inertia;
+    let rate = (parts * 0.5 * stiffness / MASS).sqrt();
+    let pull = WEIGHT * slope.sin() / MASS;
+    let off = apart(
+        &ideal,
+        |body| body.position[0],
+        |t| {
+            let swing = (1.0 - (rate * t).cos()) / (parts * rate * rate);
+            pull * ((1.0 - 1.0 / parts) * 0.5 * t * t + swing)
+        },
+    );
+    let end = ideal.states.last().unwrap();
+    let rolled = end.bodies[0].position[0] / (0.5 * pull * end.time * end.time);
+    println!("rolls {rolled:.5} of a free slide, as the bristles have it to {off:.1e} m");
+    assert!(off < 1e-9, "{off}");
+    assert!((rolled - 2.0 / 3.0).abs() < 0.01);
+}
+
+/// Twisted as it stands, it swings on its bristles, k_t r², and does not creep.
+#[test]
+fn a_cylinder_that_stands_holds_against_a_twist() {
+    // The bristles stay straight, so a large angle swings slower.
+    let (stiffness, spin) = (3000.0, 0.05);
+    let mut one = heavy(HALF_LENGTH - WEIGHT / STIFFNESS);
+    motion(&mut one).angular_velocity = [0.0, 0.0, spin];
+    let inertia = one.motion.unwrap().inertia[2];
+    // Without damping, a bristle whose contact begins as it moves would start at its longest.
+    let law = ContactLaw::spring(STIFFNESS)
+        .rough(0.5, stiffness)
+        .damped(1.0);
+    let ideal = solve(&on(floor(), one, law), 0.005, 200);
+    let rate = (stiffness * RADIUS * RADIUS / inertia).sqrt();
+    let off = apart(
+        &ideal,
+        |body| 2.0 * body.orientation[3].atan2(body.orientation[0]),
+        |t| spin / rate * (rate * t).sin(),
+    );
+    println!("swings by {:.1e} rad, to {off:.1e} rad", spin / rate);
+    assert!(off < 1e-9, "{off}");
+    assert!(off < 1e-5 * spin / rate);
+}
+
+/// On its ends, its rims and its side, with and without friction and damping.
+#[test]
+fn a_cylinder_that_tumbles_on_the_floor_keeps_its_energy() {
+    for (kind, law, most) in [
+        ("springs", ContactLaw::spring(4000.0), 1e-10),
+        (
+            "both",
+            ContactLaw::spring(4000.0).rough(0.4, 2000.0).damped(1.0),
+            1e-9,
+        ),
+    ] {
+        let (mut worst, mut events) = (0.0_f64, 0);
+        for case in 0..6_u8 {
+            let turn = |prime: f64| 2.0 * (f64::from(case + 1) * prime).fract() - 1.0;
+            let mut one = heavy(0.04);
+            let q = [1.0, turn(0.82), turn(0.67), turn(0.55)];
+            let size = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+            one.orientation = q.map(|x| x / size);
+            motion(&mut one).velocity = [0.2, 0.1 * turn(0.4), -0.3];
+            motion(&mut one).angular_velocity = [0.3, 0.7, 0.1].map(|part| 6.0 * turn(part));
+            let ideal = solve(&on(floor(), one, law), 0.002, 250);
+            worst = worst.max(drift(&ideal));
+            events += ideal.encounters.len();
+        }
+        println!("on the floor, {kind}: energy to {worst:.1e}, {events} contacts");
+        assert!(worst < most, "{worst}");
+        assert!(events > 40, "{events}");
+    }
+}
