@@ -64,6 +64,7 @@ mod pairing;
 mod plant;
 pub mod random_worlds;
 mod record;
+mod ridders;
 mod rod;
 mod run;
 mod scene;

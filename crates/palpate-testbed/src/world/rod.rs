@@ -7,6 +7,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::contact::{Placed, Touch};
+use super::ridders::falls_through_zero;
 use super::scene::Shape;
 use super::surface::{feature, nearest};
 use super::vector::{Rotation, Vec3};
@@ -14,10 +15,6 @@ use super::wrapping::{Wrapped, normal_of};
 
 /// Of a difference in time `[s]`. Short, because it reaches back over the instant at which a contact begins.
 const STEP: f64 = 5e-8;
-/// Rounds of Ridders' method; each at least halves what is left.
-const ROUNDS: usize = 60;
-/// Where two angles are the same `[rad]`.
-const SAME: f64 = 4e-16;
 
 /// The solid that a capsule is on.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,7 +57,7 @@ impl Faces {
     }
 
     /// Distance of a point and the normal there; inside, of the face of least depth.
-    fn nearest(&self, point: Vec3) -> (f64, Vec3) {
+    pub fn nearest(&self, point: Vec3) -> (f64, Vec3) {
         let mut highest = (f64::NEG_INFINITY, Vec3::ZERO);
         let mut found: Option<Vec3> = None;
         let mut take = |off: Vec3| {
@@ -129,7 +126,7 @@ impl Rod {
             let grows = overlap.max(0.0) * (cosine - sine) - out.dot(along) / sum;
             (overlap, out, grows)
         };
-        let angle = balanced(|angle| at(angle).2);
+        let angle = falls_through_zero(|angle| at(angle).2, 0.0, FRAC_PI_2);
         let (overlap, out, _) = at(angle);
         let (sine, cosine) = parts(angle);
         let sum = sine + cosine;
@@ -171,41 +168,6 @@ impl Rod {
         touch.growth = growth(|lying| lying.penetration);
         touch
     }
-}
-
-/// The angle in a quarter turn at which a function falls through 0, or the end at which it is nearest to that (C. Ridders, 1979).
-fn balanced(of: impl Fn(f64) -> f64) -> f64 {
-    let (mut low, mut high) = (0.0, FRAC_PI_2);
-    let (mut of_low, mut of_high) = (of(low), of(high));
-    if of_low <= 0.0 {
-        return low;
-    }
-    if of_high >= 0.0 {
-        return high;
-    }
-    let mut last = f64::NAN;
-    for _ in 0..ROUNDS {
-        let middle = 0.5 * (low + high);
-        let of_middle = of(middle);
-        let root = (of_middle * of_middle - of_low * of_high).sqrt();
-        let next = middle + (middle - low) * of_middle / root;
-        let of_next = of(next);
-        for (place, value) in [(middle, of_middle), (next, of_next)] {
-            if value == 0.0 {
-                return place;
-            }
-            if value > 0.0 && place > low {
-                (low, of_low) = (place, value);
-            } else if value < 0.0 && place < high {
-                (high, of_high) = (place, value);
-            }
-        }
-        if (next - last).abs() <= SAME || high - low <= SAME {
-            return next;
-        }
-        last = next;
-    }
-    last
 }
 
 /// Where a member is after a time at its velocities.
