@@ -12,7 +12,7 @@ use super::vector::Vec3;
 use super::wrapping::{Wrapped, normal_of};
 
 /// Another plane takes over where its overlap is less by this part.
-const MARGIN: f64 = 1e-9;
+pub(super) const MARGIN: f64 = 1e-9;
 /// Sine of the angle of parallel edges.
 const PARALLEL: f64 = 1e-6;
 /// Corners that are beyond a plane by no more than this are in it `[m]`.
@@ -118,7 +118,7 @@ impl Pair {
     }
 }
 
-fn number(of: usize) -> u8 {
+pub(super) fn number(of: usize) -> u8 {
     u8::try_from(of).unwrap_or(u8::MAX)
 }
 

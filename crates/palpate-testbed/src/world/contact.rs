@@ -28,7 +28,7 @@ pub enum WorldError {
     #[error(
         "pairs[{number}]: {reason}; a sphere can touch a sphere, half-space, box, capsule, cylinder, mesh or hull, \
          and a box, a capsule, a cylinder, and a hull or mesh of at most {MOST_CORNERS} convex corners a half-space, a box or hull a box or \
-         hull, a capsule a box, hull, capsule or cylinder, and a mesh by its points a box, capsule, cylinder or mesh with a field"
+         hull, a capsule a box, hull, capsule or cylinder, a cylinder a box or hull, and a mesh by its points a box, capsule, cylinder or mesh with a field"
     )]
     Pair {
         /// Number of the pair, from 0.
@@ -180,6 +180,12 @@ impl Touch {
     /// Tangential relative velocity of the material points.
     pub fn tangential(&self) -> Vec3 {
         self.sliding.across(self.normal)
+    }
+
+    /// How fast the place midway between the surfaces moves.
+    #[cfg(test)]
+    pub fn point_velocity(&self) -> Vec3 {
+        self.point_velocity
     }
 
     /// What a tangent vector z changes by as it is carried with the normal: (n × n′) × z.

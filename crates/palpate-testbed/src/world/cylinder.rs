@@ -1,17 +1,23 @@
 //! A cylinder on a solid with flat faces: which plane is between them, and the points by which they touch.
 //!
 //! Behind a plane that has the other solid on its far side lie the two rims of the cylinder. Each has m points that share the
-//! law. Where a rim is behind the plane with all of itself, they stay where they are on it (*held*): the sum of their squared
+//! law. The corners of the other solid lie behind a plane that has the cylinder on its far side. The two touch across the plane of
+//! least overlap, as two solids with flat faces do.
+//!
+//! Where a rim is behind the plane with all of itself, they stay where they are on it (*held*): the sum of their squared
 //! depths is the same wherever they are. Where it is not, they turn with the deepest place of the rim (*turned*).
 
 use std::f64::consts::TAU;
 
-use super::between::Flat;
+use super::between::{Flat, MARGIN, number};
 use super::contact::{Placed, Touch};
+use super::tangent::{Family, PARTS};
 use super::vector::Vec3;
 
 /// Points of a rim, at least.
 const FEWEST: usize = 4;
+/// By how many parts of a family a plane's name may change at once.
+const NEAR: u8 = 4;
 
 /// Where the points of a rim are, but for a number of steps from point to point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,6 +33,34 @@ pub(super) enum Rim {
 pub(super) enum Plane {
     /// A face of the solid, by its number.
     Face(u8),
+    /// An end of the cylinder: 0 or 1, as its rim.
+    End(u8),
+    /// One that is tangent to the cylinder's side, by its name.
+    Side(u8),
+    /// One through an edge of the solid, by that edge's number and its own name.
+    Edge(u8, u8),
+}
+
+impl Plane {
+    /// Whether it has the cylinder on its far side, so that corners are behind it.
+    fn is_of_cylinder(self) -> bool {
+        matches!(self, Self::End(_) | Self::Side(_))
+    }
+
+    /// Whether it is another one only by a name that has changed.
+    fn is_same(self, other: Self) -> bool {
+        let is_near = |one: u8, other: u8| {
+            let off = one.abs_diff(other);
+            off.min(PARTS.abs_diff(off)) <= NEAR
+        };
+        match (self, other) {
+            (Self::Side(name), Self::Side(other)) => is_near(name, other),
+            (Self::Edge(edge, name), Self::Edge(of, other)) => {
+                edge == of && name.abs_diff(other) <= NEAR
+            }
+            (one, other) => one == other,
+        }
+    }
 }
 
 /// How a cylinder and a solid touch.
@@ -39,7 +73,13 @@ pub(super) struct OnCylinder {
 impl OnCylinder {
     /// Whether each contact keeps its point, if the two come from another way to touch.
     pub fn has_points_of(self, other: Self) -> bool {
-        self.plane == other.plane
+        self.plane.is_same(other.plane)
+            || self.plane.is_of_cylinder() && other.plane.is_of_cylinder()
+    }
+
+    /// Whether it is the other one but for a name.
+    pub fn is_same(self, other: Self) -> bool {
+        self.plane.is_same(other.plane) && self.rims == other.rims
     }
 }
 
@@ -51,6 +91,8 @@ pub(super) struct Cylinder {
     pub radius: f64,
     pub half_length: f64,
     pub flat: Flat,
+    /// Of the angles from one point of a rim to each.
+    pub cosines: Vec<f64>,
 }
 
 /// A plane that moves.
@@ -82,9 +124,21 @@ struct Point {
 }
 
 impl Cylinder {
+    pub fn new(is_first: bool, [radius, half_length]: [f64; 2], flat: Flat) -> Self {
+        let share = flat.most.max(FEWEST);
+        let angles = (0..share).map(|point| TAU * point as f64 / share as f64);
+        Self {
+            is_first,
+            radius,
+            half_length,
+            flat,
+            cosines: angles.map(f64::cos).collect(),
+        }
+    }
+
     /// How many points share the law.
     pub fn share(&self) -> usize {
-        self.flat.most.max(FEWEST)
+        self.cosines.len()
     }
 
     /// How many contacts there are.
@@ -95,8 +149,8 @@ impl Cylinder {
     /// How the two should touch, if they touch as `now` tells.
     pub fn wanted(&self, now: Option<OnCylinder>, placed: [&Placed; 2], slack: f64) -> OnCylinder {
         let lying = Lying::new(self, placed);
-        let plane = Plane::Face(0);
-        let same = now.filter(|now| now.plane == plane);
+        let plane = lying.least(now.map(|now| now.plane), slack);
+        let same = now.filter(|now| now.plane.is_same(plane));
         OnCylinder {
             plane,
             rims: lying.rims(plane, same.map(|now| now.rims), slack),
@@ -107,9 +161,13 @@ impl Cylinder {
     pub fn touch(&self, number: usize, at: OnCylinder, placed: [&Placed; 2]) -> Touch {
         let lying = Lying::new(self, placed);
         let plane = lying.moving(at.plane);
-        let point = lying.point_of_rim(number, at.rims, &plane);
         // The plane's normal is out of the solid that it bounds.
-        let towards_first = if self.is_first { 1.0 } else { -1.0 };
+        let (point, is_towards_first) = if at.plane.is_of_cylinder() {
+            (lying.corner(number, &plane), !self.is_first)
+        } else {
+            (lying.point_of_rim(number, at.rims, &plane), self.is_first)
+        };
+        let towards_first = if is_towards_first { 1.0 } else { -1.0 };
         let (normal, normal_rate) = (plane.normal, plane.normal_rate);
         let found = point.unwrap_or(Point {
             place: lying.round.position,
@@ -132,13 +190,15 @@ impl Cylinder {
 }
 
 /// A cylinder and a solid as they lie in the world.
-struct Lying<'a> {
-    cylinder: &'a Cylinder,
-    round: &'a Placed,
-    flat: &'a Placed,
+pub(super) struct Lying<'a> {
+    pub cylinder: &'a Cylinder,
+    pub round: &'a Placed,
+    pub flat: &'a Placed,
     /// Along the cylinder, and how that turns.
-    axis: Vec3,
-    axis_rate: Vec3,
+    pub axis: Vec3,
+    pub axis_rate: Vec3,
+    /// Of the other solid.
+    pub corners: Vec<Vec3>,
 }
 
 /// How a rim lies behind a plane.
@@ -146,6 +206,17 @@ struct Behind {
     /// Of its centre, and by how much more its deepest place is deep.
     depth: f64,
     more: f64,
+}
+
+impl Behind {
+    /// The squared depths of the points of the rim that are behind the plane, one of them at the deepest place.
+    fn squares(&self, cosines: &[f64]) -> f64 {
+        if self.depth >= self.more {
+            return cosines.len() as f64 * (self.depth * self.depth + 0.5 * self.more * self.more);
+        }
+        let depths = cosines.iter().map(|cosine| self.depth + self.more * cosine);
+        depths.map(|depth| depth.max(0.0).powi(2)).sum()
+    }
 }
 
 impl<'a> Lying<'a> {
@@ -162,6 +233,12 @@ impl<'a> Lying<'a> {
             flat,
             axis,
             axis_rate: round.turning.cross(axis),
+            corners: cylinder
+                .flat
+                .corners
+                .iter()
+                .map(|corner| flat.position + flat.rotation.out(*corner))
+                .collect(),
         }
     }
 
@@ -178,12 +255,133 @@ impl<'a> Lying<'a> {
                     on_velocity: self.flat.velocity_at(on),
                 }
             }
+            Plane::End(end) => {
+                let normal = self.axis * side_of(usize::from(end));
+                let on = self.centre(usize::from(end));
+                Moving {
+                    normal,
+                    normal_rate: self.round.turning.cross(normal),
+                    on,
+                    on_velocity: self.round.velocity_at(on),
+                }
+            }
+            Plane::Side(name) => {
+                let (normal, normal_rate) = self.normal(Family::Side, name);
+                Moving {
+                    normal,
+                    normal_rate,
+                    on: self.round.position + normal * self.cylinder.radius,
+                    on_velocity: self.round.velocity + normal_rate * self.cylinder.radius,
+                }
+            }
+            Plane::Edge(edge, name) => {
+                let (normal, normal_rate) = self.normal(Family::Edge(edge), name);
+                let on = self.on_edge(edge);
+                Moving {
+                    normal,
+                    normal_rate,
+                    on,
+                    on_velocity: self.flat.velocity_at(on),
+                }
+            }
         }
     }
 
-    fn centre(&self, rim: usize) -> Vec3 {
-        let side = if rim == 0 { -1.0 } else { 1.0 };
-        self.round.position + self.axis * (side * self.cylinder.half_length)
+    /// The normal of least overlap of a family, and how that turns.
+    fn normal(&self, family: Family, name: u8) -> (Vec3, Vec3) {
+        let turn = self.turn(family);
+        let angle = self.least_about(family, &turn, name);
+        let angle = angle.unwrap_or_else(|| turn.angle(name));
+        let (normal, onward) = turn.at(angle);
+        let rate = self.bend(family, &turn, angle).turning();
+        (normal, turn.turning.cross(normal) + onward * rate)
+    }
+
+    /// The plane of least overlap, which is another one than `now` where that is less by a margin; of two that are apart, any
+    /// plane between them.
+    fn least(&self, now: Option<Plane>, slack: f64) -> Plane {
+        let mut least = now.map(|now| self.overlap(now));
+        if let Some((now, overlap)) = least
+            && overlap <= slack
+        {
+            return now;
+        }
+        let mut look = |plane: Plane, overlap: f64| {
+            let is_less = least.is_none_or(|(_, least): (Plane, f64)| {
+                let margin = if least.is_finite() {
+                    MARGIN * least.abs()
+                } else {
+                    0.0
+                };
+                overlap < least - margin.max(slack)
+            });
+            if is_less {
+                least = Some((plane, overlap));
+            }
+            overlap <= 0.0
+        };
+        let solid = &self.cylinder.flat;
+        let faces = (0..solid.faces.len()).map(|face| Plane::Face(number(face)));
+        let ends = [Plane::End(0), Plane::End(1)].into_iter();
+        let ends = ends.filter(|_| !solid.corners.is_empty());
+        let mut is_apart = false;
+        for plane in faces.chain(ends) {
+            is_apart |= look(plane, self.overlap(plane).1);
+        }
+        if !is_apart && !solid.corners.is_empty() {
+            for (name, overlap) in self.overlaps_of(Family::Side) {
+                look(Plane::Side(name), overlap);
+            }
+            for edge in (0..solid.edges.len()).map(number) {
+                for (name, overlap) in self.overlaps_of(Family::Edge(edge)) {
+                    look(Plane::Edge(edge, name), overlap);
+                }
+            }
+        }
+        least.map_or(Plane::Face(0), |(plane, _)| plane)
+    }
+
+    /// The overlap of a plane, and what the plane is called now.
+    fn overlap(&self, plane: Plane) -> (Plane, f64) {
+        let share = self.cylinder.share() as f64;
+        match plane {
+            Plane::Face(_) => {
+                let at = self.moving(plane);
+                let behind = [0, 1].map(|rim| self.behind(rim, &at));
+                let [one, other] = behind.each_ref().map(|of| of.depth + of.more);
+                let deepest = one.max(other);
+                if deepest <= 0.0 {
+                    return (plane, deepest);
+                }
+                let squares: f64 = behind
+                    .iter()
+                    .map(|of| of.squares(&self.cylinder.cosines))
+                    .sum();
+                (plane, (squares / share).sqrt())
+            }
+            Plane::End(_) => {
+                let at = self.moving(plane);
+                let depths = self.corners.iter().map(|corner| at.depth(*corner));
+                let deepest = depths.clone().fold(f64::NEG_INFINITY, f64::max);
+                if deepest <= 0.0 {
+                    return (plane, deepest);
+                }
+                let squares: f64 = depths.map(|depth| depth.max(0.0).powi(2)).sum();
+                (plane, (squares / share).sqrt())
+            }
+            Plane::Side(name) => {
+                let (overlap, name) = self.overlap_about(Family::Side, name);
+                (Plane::Side(name), overlap)
+            }
+            Plane::Edge(edge, name) => {
+                let (overlap, name) = self.overlap_about(Family::Edge(edge), name);
+                (Plane::Edge(edge, name), overlap)
+            }
+        }
+    }
+
+    pub fn centre(&self, rim: usize) -> Vec3 {
+        self.round.position + self.axis * (side_of(rim) * self.cylinder.half_length)
     }
 
     fn behind(&self, rim: usize, plane: &Moving) -> Behind {
@@ -201,6 +399,9 @@ impl<'a> Lying<'a> {
     }
 
     fn rims(&self, plane: Plane, now: Option<[Rim; 2]>, slack: f64) -> [Rim; 2] {
+        if plane.is_of_cylinder() {
+            return [Rim::Turned(0); 2];
+        }
         let plane = self.moving(plane);
         let behind = [0, 1].map(|rim| self.behind(rim, &plane));
         let Some(now) = now else {
@@ -222,6 +423,17 @@ impl<'a> Lying<'a> {
                 Rim::Turned(back) if depth > more + slack => Rim::Held(moved(back, -steps())),
                 as_it_is => as_it_is,
             }
+        })
+    }
+
+    fn corner(&self, number: usize, plane: &Moving) -> Option<Point> {
+        let place = *self.corners.get(number)?;
+        let velocity = self.flat.velocity_at(place);
+        Some(Point {
+            place,
+            velocity,
+            depth: plane.depth(place),
+            depth_rate: plane.depth_rate(place, velocity),
         })
     }
 
@@ -275,8 +487,17 @@ impl<'a> Lying<'a> {
     }
 }
 
+/// On which side of the centre a rim is.
+fn side_of(rim: usize) -> f64 {
+    if rim == 0 { -1.0 } else { 1.0 }
+}
+
 /// A small whole number that stands as a float.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-fn small(number: f64) -> u8 {
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "from 0 to the number of points or parts"
+)]
+pub(super) fn small(number: f64) -> u8 {
     number as u8
 }

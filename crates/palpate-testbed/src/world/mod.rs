@@ -43,6 +43,8 @@ pub mod benchmarks;
 mod between;
 mod contact;
 mod cylinder;
+#[cfg(test)]
+mod cylinder_tests;
 mod decisive;
 mod dormand_prince;
 mod field;
@@ -70,6 +72,7 @@ mod run;
 mod scene;
 mod self_check;
 mod surface;
+mod tangent;
 mod turning;
 mod vector;
 mod wrapping;

@@ -93,6 +93,12 @@ impl System {
         now: &mut Instant,
     ) {
         let all = first..first + self.contacts[first].of_pair();
+        if feature.is_same(conditions[first].feature) {
+            for condition in &mut conditions[all] {
+                condition.feature = feature;
+            }
+            return;
+        }
         if !feature.has_points_of(conditions[first].feature) {
             let new: Vec<_> = self.contacts[all.clone()]
                 .iter()

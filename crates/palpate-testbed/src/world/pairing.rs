@@ -111,7 +111,7 @@ fn rod(shapes: [&Shape; 2]) -> Option<Rod> {
     })
 }
 
-/// A cylinder on a half-space.
+/// A cylinder on a solid with flat faces.
 fn cylinder(shapes: [&Shape; 2]) -> Option<Cylinder> {
     let on = |is_first: bool| {
         let [one, other] = if is_first {
@@ -119,21 +119,18 @@ fn cylinder(shapes: [&Shape; 2]) -> Option<Cylinder> {
         } else {
             [shapes[1], shapes[0]]
         };
-        match (one, other) {
-            (
-                &Shape::Cylinder {
-                    radius,
-                    half_length,
-                },
-                &Shape::HalfSpace { normal, offset },
-            ) => Some(Cylinder {
-                is_first,
-                radius,
-                half_length,
-                flat: Flat::half_space(Vec3(normal), offset),
-            }),
-            _ => None,
-        }
+        let &Shape::Cylinder {
+            radius,
+            half_length,
+        } = one
+        else {
+            return None;
+        };
+        let flat = match other {
+            &Shape::HalfSpace { normal, offset } => Flat::half_space(Vec3(normal), offset),
+            solid => flat(solid)?,
+        };
+        Some(Cylinder::new(is_first, [radius, half_length], flat))
     };
     on(true).or_else(|| on(false))
 }

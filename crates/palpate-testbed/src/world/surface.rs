@@ -47,6 +47,14 @@ impl Feature {
             _ => false,
         }
     }
+
+    /// Whether it is the other one but for a name.
+    pub fn is_same(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::OnCylinder(at), Self::OnCylinder(other)) => at.is_same(other),
+            (at, other) => at == other,
+        }
+    }
 }
 
 /// How a surface lies with respect to a point, in the body's axes.

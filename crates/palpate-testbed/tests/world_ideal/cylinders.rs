@@ -1,8 +1,10 @@
 //! Cylinders on half-spaces, boxes and hulls.
 
-use palpate_testbed::world::{ContactLaw, Member, Shape, WorldBody, WorldIdeal, WorldScene};
+use std::sync::Arc;
 
-use crate::boxes::drift;
+use palpate_testbed::world::{ContactLaw, Hull, Member, Shape, WorldBody, WorldIdeal, WorldScene};
+
+use crate::boxes::{drift, sums};
 use crate::{body, half_space, motion, pair, solve};
 
 const RADIUS: f64 = 0.02;
@@ -153,32 +155,154 @@ fn a_cylinder_that_stands_holds_against_a_twist() {
     assert!(off < 1e-5 * spin / rate);
 }
 
+/// A cylinder that is thrown, one of several by number.
+fn thrown(case: u8) -> WorldBody {
+    let turn = |prime: f64| 2.0 * (f64::from(case + 1) * prime).fract() - 1.0;
+    let mut one = heavy(0.04);
+    let q = [1.0, turn(0.82), turn(0.67), turn(0.55)];
+    let size = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+    one.orientation = q.map(|x| x / size);
+    motion(&mut one).velocity = [0.2, 0.1 * turn(0.4), -0.3];
+    motion(&mut one).angular_velocity = [0.3, 0.7, 0.1].map(|part| 6.0 * turn(part));
+    one
+}
+
+fn table() -> WorldBody {
+    let mut table = body(
+        Shape::Box {
+            half_extents: [0.5, 0.4, 0.3],
+        },
+        1.0,
+        [0.02, 0.01, -0.3],
+    );
+    table.orientation = [0.15_f64.cos(), 0.0, 0.0, 0.15_f64.sin()];
+    table.motion = None;
+    table
+}
+
 /// On its ends, its rims and its side, with and without friction and damping.
 #[test]
-fn a_cylinder_that_tumbles_on_the_floor_keeps_its_energy() {
+fn a_cylinder_that_tumbles_keeps_its_energy() {
     for (kind, law, most) in [
-        ("springs", ContactLaw::spring(4000.0), 1e-10),
+        ("springs", ContactLaw::spring(4000.0), 1e-9),
         (
             "both",
             ContactLaw::spring(4000.0).rough(0.4, 2000.0).damped(1.0),
             1e-9,
         ),
     ] {
-        let (mut worst, mut events) = (0.0_f64, 0);
-        for case in 0..6_u8 {
-            let turn = |prime: f64| 2.0 * (f64::from(case + 1) * prime).fract() - 1.0;
-            let mut one = heavy(0.04);
-            let q = [1.0, turn(0.82), turn(0.67), turn(0.55)];
-            let size = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-            one.orientation = q.map(|x| x / size);
-            motion(&mut one).velocity = [0.2, 0.1 * turn(0.4), -0.3];
-            motion(&mut one).angular_velocity = [0.3, 0.7, 0.1].map(|part| 6.0 * turn(part));
-            let ideal = solve(&on(floor(), one, law), 0.002, 250);
-            worst = worst.max(drift(&ideal));
-            events += ideal.encounters.len();
+        for (name, below) in [("floor", floor()), ("table", table())] {
+            let (mut worst, mut hits) = (0.0_f64, 0);
+            for case in 0..6 {
+                let ideal = solve(&on(below.clone(), thrown(case), law), 0.002, 250);
+                worst = worst.max(drift(&ideal));
+                hits += ideal.encounters.len();
+            }
+            println!("on a {name}, {kind}: energy to {worst:.1e}, {hits} contacts");
+            assert!(worst < most, "{worst}");
+            assert!(hits > 40, "{hits}");
         }
-        println!("on the floor, {kind}: energy to {worst:.1e}, {events} contacts");
-        assert!(worst < most, "{worst}");
-        assert!(events > 40, "{events}");
+    }
+}
+
+#[test]
+fn a_large_box_bears_a_cylinder_as_a_half_space_does() {
+    let law = ContactLaw::spring(5000.0).damped(4.0).rough(0.4, 5000.0);
+    let mut hits = 0;
+    for case in 0..3 {
+        let [on_box, on_floor] =
+            [table(), floor()].map(|below| solve(&on(below, thrown(case), law), 0.002, 150));
+        let mut apart = 0.0_f64;
+        for (one, other) in on_box.states.iter().zip(&on_floor.states) {
+            for axis in 0..3 {
+                let [one, other] = [one, other].map(|state| state.bodies[0].position[axis]);
+                apart = apart.max((one - other).abs());
+            }
+        }
+        hits += on_box.encounters.len();
+        println!("a cylinder on a box and on a half-space: {apart:.1e} m apart, {hits} contacts");
+        assert!(apart < 1e-9, "{apart}");
+    }
+    assert!(hits > 12, "{hits}");
+}
+
+fn others() -> [(&'static str, Shape); 3] {
+    let stone = [
+        [0.025, 0.0, -0.005],
+        [-0.01, 0.022, -0.01],
+        [-0.012, -0.02, -0.006],
+        [0.0, 0.003, 0.024],
+        [0.01, 0.02, 0.012],
+        [0.004, -0.018, 0.015],
+    ];
+    let prism: Vec<[f64; 3]> = (0..7_u8)
+        .flat_map(|k| {
+            let (sine, cosine) = (std::f64::consts::TAU * f64::from(k) / 7.0).sin_cos();
+            [-0.015, 0.015].map(|z| [0.02 * cosine, 0.02 * sine, z])
+        })
+        .collect();
+    let half_extents = [0.015, 0.025, 0.02];
+    let hull = |points: &[[f64; 3]]| Shape::Hull(Arc::new(Hull::around(points).unwrap()));
+    [
+        ("box", Shape::Box { half_extents }),
+        ("stone", hull(&stone)),
+        ("prism", hull(&prism)),
+    ]
+}
+
+/// A cylinder and another solid that fly into each other and tumble: over faces, ends, the side and edges.
+#[test]
+fn a_cylinder_keeps_energy_momentum_and_angular_momentum() {
+    let springs = ContactLaw::spring(4000.0);
+    for (kind, law) in [
+        ("springs", springs),
+        ("both", springs.rough(0.4, 2000.0).damped(1.0)),
+    ] {
+        for (name, other) in others() {
+            let (mut worst, mut hits, mut steps) = ([0.0_f64; 3], 0, 0);
+            for case in 0..8_u8 {
+                let turn = |prime: f64| 2.0 * (f64::from(case + 1) * prime).fract() - 1.0;
+                let of = |shape, mass, position, parts: [f64; 3], speed: f64| {
+                    let mut one = body(shape, mass, position);
+                    let q = [1.0, turn(parts[0]), turn(parts[1]), turn(parts[2])];
+                    let size = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+                    one.orientation = q.map(|x| x / size);
+                    motion(&mut one).velocity = [speed, 0.05 * turn(0.618), 0.05 * turn(0.414)];
+                    motion(&mut one).angular_velocity = parts.map(|part| 6.0 * turn(part + 0.1));
+                    one
+                };
+                let place = [-0.05, 0.005 * turn(0.3), 0.005 * turn(0.7)];
+                let one = of(cylinder(), 0.1, [0.05, 0.0, 0.0], [0.82, 0.67, 0.55], -0.4);
+                let other = of(other.clone(), 0.06, place, [0.732, 0.236, 0.142], 0.4);
+                let scene = WorldScene {
+                    joints: Vec::new(),
+                    devices: vec![],
+                    bodies: vec![one, other],
+                    pairs: vec![pair(
+                        Member::Body(case as usize % 2),
+                        Member::Body(1 - case as usize % 2),
+                        law,
+                    )],
+                };
+                let ideal = solve(&scene, 0.002, 100);
+                hits += usize::from(!ideal.encounters.is_empty());
+                steps += ideal.steps;
+                worst[0] = worst[0].max(drift(&ideal));
+                let [before, after] =
+                    [0, ideal.states.len() - 1].map(|at| sums(&scene, &ideal, at));
+                for (i, (a, b)) in before.iter().zip(after).enumerate() {
+                    worst[1 + i / 3] = worst[1 + i / 3].max((a - b).abs());
+                }
+            }
+            println!(
+                "a cylinder and a {name}, {kind}: {hits} of 8 meet; energy to {:.1e}, momentum {:.1e} N s, angular {:.1e}; {steps} steps",
+                worst[0], worst[1], worst[2]
+            );
+            assert!(hits > 5, "{hits}");
+            assert!(
+                worst[0] < 1e-8 && worst[1] < 1e-13 && worst[2] < 1e-14,
+                "{worst:?}"
+            );
+        }
     }
 }

@@ -1,6 +1,9 @@
 //! What has no ideal, and how that is said.
 
+use std::sync::Arc;
+
 use palpate_testbed::grid::Grid;
+use palpate_testbed::world::mesh::TriangleMesh;
 use palpate_testbed::world::{ContactLaw, Member, Shape, Tool, WorldIdeal, WorldScene};
 
 use crate::{body, device, half_space, pair};
@@ -18,6 +21,18 @@ fn refused(scene: &WorldScene) -> String {
     error.to_string()
 }
 
+/// A mesh without points.
+fn tetrahedron() -> Shape {
+    let corners = [
+        [0.0, 0.0, 0.0],
+        [0.01, 0.0, 0.0],
+        [0.0, 0.01, 0.0],
+        [0.0, 0.0, 0.01],
+    ];
+    let triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    Shape::Mesh(Arc::new(TriangleMesh::new(&corners, &triangles).unwrap()))
+}
+
 fn scene() -> WorldScene {
     WorldScene {
         joints: Vec::new(),
@@ -28,6 +43,8 @@ fn scene() -> WorldScene {
             body(CYLINDER, 0.1, [0.0, 0.3, 0.0]),
             half_space([0.0, 0.0, 1.0], -1.0),
             half_space([0.0, 1.0, 0.0], -1.0),
+            body(CYLINDER, 0.1, [0.0, 0.4, 0.0]),
+            body(tetrahedron(), 0.1, [0.0, 0.5, 0.0]),
         ],
         pairs: vec![],
     }
@@ -39,11 +56,12 @@ fn pairs_without_a_contact_are_named() {
     let law = ContactLaw::spring(1000.0);
     for (one, other, reason) in [
         (
-            Body(1),
             Body(2),
-            "no contact between the box \"body\" and the cylinder \"body\"",
+            Body(5),
+            "no contact between the cylinder \"body\" and the cylinder \"body\"",
         ),
-        (Body(2), Body(0), "the cylinder \"body\""),
+        (Body(6), Body(2), "the cylinder \"body\""),
+        (Body(2), Body(6), "the mesh \"body\""),
         (Device(0), Device(1), "both tools"),
         (Device(0), Device(0), "cannot touch itself"),
     ] {
@@ -53,6 +71,11 @@ fn pairs_without_a_contact_are_named() {
         assert!(message.starts_with("pairs[1]: "), "{message}");
         assert!(message.contains(reason), "{message}");
         assert!(message.contains("a sphere can touch"), "{message}");
+    }
+    for (one, other) in [(Body(2), Body(0)), (Body(3), Body(2))] {
+        let mut scene = scene();
+        scene.pairs = vec![pair(one, other, law)];
+        assert!(WorldIdeal::new(&scene, Grid::even(0.0, 0.001, 2)).is_ok());
     }
     // Two that do not move have nothing to do with each other.
     let mut scene = scene();
