@@ -41,7 +41,7 @@ enum Plane {
     /// A face of the first (0) or second (1), by its number; of a box twice its axis, and 1 more on the positive side. What
     /// numbers mean beside a cylinder: [`cylinders`].
     Face { of: usize, number: usize },
-    /// Along an edge of each: of a box the axis along which it is, of a hull its number, of two cylinders 0.
+    /// Along an edge of each: of a box the axis along which it is, of a hull its number.
     Edges([usize; 2]),
 }
 
@@ -112,7 +112,7 @@ trait Between {
     fn points(&self, plane: Plane, found: &mut [Found]);
 
     /// Whether the points of a solid are the same corners behind each plane.
-    fn keeps_points(&self, _of: usize) -> bool {
+    fn keeps_points(&self) -> bool {
         true
     }
 }
@@ -291,9 +291,7 @@ impl Across {
             let mut by_old = [Found::none(); MOST_POINTS];
             let by_old = &mut by_old[..touches.len()];
             between.points(before, by_old);
-            let corners_of = plane.corners_of();
-            let keeps = before.corners_of() == corners_of
-                && corners_of.is_none_or(|of| between.keeps_points(of));
+            let keeps = before.corners_of() == plane.corners_of() && between.keeps_points();
             hand_on(touches, law, by_old, &self.found, keeps);
         }
     }

@@ -1,8 +1,8 @@
 //! Where the rims of two cylinders cross.
 //!
-//! A plane that touches a rim of each is overlapped by D(n), how far the second reaches along the normal n beyond the first. Two rims
-//! that cross are between the two where D has a minimum at which n is along neither axis and across neither: there the way from the one
-//! rim's deepest point to the other's is along n.
+//! A plane with the first behind it, across a normal n out of the first, is overlapped by the second by D(n). Where D has a minimum at
+//! which n is neither along an axis nor across one, the plane touches a rim of each where the two cross, and the way from the one rim's
+//! outermost point to the other's is along n.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -23,9 +23,9 @@ const ALONG: f64 = 1e-9;
 /// Two cylinders across a direction.
 struct Across<'a> {
     cylinders: [&'a Cylinder; 2],
-    /// Out of the second.
-    normal: Vector3,
-    /// From the first one's deepest point to the second's `[m]`.
+    /// With the first behind it.
+    bound: Bound,
+    /// From the second one's outermost point against the normal to the first's along it `[m]`.
     way: Vector3,
 }
 
@@ -36,38 +36,29 @@ impl<'a> Across<'a> {
             offset: 0.0,
         };
         let [first, second] = cylinders;
+        let outermost = first.deepest(&bound.turned_round());
         Self {
             cylinders,
-            normal,
-            way: second.deepest(&bound.turned_round()) - first.deepest(&bound),
+            bound: Bound {
+                normal,
+                offset: normal.dot(&outermost),
+            },
+            way: outermost - second.deepest(&bound),
         }
     }
 
     fn overlap(&self) -> f64 {
-        self.way.dot(&self.normal)
+        self.way.dot(&self.bound.normal)
     }
 
     fn slope(&self) -> Vector3 {
-        self.way - self.normal * self.overlap()
-    }
-
-    fn bound(&self) -> Bound {
-        let [_, second] = self.cylinders;
-        let out = Bound {
-            normal: self.normal,
-            offset: 0.0,
-        };
-        let place = second.deepest(&out.turned_round());
-        Bound {
-            offset: self.normal.dot(&place),
-            ..out
-        }
+        self.way - self.bound.normal * self.overlap()
     }
 
     /// Whether the normal is along no axis and across none, so that it touches the rims.
     fn is_at_rims(&self) -> bool {
         self.cylinders.iter().all(|cylinder| {
-            let along = self.normal.dot(&cylinder.axes[2]).abs();
+            let along = self.bound.normal.dot(&cylinder.axes[2]).abs();
             along > ALONG && (1.0 - along * along).max(0.0).sqrt() > ALONG
         })
     }
@@ -75,16 +66,16 @@ impl<'a> Across<'a> {
     /// By Newton's method, or down the slope where D is not convex.
     fn step(&self) -> Vector3 {
         let slope = self.slope();
-        let one = self.normal.cross(&self.cylinders[0].axes[2]);
+        let one = self.bound.normal.cross(&self.cylinders[0].axes[2]);
         let basis = match one.try_normalize(0.0) {
-            Some(one) => [one, self.normal.cross(&one)],
+            Some(one) => [one, self.bound.normal.cross(&one)],
             None => return -slope,
         };
         let mut second = nalgebra::Matrix2::identity() * -self.overlap();
         let mut most = 0.0;
         for cylinder in self.cylinders {
             let axis = cylinder.axes[2];
-            let across = axis.cross(&self.normal);
+            let across = axis.cross(&self.bound.normal);
             let sine = across.norm();
             // The rim bends along this.
             let along = nalgebra::Vector2::from(basis.map(|basis| basis.dot(&across) / sine));
@@ -107,7 +98,7 @@ impl<'a> Across<'a> {
     }
 
     fn moved(&self, way: &Vector3) -> Self {
-        Self::new(self.cylinders, (self.normal + way).normalize())
+        Self::new(self.cylinders, (self.bound.normal + way).normalize())
     }
 
     /// From here to the least overlap nearby, or to any direction across which the two are apart.
@@ -160,7 +151,7 @@ pub(super) fn across_rims(cylinders: [&Cylinder; 2], sides: [Option<Bound>; 2]) 
             let towards = beyond.normalize();
             let at = |angle: f64| {
                 let (sine, cosine) = angle.sin_cos();
-                let sign = if of == 0 { -1.0 } else { 1.0 };
+                let sign = if of == 0 { 1.0 } else { -1.0 };
                 let here = Across::new(cylinders, (bound.normal * cosine + towards * sine) * sign);
                 let rate = (towards * cosine - bound.normal * sine) * sign;
                 (here.way.dot(&rate), here)
@@ -176,10 +167,10 @@ pub(super) fn across_rims(cylinders: [&Cylinder; 2], sides: [Option<Bound>; 2]) 
             };
             let overlap = found.overlap();
             if least.is_none_or(|(least, _)| overlap < least) {
-                least = Some((overlap, found.bound()));
+                least = Some((overlap, found.bound));
             }
             if overlap <= 0.0 {
-                return Some(found.bound());
+                return Some(found.bound);
             }
         }
     }

@@ -1,11 +1,16 @@
 //! A cylinder and a half-space, a solid with flat faces or another cylinder, and the planes that may be between them.
 //!
-//! Each plane has one of the two solids behind it, and the corners, or the points of the rims, of the other overlap it:
-//! E = K/2m sum of p^2, where m share the law. The planes are the flat faces of both; those that touch the side of a cylinder; those
-//! through an edge of a flat solid, between its two faces; and of two cylinders those that touch a rim of each, as where two edges cross.
-//! Of a family of planes the pair takes that of least E.
+//! The plane that the pair takes is that of least energy of two kinds:
 //!
-//! Faces are numbered so: of a cylinder its caps, 0 and 1, and its side, 2; of a flat solid its faces, and then its edges.
+//! - Planes that have the other solid behind them: its faces, those through one of its edges and between the faces there, and those
+//!   that touch its side. The points of the cylinder's rims overlap them: E = K/2m sum of p^2, where m share the law. So the force
+//!   balances where both solids are, wherever the cylinder stands on the other.
+//! - Planes that have the cylinder behind them: its caps and those that touch its side or a rim. The other solid overlaps them by p
+//!   where it is deepest, and E = K/2 p^2, as where two edges cross. Such a plane costs least where a corner or rim is the first to meet
+//!   the cylinder. Where a face or edge lies flat on it, a plane of the first kind costs less: its energy grows with the square of a tilt.
+//!
+//! Of a family of planes the pair takes that of least energy. Of two cylinders the shorter one is "the cylinder", of equals the first.
+//! Faces are numbered so: of a flat solid its faces, and then its edges; of a cylinder its caps, and then its side.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -24,10 +29,12 @@ const DIRECTIONS: usize = 16;
 const PARTS: usize = 8;
 /// Faces of a cylinder before its side.
 const CAPS: usize = 2;
-/// The plane at two rims.
-const RIMS: Plane = Plane::Edges([0, 0]);
+/// The planes that have the cylinder behind them.
+const AT_CAP: [Plane; CAPS] = [Plane::Edges([0, 0]), Plane::Edges([1, 0])];
+const AT_SIDE: Plane = Plane::Edges([2, 0]);
+const AT_RIM: Plane = Plane::Edges([3, 0]);
 
-/// One of the two solids, as it lies.
+/// A solid, as it lies.
 #[derive(Clone, Debug)]
 pub(super) enum Form {
     Cylinder(Cylinder),
@@ -43,7 +50,7 @@ pub(super) enum Form {
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     plane: Plane,
-    /// With one of the solids behind it; of two rims the second.
+    /// With one of the solids behind it.
     bound: Bound,
     /// As of [`Between::least`] `[m]`.
     depth: f64,
@@ -52,7 +59,10 @@ struct Candidate {
 /// A cylinder and another solid.
 #[derive(Clone, Debug)]
 pub(super) struct Cylinders {
-    forms: [Form; 2],
+    /// Which of the two is the cylinder.
+    side: usize,
+    cylinder: Cylinder,
+    other: Form,
     share: usize,
     /// Of these the first `known` have been looked at: a tick asks for no more room.
     candidates: Vec<Candidate>,
@@ -62,7 +72,7 @@ pub(super) struct Cylinders {
 impl Candidate {
     fn none() -> Self {
         Self {
-            plane: RIMS,
+            plane: AT_RIM,
             bound: Bound {
                 normal: Vector3::x(),
                 offset: 0.0,
@@ -75,6 +85,11 @@ impl Candidate {
 impl Form {
     pub fn flat(corners: Arc<Corners>) -> Self {
         Self::Flat(Flat::new(corners))
+    }
+
+    pub fn half_space(normal: Vector3, offset: f64) -> Self {
+        let own = Bound { normal, offset };
+        Self::HalfSpace { own, placed: own }
     }
 
     fn place(&mut self, rigid: &Rigid) {
@@ -119,64 +134,42 @@ impl Form {
         }
     }
 
-    /// How many points overlap others' planes.
-    fn points(&self) -> usize {
+    /// The place that is deepest behind a plane.
+    fn deepest(&self, bound: &Bound) -> Vector3 {
         match self {
-            Self::Cylinder(cylinder) => cylinder.points(),
-            Self::Flat(flat) => flat.corners.len(),
-            Self::HalfSpace { .. } => 0,
-        }
-    }
-
-    /// Depth of the deepest point behind a plane `[m]`, and the sum of the squares of the depths above 0 `[m^2]`.
-    fn behind(&self, bound: &Bound) -> (f64, f64) {
-        match self {
-            Self::Cylinder(cylinder) => cylinder.behind(bound),
+            Self::Cylinder(cylinder) => cylinder.deepest(bound),
             Self::Flat(flat) => {
-                let (mut deepest, mut squares) = (f64::NEG_INFINITY, 0.0);
-                for corner in &flat.corners {
-                    let depth = bound.depth(corner);
-                    deepest = depth.max(deepest);
-                    squares += depth.max(0.0).powi(2);
-                }
-                (deepest, squares)
+                let first = (f64::NEG_INFINITY, Vector3::zeros());
+                let each = flat
+                    .corners
+                    .iter()
+                    .map(|corner| (bound.depth(corner), *corner));
+                each.fold(
+                    first,
+                    |most, here| if here.0 > most.0 { here } else { most },
+                )
+                .1
             }
-            // None of its points is at an end of it.
-            Self::HalfSpace { .. } => (f64::INFINITY, f64::INFINITY),
-        }
-    }
-
-    /// The slope of that, as of [`Cylinder::slope`].
-    fn slope(&self, bound: &Bound, rate: &Bound) -> f64 {
-        match self {
-            Self::Cylinder(cylinder) => cylinder.slope(bound, rate),
-            Self::Flat(flat) => {
-                let (mut deepest, mut of_deepest, mut slope) = (f64::NEG_INFINITY, 0.0, 0.0);
-                for corner in &flat.corners {
-                    let (depth, by) = (bound.depth(corner), rate.depth(corner));
-                    if depth > deepest {
-                        (deepest, of_deepest) = (depth, by);
-                    }
-                    slope += depth.max(0.0) * by;
-                }
-                if deepest > 0.0 { slope } else { of_deepest }
-            }
-            Self::HalfSpace { .. } => 0.0,
+            // None of its places is deepest behind any plane but its own.
+            Self::HalfSpace { placed, .. } => placed.normal * placed.offset,
         }
     }
 }
 
 impl Cylinders {
-    /// `share`: how many points have the law together, as many as each rim has. One of the two is a cylinder.
-    pub fn new(forms: [Form; 2], share: usize) -> Self {
+    /// `side`: the cylinder is the first (0) or second (1) of the two; `share`: how many points have the law together, as many as each
+    /// rim has.
+    pub fn new(side: usize, cylinder: Cylinder, other: Form, share: usize) -> Self {
         // As many planes as there can be.
-        let most = forms.iter().map(|form| match form {
+        let of_other = match &other {
             Form::Flat(flat) => flat.normals.len() + flat.along.len(),
             form => form.faces() + 1,
-        });
-        let most = most.sum::<usize>() + 1;
+        };
+        let most = of_other + CAPS + 2;
         Self {
-            forms,
+            side,
+            cylinder,
+            other,
             share,
             candidates: vec![Candidate::none(); most],
             known: 0,
@@ -184,31 +177,31 @@ impl Cylinders {
     }
 
     pub fn reaches(&self) -> [f64; 2] {
-        self.forms.each_ref().map(Form::reach)
-    }
-
-    #[cfg(test)]
-    pub fn forms(&self) -> &[Form; 2] {
-        &self.forms
+        let (own, other) = (self.cylinder.reach(), self.other.reach());
+        if self.side == 0 {
+            [own, other]
+        } else {
+            [other, own]
+        }
     }
 
     pub fn points(&self) -> usize {
-        self.forms.iter().map(Form::points).max().unwrap_or(0)
+        2 * self.share
     }
 
     pub fn copy_from(&mut self, other: &Self) {
-        for (form, other) in self.forms.iter_mut().zip(&other.forms) {
-            if let (Form::Cylinder(form), Form::Cylinder(other)) = (form, other) {
-                form.copy_from(other);
-            }
-        }
+        self.cylinder.copy_from(&other.cylinder);
     }
 
-    /// They lie so now: looks at all planes, or until one is between the two.
+    #[cfg(test)]
+    pub fn solids(&self) -> (&Cylinder, &Form) {
+        (&self.cylinder, &self.other)
+    }
+
+    /// They lie so now.
     pub fn place(&mut self, rigids: [&Rigid; 2]) {
-        for (form, rigid) in self.forms.iter_mut().zip(rigids) {
-            form.place(rigid);
-        }
+        self.cylinder.place(rigids[self.side]);
+        self.other.place(rigids[1 - self.side]);
         let mut candidates = std::mem::take(&mut self.candidates);
         self.known = self.look(&mut candidates);
         self.candidates = candidates;
@@ -230,94 +223,108 @@ impl Cylinders {
         known
     }
 
+    /// A face of the other solid, by its number.
+    fn face(&self, number: usize) -> Plane {
+        let of = 1 - self.side;
+        Plane::Face { of, number }
+    }
+
     /// Gives all planes, or those up to one that is between the two; `take` says by how much the two overlap there.
     fn look_at_each(&self, mut take: impl FnMut(Plane, Bound) -> f64) {
-        if let Some(of) = self.half_space() {
-            take(Plane::Face { of, number: 0 }, self.forms[of].face(0));
-            return;
-        }
-        let mut least = [(f64::INFINITY, None); 2];
-        for (of, form) in self.forms.iter().enumerate() {
-            for number in 0..form.faces() {
-                let bound = form.face(number);
-                let depth = take(Plane::Face { of, number }, bound);
-                if depth <= 0.0 {
-                    return;
-                }
-                if depth < least[of].0 {
-                    least[of] = (depth, Some(bound));
-                }
+        let (mut depth, mut face) = (f64::INFINITY, 0);
+        for number in 0..self.other.faces() {
+            let here = take(self.face(number), self.other.face(number));
+            if here <= 0.0 {
+                return;
+            }
+            if here < depth {
+                (depth, face) = (here, number);
             }
         }
-        let sides = [0, 1].map(|of| self.at_side(of));
-        let mut depth = least[0].0.min(least[1].0);
-        for (of, side) in sides.into_iter().enumerate() {
-            if let Some(bound) = side {
-                depth = depth.min(take(Plane::Face { of, number: CAPS }, bound));
-            }
-        }
-        if depth <= 0.0 {
+        if matches!(self.other, Form::HalfSpace { .. }) {
             return;
         }
-        for of in [0, 1] {
-            let (Form::Flat(flat), Form::Cylinder(cylinder), Some(bound)) =
-                (&self.forms[of], &self.forms[1 - of], least[of].1)
-            else {
-                continue;
-            };
-            // A place of the cylinder: whatever plane is between the faces at an edge, it is as deep as behind one of these.
-            let place = cylinder.deepest(&bound);
-            for edge in 0..flat.along.len() {
-                let faces = flat.own.edges[edge].faces;
-                let least_depth = faces
-                    .map(|face| self.forms[of].face(face).depth(&place))
-                    .into_iter()
-                    .fold(f64::INFINITY, f64::min);
-                if least_depth > depth * (self.share as f64).sqrt() {
-                    continue;
-                }
-                let number = flat.normals.len() + edge;
-                if let Some(bound) = self.at_edge(of, edge) {
-                    let here = take(Plane::Face { of, number }, bound);
+        let mut is_apart = |plane: Plane, bound: Option<Bound>| {
+            let here = bound.map_or(f64::INFINITY, |bound| take(plane, bound));
+            depth = depth.min(here);
+            here <= 0.0
+        };
+        let own_side = self.at_own_side();
+        if (0..CAPS).any(|cap| is_apart(AT_CAP[cap], Some(self.cylinder.cap(cap))))
+            || is_apart(AT_SIDE, own_side)
+        {
+            return;
+        }
+        match &self.other {
+            Form::Flat(flat) => {
+                // A place of the cylinder: whatever plane is between the faces at an edge, that place is as deep as behind one of them.
+                let place = self.cylinder.deepest(&self.other.face(face));
+                for (edge, own) in flat.own.edges.iter().enumerate() {
+                    let depths = own.faces.map(|face| self.other.face(face).depth(&place));
+                    if depths[0].min(depths[1]) > depth * (self.share as f64).sqrt() {
+                        continue;
+                    }
+                    let bound = self.at_edge(flat, edge);
+                    let here = bound.map_or(f64::INFINITY, |bound| {
+                        take(self.face(flat.normals.len() + edge), bound)
+                    });
                     if here <= 0.0 {
                         return;
                     }
                     depth = depth.min(here);
                 }
             }
+            Form::Cylinder(other) => {
+                let side = self.at_side_of(other);
+                if is_apart(self.face(CAPS), side) {
+                    return;
+                }
+                is_apart(
+                    AT_RIM,
+                    across_rims([&self.cylinder, other], [own_side, side]),
+                );
+            }
+            Form::HalfSpace { .. } => {}
         }
-        if let [Form::Cylinder(first), Form::Cylinder(second)] = &self.forms
-            && let Some(bound) = across_rims([first, second], sides)
-        {
-            take(RIMS, bound);
-        }
-    }
-
-    fn half_space(&self) -> Option<usize> {
-        let is_half_space = |form: &Form| matches!(form, Form::HalfSpace { .. });
-        self.forms.iter().position(is_half_space)
     }
 
     fn depth(&self, plane: Plane, bound: &Bound) -> f64 {
-        let points_of = plane.corners_of();
-        let (deepest, squares) = self.forms[points_of.unwrap_or(0)].behind(bound);
-        if deepest > 0.0 && points_of.is_some() {
+        if plane.corners_of().is_none() {
+            return bound.depth(&self.other.deepest(bound));
+        }
+        let (deepest, squares) = self.cylinder.behind(bound);
+        if deepest > 0.0 {
             (squares / self.share as f64).sqrt()
         } else {
             deepest
         }
     }
 
-    /// Of all planes that touch the side of a cylinder, that of least overlap.
-    fn at_side(&self, of: usize) -> Option<Bound> {
-        let Form::Cylinder(cylinder) = &self.forms[of] else {
-            return None;
-        };
-        let other = &self.forms[1 - of];
+    /// Of all planes that touch the cylinder's side, that of least overlap.
+    fn at_own_side(&self) -> Option<Bound> {
+        let tangent = |angle: f64| self.cylinder.tangent(angle);
         let slope = |angle: f64| {
-            let [bound, rate] = cylinder.tangent(angle);
-            other.slope(&bound, &rate)
+            let [bound, rate] = tangent(angle);
+            rate.depth(&self.other.deepest(&bound))
         };
+        self.around(AT_SIDE, slope, |angle| tangent(angle)[0])
+    }
+
+    /// Of all planes that touch the side of another cylinder.
+    fn at_side_of(&self, other: &Cylinder) -> Option<Bound> {
+        let slope = |angle: f64| {
+            let [bound, rate] = other.tangent(angle);
+            self.cylinder.slope(&bound, &rate)
+        };
+        self.around(self.face(CAPS), slope, |angle| other.tangent(angle)[0])
+    }
+
+    fn around(
+        &self,
+        plane: Plane,
+        slope: impl Fn(f64) -> f64,
+        at: impl Fn(f64) -> Bound,
+    ) -> Option<Bound> {
         let step = TAU / DIRECTIONS as f64;
         let first = slope(0.0);
         let ends = (0..=DIRECTIONS).map(|number| {
@@ -326,15 +333,11 @@ impl Cylinders {
             let is_first = number % DIRECTIONS == 0;
             (angle, if is_first { first } else { slope(angle) })
         });
-        self.least_of(of, ends, slope, |angle| cylinder.tangent(angle)[0])
+        self.least_of(plane, ends, &slope, at)
     }
 
     /// Of all planes through an edge between its two faces that of least overlap, where that is none of the two.
-    fn at_edge(&self, of: usize, number: usize) -> Option<Bound> {
-        let Form::Flat(flat) = &self.forms[of] else {
-            return None;
-        };
-        let other = &self.forms[1 - of];
+    fn at_edge(&self, flat: &Flat, number: usize) -> Option<Bound> {
         let [first, last] = flat.at(number);
         let place = flat.begin(number);
         let cosine = first.dot(last);
@@ -355,21 +358,21 @@ impl Cylinders {
         };
         let slope = |angle: f64| {
             let [bound, rate] = at(angle);
-            other.slope(&bound, &rate)
+            self.cylinder.slope(&bound, &rate)
         };
         let step = sine.atan2(cosine) / PARTS as f64;
         let ends = (0..=PARTS).map(|number| {
             let angle = step * number as f64;
             (angle, slope(angle))
         });
-        self.least_of(of, ends, slope, |angle| at(angle)[0])
+        self.least_of(self.face(0), ends, slope, |angle| at(angle)[0])
     }
 
-    /// Of a family of planes that have the solid `of` behind them, that of least overlap: of all between two of the `ends` from the first
-    /// of which the overlap falls and towards the second of which it rises.
+    /// Of a family of planes that of least overlap: of all between two of the `ends` from the first of which the overlap falls and
+    /// towards the second of which it rises.
     fn least_of(
         &self,
-        of: usize,
+        plane: Plane,
         mut ends: impl Iterator<Item = (f64, f64)>,
         slope: impl Fn(f64) -> f64,
         at: impl Fn(f64) -> Bound,
@@ -384,7 +387,7 @@ impl Cylinders {
                     high.0
                 };
                 let bound = at(angle);
-                let depth = self.depth(Plane::Face { of, number: 0 }, &bound);
+                let depth = self.depth(plane, &bound);
                 if least.is_none_or(|(least, _)| depth < least) {
                     least = Some((depth, bound));
                 }
@@ -394,41 +397,41 @@ impl Cylinders {
         Some(least?.1)
     }
 
-    /// Where a plane is. One through an edge that there is not any more has come to one of the two faces there, and one at two rims to
-    /// the plane that has taken over.
+    /// Where a plane is. One through an edge that there is not any more has come to one of the two faces there, another one to the
+    /// plane that has taken over.
     fn bound(&self, plane: Plane) -> Bound {
-        let known = &self.candidates[..self.known];
-        if let Some(candidate) = known.iter().find(|candidate| candidate.plane == plane) {
+        let find = |plane: Plane| {
+            let mut known = self.candidates[..self.known].iter();
+            known.find(|candidate| candidate.plane == plane)
+        };
+        if let Some(candidate) = find(plane) {
             return candidate.bound;
         }
-        match plane {
-            Plane::Face { of, number } => match &self.forms[of] {
-                Form::Flat(flat) if number >= flat.normals.len() => {
-                    let faces = flat.own.edges[number - flat.normals.len()].faces;
-                    let [one, other] = faces.map(|face| self.forms[of].face(face));
-                    if self.depth(plane, &one) <= self.depth(plane, &other) {
-                        one
-                    } else {
-                        other
-                    }
-                }
-                form => form.face(number.min(form.faces() - 1)),
-            },
-            Plane::Edges(_) => match self.least(None).0 {
-                Plane::Edges(_) => self.forms[1].face(0),
-                after @ Plane::Face { of: 0, .. } => self.bound(after).turned_round(),
-                after => self.bound(after),
-            },
+        if let (Plane::Face { number, .. }, Form::Flat(flat)) = (plane, &self.other)
+            && let Some(edge) = number.checked_sub(flat.normals.len())
+        {
+            let faces = flat.own.edges[edge].faces;
+            let [one, last] = faces.map(|face| self.other.face(face));
+            return if self.depth(plane, &one) <= self.depth(plane, &last) {
+                one
+            } else {
+                last
+            };
+        }
+        let after = self.least(None).0;
+        let bound = find(after).map_or(self.other.face(0), |candidate| candidate.bound);
+        if after.corners_of() == plane.corners_of() {
+            bound
+        } else {
+            bound.turned_round()
         }
     }
 
-    /// The points of a cylinder come to be turned as they are behind the plane that is taken.
+    /// The points of the cylinder come to be turned as they are behind the plane that is taken.
     pub fn turn(&mut self, plane: Plane) {
-        let bound = self.bound(plane);
-        if let Some(of) = plane.corners_of()
-            && let Form::Cylinder(cylinder) = &mut self.forms[of]
-        {
-            cylinder.turn(&bound);
+        if plane.corners_of().is_some() {
+            let bound = self.bound(plane);
+            self.cylinder.turn(&bound);
         }
     }
 }
@@ -454,25 +457,12 @@ impl Between for Cylinders {
 
     fn normal(&self, plane: Plane) -> Vector3 {
         let out = self.bound(plane).normal;
-        if plane.corners_of() == Some(1) {
-            -out
-        } else {
-            out
-        }
+        let behind = plane.corners_of().map_or(self.side, |of| 1 - of);
+        if behind == 0 { -out } else { out }
     }
 
     fn points(&self, plane: Plane, found: &mut [Found]) {
         let bound = self.bound(plane);
-        let Some(of) = plane.corners_of() else {
-            if let [Form::Cylinder(first), Form::Cylinder(second)] = &self.forms {
-                let one = first.deepest(&bound);
-                let other = second.deepest(&bound.turned_round());
-                let penetration = bound.normal.dot(&(other - one));
-                Found::cross(found, penetration, 0.5 * (one + other), self.share);
-            }
-            return;
-        };
-        found.fill(Found::none());
         let at = |place: Vector3| {
             let depth = bound.depth(&place);
             Found {
@@ -480,23 +470,18 @@ impl Between for Cylinders {
                 place: place + bound.normal * (0.5 * depth),
             }
         };
-        match &self.forms[of] {
-            Form::Cylinder(cylinder) => {
-                for (found, place) in found.iter_mut().zip(cylinder.places(&bound)) {
-                    *found = at(place);
-                }
+        if plane.corners_of().is_some() {
+            for (found, place) in found.iter_mut().zip(self.cylinder.places(&bound)) {
+                *found = at(place);
             }
-            Form::Flat(flat) => {
-                for (found, corner) in found.iter_mut().zip(&flat.corners) {
-                    *found = at(*corner);
-                }
-            }
-            Form::HalfSpace { .. } => {}
+        } else {
+            let Found { penetration, place } = at(self.other.deepest(&bound));
+            Found::cross(found, penetration, place, self.share);
         }
     }
 
-    /// The corners of a flat solid do, the points of a rim do not.
-    fn keeps_points(&self, of: usize) -> bool {
-        matches!(self.forms[of], Form::Flat(_))
+    /// The points of a rim turn.
+    fn keeps_points(&self) -> bool {
+        false
     }
 }

@@ -65,11 +65,6 @@ impl Cylinder {
         self.turns = other.turns;
     }
 
-    /// How many points both rims have.
-    pub fn points(&self) -> usize {
-        2 * self.cosines.len()
-    }
-
     /// The half-space beyond which a cap is.
     pub fn cap(&self, number: usize) -> Bound {
         let normal = self.axes[2] * end(number);

@@ -7,7 +7,7 @@ use super::cylinders::{Cylinders, Form};
 use super::hulls::Hulls;
 use super::rims::Cylinder;
 use super::rods::{ENDS, Other, Rod};
-use super::{Blocks, Bound, Solids};
+use super::{Blocks, Solids};
 use crate::Shape;
 use crate::hull::Corners;
 use crate::solid::Solid;
@@ -75,29 +75,34 @@ fn flat(shape: &Shape) -> Option<Arc<Corners>> {
     }
 }
 
-/// A cylinder on a half-space, a box, a hull or another cylinder, and how many points share the law.
+/// A cylinder on a half-space, a box, a hull or another cylinder, and how many points share the law: of two cylinders the shorter one, of
+/// equals the first.
 fn cylinders(shapes: [&Shape; 2]) -> Option<(Cylinders, usize)> {
-    let is_cylinder = |shape: &Shape| matches!(shape, Shape::Cylinder { .. });
-    if !shapes.into_iter().any(is_cylinder) {
-        return None;
-    }
-    // As a box has four corners on a face, so that both give way alike.
-    let most = |shape: &Shape| flat(shape).map_or(0, |corners| corners.most_on_a_face());
-    let share = shapes.map(most).into_iter().fold(ON_A_FACE, usize::max);
-    let form = |shape: &Shape| match *shape {
+    let cylinder = |side: usize| match *shapes[side] {
         Shape::Cylinder {
             radius,
             half_length,
-        } => Some(Form::Cylinder(Cylinder::new(radius, half_length, share))),
-        Shape::HalfSpace { normal, offset } => {
-            let own = Bound {
-                normal: normal.into(),
-                offset,
-            };
-            Some(Form::HalfSpace { own, placed: own })
-        }
-        ref other => flat(other).map(Form::flat),
+        } => Some((radius, half_length)),
+        _ => None,
     };
-    let [one, other] = shapes;
-    Some((Cylinders::new([form(one)?, form(other)?], share), share))
+    let side = match (cylinder(0), cylinder(1)) {
+        (Some(one), Some(other)) => usize::from(other.1 < one.1),
+        (Some(_), None) => 0,
+        (None, _) => 1,
+    };
+    let (radius, half_length) = cylinder(side)?;
+    // As a box has four corners on a face, so that both give way alike.
+    let most = flat(shapes[1 - side]).map_or(0, |corners| corners.most_on_a_face());
+    let share = ON_A_FACE.max(most);
+    let rims = |radius, half_length| Cylinder::new(radius, half_length, share);
+    let other = match *shapes[1 - side] {
+        Shape::Cylinder {
+            radius,
+            half_length,
+        } => Form::Cylinder(rims(radius, half_length)),
+        Shape::HalfSpace { normal, offset } => Form::half_space(normal.into(), offset),
+        ref other => Form::flat(flat(other)?),
+    };
+    let own = rims(radius, half_length);
+    Some((Cylinders::new(side, own, other, share), share))
 }

@@ -192,6 +192,33 @@ fn a_large_box_bears_a_cylinder_as_a_half_space_does() {
     );
 }
 
+/// A can on a table stands upright wherever its mass centre is above the table, and tips over the edge where that is beyond it.
+#[test]
+fn a_cylinder_tips_over_an_edge_only_where_its_mass_centre_is_beyond_it() {
+    let law = ContactLaw::spring(K).with_damping(20.0).with_friction(0.5);
+    let upright = |x: f64| {
+        let bodies = vec![
+            Body::new("table", box_of([0.15, 0.1, 0.05]), Motion::Fixed).at([0.0, 0.0, -0.05]),
+            // A little off upright, so that it has to come back.
+            can(heavy(), [x, 0.03, HALF_LENGTH - WEIGHT / K]).turned(turned(3e-4, 4e-4, 0.0)),
+        ];
+        let renderer = renderer(&world(0.005, bodies, law));
+        let mut state = renderer.start();
+        leave_alone(&renderer, &mut state, 500);
+        let [_, x, y, _] = state.bodies()[1].orientation;
+        1.0 - 2.0 * (x * x + y * y)
+    };
+    for x in [0.0, 0.02, -0.1, 0.139, 0.149] {
+        let cosine = upright(x);
+        println!(
+            "mass centre at {x} m of 0.15 m: cosine of the tilt 1 - {:.1e}",
+            1.0 - cosine
+        );
+        assert!(1.0 - cosine < 1e-9, "{x} {cosine}");
+    }
+    assert!(upright(0.151) < 0.9, "{}", upright(0.151));
+}
+
 /// A tool pushes cans about: each contact's books, and those of the world.
 #[test]
 fn the_books_of_cylinders_that_are_pushed_about_balance() {
