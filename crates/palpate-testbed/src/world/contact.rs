@@ -230,7 +230,9 @@ impl Contact {
             return plane.touch(*number, solids, [first, second]);
         }
         if let (Some((cylinder, number)), Feature::OnCylinder(at)) = (&self.cylinder, feature) {
-            return cylinder.touch(*number, at, [first, second]);
+            let mut found = [Touch::none()];
+            cylinder.touch(*number, at, [first, second], &mut found);
+            return found[0];
         }
         if let Some((rod, end)) = &self.rod {
             return rod.touch(*end, [first, second]);
@@ -262,6 +264,18 @@ impl Contact {
             point_velocity: velocity - normal_rate * below + normal * (0.5 * rate),
             sliding: first.velocity_at(point) - second.velocity_at(point),
         }
+    }
+
+    /// How the two lie at this contact and those after it, where one plane that takes long to find serves all; whether it does.
+    pub fn touch_all(&self, feature: Feature, placed: &[Placed], found: &mut [Touch]) -> bool {
+        let (Some((cylinder, number)), Feature::OnCylinder(at)) = (&self.cylinder, feature) else {
+            return false;
+        };
+        if *number == 0 {
+            let two = [&placed[self.first], &placed[self.second]];
+            cylinder.touch(0, at, two, found);
+        }
+        true
     }
 
     /// How the surface of the second lies about a place in the world that moves against it.

@@ -157,15 +157,28 @@ impl Cylinder {
         }
     }
 
-    /// How the two lie at one of the contacts.
-    pub fn touch(&self, number: usize, at: OnCylinder, placed: [&Placed; 2]) -> Touch {
+    /// How the two lie at the contacts from `first` on, as many as there are places for.
+    pub fn touch(&self, first: usize, at: OnCylinder, placed: [&Placed; 2], found: &mut [Touch]) {
         let lying = Lying::new(self, placed);
         let plane = lying.moving(at.plane);
+        for (number, found) in (first..self.contacts()).zip(found) {
+            *found = self.touch_across(&lying, &plane, at, number, placed);
+        }
+    }
+
+    fn touch_across(
+        &self,
+        lying: &Lying,
+        plane: &Moving,
+        at: OnCylinder,
+        number: usize,
+        placed: [&Placed; 2],
+    ) -> Touch {
         // The plane's normal is out of the solid that it bounds.
         let (point, is_towards_first) = if at.plane.is_of_cylinder() {
-            (lying.corner(number, &plane), !self.is_first)
+            (lying.corner(number, plane), !self.is_first)
         } else {
-            (lying.point_of_rim(number, at.rims, &plane), self.is_first)
+            (lying.point_of_rim(number, at.rims, plane), self.is_first)
         };
         let towards_first = if is_towards_first { 1.0 } else { -1.0 };
         let (normal, normal_rate) = (plane.normal, plane.normal_rate);
@@ -300,45 +313,46 @@ impl<'a> Lying<'a> {
     /// The plane of least overlap, which is another one than `now` where that is less by a margin; of two that are apart, any
     /// plane between them.
     fn least(&self, now: Option<Plane>, slack: f64) -> Plane {
-        let mut least = now.map(|now| self.overlap(now));
-        if let Some((now, overlap)) = least
-            && overlap <= slack
-        {
-            return now;
+        let (mut plane, mut least) =
+            now.map_or((Plane::Face(0), f64::INFINITY), |now| self.overlap(now));
+        if now.is_some() && least <= slack {
+            return plane;
         }
-        let mut look = |plane: Plane, overlap: f64| {
-            let is_less = least.is_none_or(|(_, least): (Plane, f64)| {
-                let margin = if least.is_finite() {
-                    MARGIN * least.abs()
-                } else {
-                    0.0
-                };
-                overlap < least - margin.max(slack)
-            });
-            if is_less {
-                least = Some((plane, overlap));
+        let mut look = |other: Plane, overlap: f64| {
+            let margin = if least.is_finite() {
+                MARGIN * least.abs()
+            } else {
+                0.0
+            };
+            if overlap < least - margin.max(slack) {
+                (plane, least) = (other, overlap);
             }
-            overlap <= 0.0
+            least
         };
         let solid = &self.cylinder.flat;
         let faces = (0..solid.faces.len()).map(|face| Plane::Face(number(face)));
         let ends = [Plane::End(0), Plane::End(1)].into_iter();
         let ends = ends.filter(|_| !solid.corners.is_empty());
-        let mut is_apart = false;
+        let mut so_far = f64::INFINITY;
         for plane in faces.chain(ends) {
-            is_apart |= look(plane, self.overlap(plane).1);
+            so_far = look(plane, self.overlap(plane).1);
         }
-        if !is_apart && !solid.corners.is_empty() {
+        // Of two that are apart, any plane between them will do.
+        if so_far > 0.0 && !solid.corners.is_empty() {
             for (name, overlap) in self.overlaps_of(Family::Side) {
-                look(Plane::Side(name), overlap);
+                so_far = look(Plane::Side(name), overlap);
             }
             for edge in (0..solid.edges.len()).map(number) {
-                for (name, overlap) in self.overlaps_of(Family::Edge(edge)) {
-                    look(Plane::Edge(edge, name), overlap);
+                let family = Family::Edge(edge);
+                if self.least_that_can_be(edge) > so_far {
+                    continue;
+                }
+                for (name, overlap) in self.overlaps_of(family) {
+                    so_far = look(Plane::Edge(edge, name), overlap);
                 }
             }
         }
-        least.map_or(Plane::Face(0), |(plane, _)| plane)
+        plane
     }
 
     /// The overlap of a plane, and what the plane is called now.

@@ -80,8 +80,9 @@ fn moved((position, orientation): Pose, direction: usize, by: f64) -> Pose {
 }
 
 fn touches(cylinder: &Cylinder, at: OnCylinder, two: [&Placed; 2]) -> Vec<Touch> {
-    let all = 0..cylinder.contacts();
-    all.map(|number| cylinder.touch(number, at, two)).collect()
+    let mut found = vec![Touch::none(); cylinder.contacts()];
+    cylinder.touch(0, at, two, &mut found);
+    found
 }
 
 /// How the two touch, and what they store with a stiffness of 1 N/m.

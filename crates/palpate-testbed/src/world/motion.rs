@@ -235,9 +235,12 @@ impl System {
         now.forces.fill(Vec3::ZERO);
         now.torques.fill(Vec3::ZERO);
         for (number, (contact, condition)) in self.contacts.iter().zip(conditions).enumerate() {
-            let touch = contact.touch(condition.feature, &now.placed);
+            let found = &mut now.touches[number..];
+            if !contact.touch_all(condition.feature, &now.placed, found) {
+                found[0] = contact.touch(condition.feature, &now.placed);
+            }
+            let touch = now.touches[number];
             let (normal_force, bristle) = self.push(number, condition.mode, &touch, state);
-            now.touches[number] = touch;
             now.normal_forces[number] = normal_force;
             now.bristles[number] = bristle;
             let force = touch.normal * normal_force - bristle * contact.law.friction_stiffness;

@@ -17,7 +17,7 @@ const RENAMED: f64 = 1.5;
 /// A plane is looked for so many parts about where it was.
 const ABOUT: f64 = 3.0;
 /// Places at which the slope along the side is looked at, and the longest way from one to the next along an arc `[rad]`.
-const AROUND: usize = 64;
+const AROUND: usize = 32;
 const APART: f64 = 0.1;
 /// How far beyond its end an arc is taken to reach `[rad]`.
 const BEYOND: f64 = 1e-12;
@@ -285,7 +285,8 @@ impl Lying<'_> {
         bend.shared(share, deepest.0, deepest.1)
     }
 
-    /// The angles at which planes of a family have less overlap than those beside them.
+    /// The angles at which planes of a family have less overlap than those beside them. Between the ends of an arc they count
+    /// even if the overlap does not fall from both ends inwards: the energy would jump where it ceases to.
     pub fn least_of(&self, family: Family, turn: &Turn) -> Vec<f64> {
         let slope = |angle: f64| self.bend(family, turn, angle).slope;
         let count = if turn.is_round {
@@ -344,6 +345,20 @@ impl Lying<'_> {
             ),
             None => (f64::INFINITY, name),
         }
+    }
+
+    /// What no plane through an edge has less overlap than: the cylinder holds a ball about its centre, and where that is
+    /// behind the planes at both ends of the arc, it is behind those between by no less.
+    pub fn least_that_can_be(&self, edge: u8) -> f64 {
+        let turn = self.turn(Family::Edge(edge));
+        let off = self.on_edge(edge) - self.round.position;
+        let depth = [0.0, turn.width].map(|angle| turn.at(angle).0.dot(off));
+        let depth = depth[0].min(depth[1]);
+        if depth <= 0.0 {
+            return f64::NEG_INFINITY;
+        }
+        let ball = self.cylinder.radius.min(self.cylinder.half_length);
+        (depth + ball) / (self.cylinder.share() as f64).sqrt()
     }
 
     /// The name of each plane of a family that has less overlap than those beside it, and that overlap.
