@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
-use palpate_testbed::world::{ContactLaw, Hull, Member, Shape, WorldBody, WorldIdeal, WorldScene};
+use palpate_testbed::world::{
+    ContactLaw, Hull, Member, Shape, Tool, Turning, TurningHand, WorldBody, WorldIdeal, WorldScene,
+};
 
 use crate::boxes::{drift, sums};
-use crate::{body, half_space, motion, pair, solve};
+use crate::{body, device, half_space, motion, pair, solve};
 
 const RADIUS: f64 = 0.02;
 const HALF_LENGTH: f64 = 0.03;
@@ -178,6 +180,87 @@ fn table() -> WorldBody {
     table.orientation = [0.15_f64.cos(), 0.0, 0.0, 0.15_f64.sin()];
     table.motion = None;
     table
+}
+
+/// A disc that falls onto its rim rolls about it, lies down and rests: its points stop to turn with the deepest place.
+#[test]
+fn a_disc_rolls_on_its_rim_until_it_lies_flat() {
+    let half_length = 0.004;
+    let disc = Shape::Cylinder {
+        radius: RADIUS,
+        half_length,
+    };
+    let law = ContactLaw::spring(STIFFNESS)
+        .rough(0.2, STIFFNESS)
+        .damped(20.0);
+    let mut one = body(disc, MASS, [0.0, 0.0, 0.025]);
+    let q = [0.98, 0.12, 0.04, 0.12];
+    let size = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+    one.orientation = q.map(|x| x / size);
+    motion(&mut one).force = [0.0, 0.0, -WEIGHT];
+    motion(&mut one).velocity = [0.15, 0.05, -0.2];
+    motion(&mut one).angular_velocity = [1.0, 2.0, 0.5];
+    let ideal = solve(&on(floor(), one, law), 0.02, 150);
+    let end = ideal.states.last().unwrap().bodies[0];
+    let off = (end.position[2] - half_length + WEIGHT / STIFFNESS).abs();
+    let tilt = end.orientation[1].hypot(end.orientation[2]);
+    println!(
+        "a disc: {off:.1e} m from rest, tilt {tilt:.1e}; energy to {:.1e}, {} events",
+        drift(&ideal),
+        ideal.events
+    );
+    assert!(drift(&ideal) < 1e-9);
+    assert!(off < 1e-12 && tilt < 1e-8, "{off} {tilt}");
+    assert!(ideal.events > 20);
+}
+
+/// A tool of six axes, in a hand that presses and turns it, on a loose block.
+#[test]
+fn a_tool_that_is_a_cylinder_pays_for_what_it_pushes() {
+    let mut tool = device(0.2, [0.0, 0.002, 0.075]);
+    tool.tool = Tool::Solid(cylinder());
+    tool.hand.force = [0.4, 0.0, -3.0];
+    tool.hand.stiffness = 50.0;
+    tool.hand.damping = 1.0;
+    tool.hand.rest = [0.0, 0.0, 0.05];
+    tool.turning = Some(Turning {
+        inertia: cylinder().inertia(0.2),
+        orientation: [0.8, 0.6, 0.0, 0.0],
+        angular_velocity: [1.0, -2.0, 0.5],
+        hand: TurningHand {
+            stiffness: 0.05,
+            damping: 1e-3,
+            ..TurningHand::none()
+        },
+        gives_torque: true,
+        quantum: 0.0,
+    });
+    let block = Shape::Box {
+        half_extents: [0.04, 0.03, 0.02],
+    };
+    let mut block = body(block, 0.3, [0.0, 0.0, 0.0195]);
+    motion(&mut block).force[2] = -2.943;
+    let law = ContactLaw::spring(4000.0).rough(0.4, 2000.0).damped(2.0);
+    let scene = WorldScene {
+        joints: Vec::new(),
+        devices: vec![tool],
+        bodies: vec![block, floor()],
+        pairs: vec![
+            pair(Member::Body(0), Member::Device(0), law),
+            pair(Member::Body(0), Member::Body(1), law),
+        ],
+    };
+    let ideal = solve(&scene, 0.002, 200);
+    let start = ideal.states[0].books.balance();
+    let balances = ideal.states.iter().map(|state| state.books.balance());
+    let apart = balances.map(|one| (one - start).abs()).fold(0.0, f64::max);
+    let of_tool = ideal.encounters.iter().filter(|one| one.is_of_device(0));
+    let torque = ideal.states.iter().map(|state| state.devices[0].torque);
+    let torque = torque.map(|[x, y, z]| x.hypot(y).hypot(z));
+    let (hits, torque) = (of_tool.count(), torque.fold(0.0, f64::max));
+    println!("a tool: energy to {apart:.1e} J, {hits} contacts, {torque:.3} N m");
+    assert!(apart < 1e-10, "{apart}");
+    assert!(hits > 2 && torque > 0.01);
 }
 
 /// On its ends, its rims and its side, with and without friction and damping.
