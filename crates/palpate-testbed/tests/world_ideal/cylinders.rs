@@ -343,7 +343,7 @@ fn a_cylinder_keeps_energy_momentum_and_angular_momentum() {
     ] {
         for (name, other) in others() {
             let (mut worst, mut hits, mut steps) = ([0.0_f64; 3], 0, 0);
-            for case in 0..8_u8 {
+            for case in 0..6_u8 {
                 let turn = |prime: f64| 2.0 * (f64::from(case + 1) * prime).fract() - 1.0;
                 let of = |shape, mass, position, parts: [f64; 3], speed: f64| {
                     let mut one = body(shape, mass, position);
@@ -378,10 +378,10 @@ fn a_cylinder_keeps_energy_momentum_and_angular_momentum() {
                 }
             }
             println!(
-                "a cylinder and a {name}, {kind}: {hits} of 8 meet; energy to {:.1e}, momentum {:.1e} N s, angular {:.1e}; {steps} steps",
+                "a cylinder and a {name}, {kind}: {hits} of 6 meet; energy to {:.1e}, momentum {:.1e} N s, angular {:.1e}; {steps} steps",
                 worst[0], worst[1], worst[2]
             );
-            assert!(hits > 5, "{hits}");
+            assert!(hits > 4, "{hits}");
             assert!(
                 worst[0] < 1e-8 && worst[1] < 1e-13 && worst[2] < 1e-14,
                 "{worst:?}"
