@@ -2334,7 +2334,7 @@ palpate_status palpate_scene_open(const char *path, struct palpate_scene **scene
 void palpate_scene_free(struct palpate_scene *scene);
 
 /*
- Adds a device and the shape of its tool: a sphere, several spheres, a box or a capsule. Its place in the scene, which
+ Adds a device and the shape of its tool: a sphere, several spheres, a box, a capsule or a cylinder. Its place in the scene, which
  samples and wrenches go by, is that of the call. A name may not be "", "*" or "world", nor that of another device or body, and
  has no comma, quotation mark or control character.
 
