@@ -349,6 +349,12 @@ fn capsules_on_a_box_on_each_other_and_on_a_hull_are_rendered_as_their_ideal_mov
 }
 
 #[test]
+fn cylinders_on_a_box_and_on_each_other_are_rendered_as_their_ideal_moves() {
+    let [known, told] = known_and_told("cans");
+    assert!(known < 0.1 && told < 1.0, "{known} {told}");
+}
+
+#[test]
 fn points_on_a_grid_of_distances_are_rendered_as_their_ideal_moves() {
     let [known, told] = known_and_told("angle");
     assert!(known < 0.1 && told < 1.0, "{known} {told}");
