@@ -194,7 +194,7 @@ fn committed() -> Vec<(String, String)> {
         .collect();
     worlds.retain(|(name, source)| name != "bowl" && !source.contains("quantum_rad"));
     worlds.sort();
-    assert_eq!(worlds.len(), 23);
+    assert_eq!(worlds.len(), 24);
     worlds
 }
 
