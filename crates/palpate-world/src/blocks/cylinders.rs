@@ -380,11 +380,14 @@ impl Cylinders {
         let mut least: Option<(f64, Bound)> = None;
         let mut low = ends.next()?;
         for high in ends {
-            if low.1 < 0.0 && high.1 >= 0.0 {
-                let angle = if high.1 > 0.0 {
-                    rising_zero(low, high, &slope)
-                } else {
+            // The slope is 0 throughout where the two have one axis.
+            if low.1 <= 0.0 && high.1 >= 0.0 {
+                let angle = if high.1 == 0.0 {
                     high.0
+                } else if low.1 == 0.0 {
+                    low.0
+                } else {
+                    rising_zero(low, high, &slope)
                 };
                 let bound = at(angle);
                 let depth = self.depth(plane, &bound);

@@ -1,5 +1,6 @@
 mod of_cylinders;
 mod of_hulls;
+mod of_poses;
 mod of_rods;
 
 use std::sync::Arc;

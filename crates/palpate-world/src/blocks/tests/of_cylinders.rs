@@ -5,7 +5,18 @@ use super::rims::Cylinder;
 use super::*;
 
 /// The cylinder, and how many points share the law.
-struct OnForm(Cylinders, usize);
+pub(super) struct OnForm(pub(super) Cylinders, usize);
+
+impl OnForm {
+    /// `None` where no plane is looked for between the two.
+    pub(super) fn between(shapes: [&crate::Shape; 2]) -> Option<Self> {
+        let blocks = Blocks::between(shapes, [0, 1], 0)?;
+        match blocks.solids {
+            Solids::Cylinders(pair) => Some(Self(pair, blocks.share)),
+            _ => None,
+        }
+    }
+}
 
 impl Pair for OnForm {
     fn placed(&self, first: &Rigid, second: &Rigid) -> impl Between {
