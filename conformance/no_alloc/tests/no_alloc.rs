@@ -363,6 +363,90 @@ fn a_world_is_stepped_without_allocating() {
     }
 }
 
+/// Nor does a tick of cylinders: a tool and bodies on a table, one on another, and beside a hull.
+#[test]
+fn cylinders_are_touched_without_allocating() {
+    use palpate_world::{
+        BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Hull, Motion, Party, Sample,
+        Shape, Tool, World, WorldLoop, WorldMethod, WorldRenderer,
+    };
+    use std::sync::Arc;
+    let half_space = Shape::HalfSpace {
+        normal: [0.0, 0.0, 1.0],
+        offset: 0.0,
+    };
+    let can = |half_length: f64| Shape::Cylinder {
+        radius: 0.02,
+        half_length,
+    };
+    let corners: Vec<[f64; 3]> = (0..8)
+        .map(|number| {
+            [0, 1, 2].map(|axis| {
+                if number >> axis & 1 == 0 {
+                    -0.02
+                } else {
+                    0.025
+                }
+            })
+        })
+        .collect();
+    let stone = Shape::Hull(Arc::new(Hull::around(&corners).unwrap()));
+    let free = Free::of_mass(0.1).pulled_by([0.0, 0.0, -1.0]);
+    let named = |name: &str| Party::Named(name.into());
+    let law = ContactLaw::spring(2000.0)
+        .with_damping(1.0)
+        .with_friction(0.5);
+    let pairs = [
+        ["tool", "upper"],
+        ["tool", "stone"],
+        ["lower", "table"],
+        ["lower", "upper"],
+        ["lower", "stone"],
+    ];
+    let world = World {
+        joints: Vec::new(),
+        tools: vec![Tool::new("tool", can(0.02)).turning()],
+        bodies: vec![
+            Body::new("table", half_space, Motion::Fixed),
+            Body::new("lower", can(0.03), Motion::Free(free)).at([0.0, 0.0, 0.03]),
+            Body::new("upper", can(0.01), Motion::Free(free))
+                .at([0.003, 0.0, 0.072])
+                .turned([0.96, 0.0, 0.28, 0.0]),
+            Body::new("stone", stone, Motion::Fixed).at([0.043, 0.0, 0.03]),
+        ],
+        contacts: pairs
+            .map(|pair| Contact {
+                between: pair.map(named),
+                law,
+            })
+            .into(),
+    };
+    let methods: [WorldMethod; 2] = [
+        BasicParams::default().into(),
+        CoupledParams::new(vec![[0.15; 3]])
+            .with_device_inertia(vec![[4e-5; 3]])
+            .into(),
+    ];
+    for method in methods {
+        let renderer = WorldRenderer::new(&world, WorldLoop::new(0.001), method).unwrap();
+        let mut state = renderer.start();
+        let mut forces = 0;
+        let count = allocations(|| {
+            for tick in 0..400 {
+                let t = f64::from(tick) * 0.001;
+                let half: f64 = 0.8 * (11.0 * t).sin();
+                let orientations = [[half.cos(), half.sin(), 0.0, 0.0]];
+                let positions = [[0.05 * t, 0.0, 0.1 - 0.01 * (40.0 * t).sin()]];
+                let sample = Sample::at(&positions).turned(&orientations);
+                let output = renderer.step(&mut state, &sample);
+                forces += usize::from(output.forces[0] != [0.0; 3]);
+            }
+        });
+        assert!(forces > 50, "{forces}");
+        assert_eq!(count, 0);
+    }
+}
+
 /// The same for contact with the bodies of another engine.
 #[test]
 fn contact_with_an_engine_s_body_allocates_nothing() {
