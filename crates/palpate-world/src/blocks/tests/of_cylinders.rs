@@ -158,3 +158,43 @@ fn cylinders_push_if_and_only_if_they_overlap() {
         assert!(apart > 100 && together > 100, "{kind} {apart} {together}");
     }
 }
+
+/// Where the rims of two cylinders cross, only the plane that touches both parts them, and where they overlap by little it
+/// costs least.
+#[test]
+fn rims_that_cross_are_apart_by_the_plane_that_touches_both() {
+    let mut pair = pair("cylinder", true).0;
+    let first = rigid(Vector3::zeros(), Vector3::zeros());
+    let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
+    // Out of the first at its upper rim, and axis and radius of the second, which go up and aside from there.
+    let out = (x + z).normalize();
+    for lean in [0.3, 0.8, 1.3_f64] {
+        let (sine, cosine) = lean.sin_cos();
+        let axis = y * sine - out * cosine;
+        let radius = -y * cosine - out * sine;
+        let orientation = nalgebra::Matrix3::from_columns(&[radius, axis.cross(&radius), axis]);
+        let rim = x * 0.3 + z * 0.45;
+        let on_second = axis * 0.5 + radius * 0.4;
+        for gap in [0.01, 1e-6, -1e-6, -0.005] {
+            let second = Rigid {
+                orientation: Rotation::from_matrix(&orientation),
+                ..rigid(rim + out * gap - on_second, Vector3::zeros())
+            };
+            pair.place([&first, &second]);
+            let (plane, depth) = pair.least(None);
+            assert_eq!(plane, Plane::Edges([3, 0]), "{lean} {gap}");
+            if gap > 0.0 {
+                // Any plane that parts them will do.
+                assert!(depth < 0.0 && depth > -gap - 1e-12, "{lean} {gap} {depth}");
+                continue;
+            }
+            assert!((depth + gap).abs() < 1e-12, "{lean} {gap} {depth}");
+            assert!((pair.normal(plane) + out).norm() < 1e-9, "{lean} {gap}");
+            let mut found = vec![Found::none(); pair.points()];
+            Between::points(&pair, plane, &mut found);
+            let touching = found.iter().filter(|found| found.penetration > 0.0);
+            assert_eq!(touching.count(), 4);
+            assert!((found[0].place - rim - out * (0.5 * gap)).norm() < 1e-9);
+        }
+    }
+}
