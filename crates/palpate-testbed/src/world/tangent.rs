@@ -1,10 +1,8 @@
-//! Planes between a cylinder and a solid with flat faces that are found among many: all that touch the side of the cylinder along
-//! a line, and all through an edge of the solid whose normals lie between those of the two faces there.
+//! Planes between a cylinder and a solid with flat faces that are found among many: all through an edge of the solid whose
+//! normals lie between those of the two faces there.
 //!
-//! Along such a family the overlap p of a plane is a function of an angle φ. Where p² has its least, half its slope
+//! Among those the overlap p of a plane is a function of an angle φ. Where p² has its least, half its slope
 //! g(φ) = Σ max(0, d) ∂d/∂φ is 0, and the angle turns at the rate −(∂g/∂t)/(∂g/∂φ).
-
-use std::f64::consts::TAU;
 
 use super::cylinder::Lying;
 use super::ridders::falls_through_zero;
@@ -16,22 +14,13 @@ pub(super) const PARTS: u8 = 64;
 const RENAMED: f64 = 1.5;
 /// A plane is looked for so many parts about where it was.
 const ABOUT: f64 = 3.0;
-/// Places at which the slope along the side is looked at, and the longest way from one to the next along an arc `[rad]`.
+/// Places at which the slope along an arc is looked at, at most, and the longest way from one to the next `[rad]`.
 const AROUND: usize = 32;
 const APART: f64 = 0.1;
 /// How far beyond its end an arc is taken to reach `[rad]`.
 const BEYOND: f64 = 1e-12;
 
-/// Planes that differ by an angle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Family {
-    /// Those that are tangent to the side of the cylinder.
-    Side,
-    /// Those through an edge, by its number.
-    Edge(u8),
-}
-
-/// The normals of a family, which turn with one of the two solids.
+/// The normals of the planes through an edge, which turn with one of the two solids.
 pub(super) struct Turn {
     /// Normals at the angle 0 and a quarter turn on.
     zero: Vec3,
@@ -40,7 +29,6 @@ pub(super) struct Turn {
     pub turning: Vec3,
     /// Up to which angle there are normals.
     width: f64,
-    is_round: bool,
 }
 
 impl Turn {
@@ -70,17 +58,11 @@ impl Turn {
         {
             return now;
         }
-        let all = f64::from(PARTS);
-        let at = at.round();
-        super::cylinder::small(if self.is_round {
-            at.rem_euclid(all)
-        } else {
-            at.clamp(0.0, all)
-        })
+        super::cylinder::small(at.round().clamp(0.0, f64::from(PARTS)))
     }
 }
 
-/// What there is to know of a plane of a family.
+/// What there is to know of such a plane.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Bend {
     /// p `[m]`, negative where there is a gap.
@@ -141,32 +123,17 @@ impl Bend {
 }
 
 impl Lying<'_> {
-    pub fn turn(&self, family: Family) -> Turn {
-        match family {
-            Family::Side => {
-                let out = |v: [f64; 3]| self.round.rotation.out(Vec3(v));
-                Turn {
-                    zero: out([1.0, 0.0, 0.0]),
-                    quarter: out([0.0, 1.0, 0.0]),
-                    turning: self.round.turning,
-                    width: TAU,
-                    is_round: true,
-                }
-            }
-            Family::Edge(edge) => {
-                let solid = &self.cylinder.flat;
-                let [zero, other] = solid.edges[usize::from(edge)]
-                    .faces
-                    .map(|face| solid.faces[face].0);
-                let quarter = other.across(zero).direction().unwrap_or(Vec3::ZERO);
-                Turn {
-                    zero: self.flat.rotation.out(zero),
-                    quarter: self.flat.rotation.out(quarter),
-                    turning: self.flat.turning,
-                    width: other.dot(quarter).atan2(other.dot(zero)),
-                    is_round: false,
-                }
-            }
+    pub fn turn(&self, edge: u8) -> Turn {
+        let solid = &self.cylinder.flat;
+        let [zero, other] = solid.edges[usize::from(edge)]
+            .faces
+            .map(|face| solid.faces[face].0);
+        let quarter = other.across(zero).direction().unwrap_or(Vec3::ZERO);
+        Turn {
+            zero: self.flat.rotation.out(zero),
+            quarter: self.flat.rotation.out(quarter),
+            turning: self.flat.turning,
+            width: other.dot(quarter).atan2(other.dot(zero)),
         }
     }
 
@@ -176,37 +143,7 @@ impl Lying<'_> {
         self.corners[end]
     }
 
-    pub fn bend(&self, family: Family, turn: &Turn, angle: f64) -> Bend {
-        match family {
-            Family::Side => self.bend_of_side(turn, angle),
-            Family::Edge(edge) => self.bend_of_edge(edge, turn, angle),
-        }
-    }
-
-    fn bend_of_side(&self, turn: &Turn, angle: f64) -> Bend {
-        let (normal, onward) = turn.at(angle);
-        let mut bend = Bend::default();
-        let mut deepest = (f64::NEG_INFINITY, 0.0);
-        for corner in &self.corners {
-            let off = *corner - self.round.position;
-            // As the cylinder sees it.
-            let velocity = self.flat.velocity_at(*corner) - self.round.velocity_at(*corner);
-            let depth = Depth {
-                depth: self.cylinder.radius - normal.dot(off),
-                by_angle: -onward.dot(off),
-                by_angle_twice: normal.dot(off),
-                by_time: -normal.dot(velocity),
-                by_both: -onward.dot(velocity),
-            };
-            if depth.depth > deepest.0 {
-                deepest = (depth.depth, depth.by_angle);
-            }
-            bend.add(depth);
-        }
-        bend.shared(self.cylinder.share(), deepest.0, deepest.1)
-    }
-
-    fn bend_of_edge(&self, edge: u8, turn: &Turn, angle: f64) -> Bend {
+    pub fn bend(&self, edge: u8, turn: &Turn, angle: f64) -> Bend {
         let (normal, onward) = turn.at(angle);
         let (normal_rate, onward_rate) = (turn.turning.cross(normal), turn.turning.cross(onward));
         let (axis, axis_rate, radius) = (self.axis, self.axis_rate, self.cylinder.radius);
@@ -285,17 +222,13 @@ impl Lying<'_> {
         bend.shared(share, deepest.0, deepest.1)
     }
 
-    /// The angles at which planes of a family have less overlap than those beside them. Between the ends of an arc they count
-    /// even if the overlap does not fall from both ends inwards: the energy would jump where it ceases to.
-    pub fn least_of(&self, family: Family, turn: &Turn) -> Vec<f64> {
-        let slope = |angle: f64| self.bend(family, turn, angle).slope;
-        let count = if turn.is_round {
-            AROUND
-        } else {
-            (2..AROUND)
-                .find(|count| turn.width <= APART * *count as f64)
-                .unwrap_or(AROUND)
-        };
+    /// The angles at which planes through an edge have less overlap than those beside them. They count even if the overlap does
+    /// not fall from both ends of the arc inwards: the energy would jump where it ceases to.
+    pub fn least_of(&self, edge: u8, turn: &Turn) -> Vec<f64> {
+        let slope = |angle: f64| self.bend(edge, turn, angle).slope;
+        let count = (2..AROUND)
+            .find(|count| turn.width <= APART * *count as f64)
+            .unwrap_or(AROUND);
         let angle = |number: usize| turn.width * number as f64 / count as f64;
         let mut found = Vec::new();
         let mut before = slope(0.0);
@@ -311,36 +244,28 @@ impl Lying<'_> {
     }
 
     /// The angle at which the plane of that name has its least overlap.
-    pub fn least_about(&self, family: Family, turn: &Turn, name: u8) -> Option<f64> {
-        let slope = |angle: f64| self.bend(family, turn, angle).slope;
+    pub fn least_about(&self, edge: u8, turn: &Turn, name: u8) -> Option<f64> {
+        let slope = |angle: f64| self.bend(edge, turn, angle).slope;
         let about = turn.angle(name);
         let reach = ABOUT * turn.part();
         let (low, high) = (about - reach, about + reach);
         if slope(low) < 0.0 && slope(high) > 0.0 {
             return Some(falls_through_zero(|angle| -slope(angle), low, high));
         }
-        let off = |angle: &f64| {
-            let off = (angle - about).abs();
-            if turn.is_round {
-                off.min(TAU - off)
-            } else {
-                off
-            }
-        };
-        let mut all = self.least_of(family, turn);
+        let off = |angle: &f64| (angle - about).abs();
+        let mut all = self.least_of(edge, turn);
         all.retain(|angle| off(angle) <= reach);
         all.into_iter()
             .min_by(|one, other| off(one).total_cmp(&off(other)))
     }
 
     /// The overlap of the plane of that name, and what it is called now.
-    pub fn overlap_about(&self, family: Family, name: u8) -> (f64, u8) {
-        let turn = self.turn(family);
-        let is_there =
-            |angle: &f64| turn.is_round || (-BEYOND..=turn.width + BEYOND).contains(angle);
-        match self.least_about(family, &turn, name).filter(is_there) {
+    pub fn overlap_about(&self, edge: u8, name: u8) -> (f64, u8) {
+        let turn = self.turn(edge);
+        let is_there = |angle: &f64| (-BEYOND..=turn.width + BEYOND).contains(angle);
+        match self.least_about(edge, &turn, name).filter(is_there) {
             Some(angle) => (
-                self.bend(family, &turn, angle).overlap,
+                self.bend(edge, &turn, angle).overlap,
                 turn.name(angle, Some(name)),
             ),
             None => (f64::INFINITY, name),
@@ -350,7 +275,7 @@ impl Lying<'_> {
     /// What no plane through an edge has less overlap than: the cylinder holds a ball about its centre, and where that is
     /// behind the planes at both ends of the arc, it is behind those between by no less.
     pub fn least_that_can_be(&self, edge: u8) -> f64 {
-        let turn = self.turn(Family::Edge(edge));
+        let turn = self.turn(edge);
         let off = self.on_edge(edge) - self.round.position;
         let depth = [0.0, turn.width].map(|angle| turn.at(angle).0.dot(off));
         let depth = depth[0].min(depth[1]);
@@ -361,13 +286,13 @@ impl Lying<'_> {
         (depth + ball) / (self.cylinder.share() as f64).sqrt()
     }
 
-    /// The name of each plane of a family that has less overlap than those beside it, and that overlap.
-    pub fn overlaps_of(&self, family: Family) -> Vec<(u8, f64)> {
-        let turn = self.turn(family);
-        let angles = self.least_of(family, &turn).into_iter();
+    /// The name of each plane through an edge that has less overlap than those beside it, and that overlap.
+    pub fn overlaps_of(&self, edge: u8) -> Vec<(u8, f64)> {
+        let turn = self.turn(edge);
+        let angles = self.least_of(edge, &turn).into_iter();
         angles
             .map(|angle| {
-                let overlap = self.bend(family, &turn, angle).overlap;
+                let overlap = self.bend(edge, &turn, angle).overlap;
                 (turn.name(angle, None), overlap)
             })
             .collect()

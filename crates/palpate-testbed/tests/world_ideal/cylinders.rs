@@ -182,7 +182,8 @@ fn table() -> WorldBody {
     table
 }
 
-/// A disc that falls onto its rim rolls about it, lies down and rests: its points stop to turn with the deepest place.
+/// A disc that falls onto its rim rolls about it, lies down and rests: its points stop to turn with the deepest place. On a large
+/// box off its middle as well, where the corners of the box are far from the disc and not equally far.
 #[test]
 fn a_disc_rolls_on_its_rim_until_it_lies_flat() {
     let half_length = 0.004;
@@ -200,18 +201,61 @@ fn a_disc_rolls_on_its_rim_until_it_lies_flat() {
     motion(&mut one).force = [0.0, 0.0, -WEIGHT];
     motion(&mut one).velocity = [0.15, 0.05, -0.2];
     motion(&mut one).angular_velocity = [1.0, 2.0, 0.5];
-    let ideal = solve(&on(floor(), one, law), 0.02, 150);
-    let end = ideal.states.last().unwrap().bodies[0];
-    let off = (end.position[2] - half_length + WEIGHT / STIFFNESS).abs();
-    let tilt = end.orientation[1].hypot(end.orientation[2]);
-    println!(
-        "a disc: {off:.1e} m from rest, tilt {tilt:.1e}; energy to {:.1e}, {} events",
-        drift(&ideal),
-        ideal.events
-    );
-    assert!(drift(&ideal) < 1e-9);
-    assert!(off < 1e-12 && tilt < 1e-8, "{off} {tilt}");
-    assert!(ideal.events > 20);
+    let mut off_its_middle = table();
+    off_its_middle.position = [0.3, -0.2, -0.3];
+    let [on_floor, on_box] = [floor(), off_its_middle].map(|below| {
+        let ideal = solve(&on(below, one.clone(), law), 0.02, 150);
+        let end = ideal.states.last().unwrap().bodies[0];
+        let off = (end.position[2] - half_length + WEIGHT / STIFFNESS).abs();
+        let tilt = end.orientation[1].hypot(end.orientation[2]);
+        println!(
+            "a disc: {off:.1e} m from rest, tilt {tilt:.1e}; energy to {:.1e}, {} steps, {} events",
+            drift(&ideal),
+            ideal.steps,
+            ideal.events
+        );
+        assert!(drift(&ideal) < 1e-9);
+        assert!(off < 1e-12 && tilt < 1e-8, "{off} {tilt}");
+        assert!(ideal.events > 20);
+        ideal
+    });
+    assert!(5 * on_box.steps < 6 * on_floor.steps);
+    let ends = [&on_floor, &on_box].map(|ideal| ideal.states.last().unwrap().bodies[0]);
+    for axis in 0..3 {
+        let apart = (ends[0].position[axis] - ends[1].position[axis]).abs();
+        assert!(apart < 1e-6, "{apart}");
+    }
+}
+
+/// It stands while its centre is above the box: there is no pull to the edge, nor away from it.
+#[test]
+fn a_can_falls_from_an_edge_if_and_only_if_its_centre_is_beyond_it() {
+    let law = ContactLaw::spring(STIFFNESS)
+        .rough(0.5, STIFFNESS)
+        .damped(20.0);
+    let size = Shape::Box {
+        half_extents: [0.15, 0.2, 0.1],
+    };
+    for beyond in [-1e-3, 1e-3] {
+        let mut below = body(size.clone(), 1.0, [-0.15 - beyond, 0.07, -0.1]);
+        below.motion = None;
+        let mut one = heavy(HALF_LENGTH - WEIGHT / STIFFNESS);
+        motion(&mut one).velocity = [0.0, 0.0, -0.01];
+        let ideal = solve(&on(below, one, law), 0.01, 100);
+        let end = ideal.states.last().unwrap().bodies[0];
+        let tilt = 2.0 * end.orientation[1].hypot(end.orientation[2]);
+        println!(
+            "{beyond} m beyond an edge: tilt {tilt:.2e}, {} steps, energy to {:.1e}",
+            ideal.steps,
+            drift(&ideal)
+        );
+        assert!(drift(&ideal) < 1e-6); // of the 10 µJ at the start
+        if beyond < 0.0 {
+            assert!(tilt < 1e-9, "{tilt}");
+        } else {
+            assert!(tilt > 0.5, "{tilt}");
+        }
+    }
 }
 
 /// A tool of six axes, in a hand that presses and turns it, on a loose block.
