@@ -14,6 +14,7 @@ mod closed_form;
 mod common;
 mod conservation;
 mod cylinders;
+mod cylinders_anyhow;
 mod engine;
 mod engine_sub_steps;
 mod floor;
