@@ -11,8 +11,8 @@ mod timed;
 use std::sync::Arc;
 
 use palpate_world::{
-    BasicParams, Body, Contact, ContactLaw, CoupledParams, DistanceGrid, Mesh, Motion, Output,
-    Party, PointShell, Quaternion, Shape, Tool, Vector, World, WorldMethod,
+    BasicParams, Body, Contact, ContactLaw, CoupledParams, DistanceGrid, Free, Hull, Mesh, Motion,
+    Output, Party, PointShell, Quaternion, Shape, Tool, Vector, World, WorldMethod,
 };
 
 use timed::{Held, PERIOD, print_heading, print_ticks};
@@ -29,6 +29,53 @@ fn box_on_table(friction: f64) -> World {
     };
     let half_extents = HALF;
     world(Shape::Box { half_extents }, table, friction)
+}
+
+/// A cylinder on a half-space, a box and hulls, and one that lies below two that stand on each other.
+fn cylinders(friction: f64) -> Vec<(&'static str, World)> {
+    let can = |radius, half_length| Shape::Cylinder {
+        radius,
+        half_length,
+    };
+    // Sides of the table above which the cylinder stays.
+    let prism = |sides: u32| {
+        let corners: Vec<Vector> = (0..2 * sides)
+            .map(|number| {
+                let angle = std::f64::consts::TAU * f64::from(number % sides) / f64::from(sides);
+                let z = if number < sides { -0.04 } else { 0.0 };
+                [0.1 * angle.cos(), 0.1 * angle.sin(), z]
+            })
+            .collect();
+        Shape::Hull(Arc::new(
+            Hull::around(&corners).expect("a prism has a hull"),
+        ))
+    };
+    let half_space = Shape::HalfSpace {
+        normal: [0.0, 0.0, 1.0],
+        offset: 0.0,
+    };
+    let half_extents = [0.1, 0.1, 0.015];
+    let mut on_box = world(can(0.025, 0.015), Shape::Box { half_extents }, friction);
+    on_box.bodies[0].position[2] = -0.015;
+    let on = |table| world(can(0.025, 0.015), table, friction);
+    let mut worlds = vec![
+        ("half-space, ", on(half_space.clone())),
+        ("box, ", on_box),
+        ("16 corners, ", on(prism(8))),
+        ("32 corners, ", on(prism(16))),
+    ];
+    let free = || Motion::Free(Free::of_mass(0.1).pulled_by([0.0, 0.0, -0.981]));
+    let mut stack = on(half_space);
+    stack.tools[0].shape = Shape::Sphere { radius: 0.015 };
+    stack.bodies.extend([
+        Body::new("lower", can(0.03, 0.02), free()).at([0.0, 0.0, -0.06]),
+        Body::new("upper", can(0.025, 0.02), free()).at([0.003, 0.0, -0.02]),
+    ]);
+    if let Shape::HalfSpace { offset, .. } = &mut stack.bodies[0].shape {
+        *offset = -0.08;
+    }
+    worlds.push(("two stacked, ", stack));
+    worlds
 }
 
 /// The box and the table as meshes: a shell of points on a grid of 2 mm.
@@ -140,6 +187,10 @@ fn main() {
                 method,
                 HandledDevice::start,
             );
+            for (what, world) in cylinders(friction) {
+                let what = format!("cylinder, {what}");
+                print_ticks(&name(&what), &world, method, HandledDevice::start);
+            }
             for points in [60, 250] {
                 let world = points_on_grid(points, friction);
                 let what = format!("{points} points, ");

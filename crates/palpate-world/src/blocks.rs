@@ -265,7 +265,7 @@ impl Blocks {
                 across.look_at(rod, &mut touches[range], law);
             }
             Solids::Cylinders(cylinders) => {
-                cylinders.place([first, second]);
+                cylinders.place([first, second], across.plane);
                 across.look_at(cylinders, &mut touches[range], law);
                 if let Some(plane) = across.plane {
                     cylinders.turn(plane);

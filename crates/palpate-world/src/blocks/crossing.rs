@@ -161,7 +161,8 @@ pub(super) fn across_rims(cylinders: [&Cylinder; 2], sides: [Option<Bound>; 2]) 
             if !(of_low < 0.0 && of_high > 0.0) {
                 continue;
             }
-            let angle = rising_zero((low, of_low), (high, of_high), |angle| at(angle).0);
+            let ends = ((low, of_low), (high, of_high));
+            let angle = rising_zero(ends.0, ends.1, |angle| at(angle).0);
             let Some(found) = at(angle).1.least() else {
                 continue;
             };

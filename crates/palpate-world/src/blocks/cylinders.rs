@@ -27,6 +27,8 @@ use crate::rigid::{Rigid, Vector3};
 const DIRECTIONS: usize = 16;
 /// Parts of the way from one face at an edge to the other, in each of which the plane of least overlap is looked for.
 const PARTS: usize = 8;
+/// A bound on an overlap is lower by this part of the solids' size, so that a plane which is not looked at would not have been taken.
+const ROUND_OFF: f64 = 1e-9;
 /// Faces of a cylinder before its side.
 const CAPS: usize = 2;
 /// The planes that have the cylinder behind them.
@@ -198,19 +200,19 @@ impl Cylinders {
         (&self.cylinder, &self.other)
     }
 
-    /// They lie so now.
-    pub fn place(&mut self, rigids: [&Rigid; 2]) {
+    /// They lie so now. `before`: the plane that was taken, which is looked at whatever it costs now.
+    pub fn place(&mut self, rigids: [&Rigid; 2], before: Option<Plane>) {
         self.cylinder.place(rigids[self.side]);
         self.other.place(rigids[1 - self.side]);
         let mut candidates = std::mem::take(&mut self.candidates);
-        self.known = self.look(&mut candidates);
+        self.known = self.look(before, &mut candidates);
         self.candidates = candidates;
     }
 
     /// Looks at the planes until one is between the two. Says at how many.
-    fn look(&self, candidates: &mut [Candidate]) -> usize {
+    fn look(&self, before: Option<Plane>, candidates: &mut [Candidate]) -> usize {
         let mut known = 0;
-        self.look_at_each(|plane, bound| {
+        self.look_at_each(before, |plane, bound| {
             let depth = self.depth(plane, &bound);
             candidates[known] = Candidate {
                 plane,
@@ -229,8 +231,9 @@ impl Cylinders {
         Plane::Face { of, number }
     }
 
-    /// Gives all planes, or those up to one that is between the two; `take` says by how much the two overlap there.
-    fn look_at_each(&self, mut take: impl FnMut(Plane, Bound) -> f64) {
+    /// Gives all planes that may cost least and that of `before`, or those up to one that is between the two; `take` says by how much the
+    /// two overlap there.
+    fn look_at_each(&self, before: Option<Plane>, mut take: impl FnMut(Plane, Bound) -> f64) {
         let (mut depth, mut face) = (f64::INFINITY, 0);
         for number in 0..self.other.faces() {
             let here = take(self.face(number), self.other.face(number));
@@ -244,12 +247,16 @@ impl Cylinders {
         if matches!(self.other, Form::HalfSpace { .. }) {
             return;
         }
+        let least = self.least_at_own_side(face);
+        let mut own_side = None;
+        if before == Some(AT_SIDE) || least <= depth {
+            own_side = self.at_own_side();
+        }
         let mut is_apart = |plane: Plane, bound: Option<Bound>| {
             let here = bound.map_or(f64::INFINITY, |bound| take(plane, bound));
             depth = depth.min(here);
             here <= 0.0
         };
-        let own_side = self.at_own_side();
         if (0..CAPS).any(|cap| is_apart(AT_CAP[cap], Some(self.cylinder.cap(cap))))
             || is_apart(AT_SIDE, own_side)
         {
@@ -298,6 +305,26 @@ impl Cylinders {
         } else {
             deepest
         }
+    }
+
+    /// By how much a flat solid overlaps the planes at the cylinder's side, at least: by that with which a place of it does that is
+    /// near the axis, under the middle of the deeper cap behind a face. Most cylinders stand, and need not look for the plane.
+    fn least_at_own_side(&self, face: usize) -> f64 {
+        let Form::Flat(flat) = &self.other else {
+            return f64::NEG_INFINITY;
+        };
+        let own = &self.cylinder;
+        let (axis, bound) = (own.axes[2], self.other.face(face));
+        let along = own.half_length.copysign(bound.normal.dot(&axis));
+        let middle = own.centre - axis * along;
+        let place = middle + bound.normal * bound.depth(&middle).min(0.0);
+        let is_in = |number| number == face || self.other.face(number).depth(&place) >= 0.0;
+        if !(0..flat.normals.len()).all(is_in) {
+            return f64::NEG_INFINITY;
+        }
+        let way = place - own.centre;
+        let off_axis = (way - axis * way.dot(&axis)).norm();
+        own.radius - off_axis - ROUND_OFF * (own.reach() + flat.reach)
     }
 
     /// Of all planes that touch the cylinder's side, that of least overlap.

@@ -156,7 +156,8 @@ impl Rod {
             return (1.0, last);
         }
         let mut here = first;
-        let s = rising_zero((0.0, first.slope), (1.0, last.slope), |s| {
+        let (low, high) = ((0.0, first.slope), (1.0, last.slope));
+        let s = rising_zero(low, high, |s| {
             here = look(s);
             here.slope
         });

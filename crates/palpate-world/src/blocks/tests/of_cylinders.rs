@@ -21,7 +21,7 @@ impl OnForm {
 impl Pair for OnForm {
     fn placed(&self, first: &Rigid, second: &Rigid) -> impl Between {
         let mut pair = self.0.clone();
-        pair.place([first, second]);
+        pair.place([first, second], None);
         pair
     }
 
@@ -122,7 +122,7 @@ fn cylinders_push_if_and_only_if_they_overlap() {
             ];
             let [first, second] = &rigids;
             let mut here = pair(kind, true).0;
-            here.place([first, second]);
+            here.place([first, second], None);
             let (plane, depth) = here.least(None);
             let normal = here.normal(plane);
             // From one solid to the nearest place of the other and back: ends at a common place, if there is one.
@@ -180,7 +180,7 @@ fn rims_that_cross_are_apart_by_the_plane_that_touches_both() {
                 orientation: Rotation::from_matrix(&orientation),
                 ..rigid(rim + out * gap - on_second, Vector3::zeros())
             };
-            pair.place([&first, &second]);
+            pair.place([&first, &second], None);
             let (plane, depth) = pair.least(None);
             assert_eq!(plane, Plane::Edges([3, 0]), "{lean} {gap}");
             if gap > 0.0 {
@@ -196,5 +196,28 @@ fn rims_that_cross_are_apart_by_the_plane_that_touches_both() {
             assert_eq!(touching.count(), 4);
             assert!((found[0].place - rim - out * (0.5 * gap)).norm() < 1e-9);
         }
+    }
+}
+
+/// The plane at the side of a cylinder is not looked for where it cannot cost least: what is taken is the same to the last bit.
+#[test]
+fn a_plane_that_is_not_looked_for_would_not_be_taken() {
+    let at_side = Plane::Edges([2, 0]);
+    for kind in ["box", "hull"] {
+        let mut numbers = Numbers(53);
+        let (mut together, mut taken) = (0, 0);
+        for _ in 0..4000 {
+            let first = rigid(numbers.vector() * 0.1, numbers.vector() * 3.0);
+            let second = rigid(numbers.vector(), numbers.vector() * 3.0);
+            let [some, all] = [None, Some(at_side)].map(|before| {
+                let mut here = pair(kind, true).0;
+                here.place([&first, &second], before);
+                here.least(None)
+            });
+            assert_eq!(some, all);
+            together += u32::from(all.1 > 0.0);
+            taken += u32::from(all.1 > 0.0 && all.0 == at_side);
+        }
+        assert!(together > 500 && taken > 5, "{kind} {together} {taken}");
     }
 }
