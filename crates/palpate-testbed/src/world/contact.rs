@@ -28,7 +28,7 @@ pub enum WorldError {
     #[error(
         "pairs[{number}]: {reason}; a sphere can touch a sphere, half-space, box, capsule, cylinder, mesh or hull, \
          and a box, a capsule, a cylinder, and a hull or mesh of at most {MOST_CORNERS} convex corners a half-space, a box or hull a box or \
-         hull, a capsule a box, hull, capsule or cylinder, a cylinder a box or hull, and a mesh by its points a box, capsule, cylinder or mesh with a field"
+         hull, a capsule a box, hull, capsule or cylinder, a cylinder a box, hull or cylinder, and a mesh by its points a box, capsule, cylinder or mesh with a field"
     )]
     Pair {
         /// Number of the pair, from 0.
@@ -72,7 +72,7 @@ pub(super) struct Contact {
     pub solids: Option<(Arc<Solids>, usize)>,
     /// Of a capsule on another convex solid, both of them, and the end.
     pub rod: Option<(Arc<Rod>, usize)>,
-    /// Of a cylinder on a solid with flat faces, both of them, and the contact's number among those of the pair.
+    /// Of a cylinder on a solid with flat faces or another cylinder, both of them, and the contact's number among those of the pair.
     pub cylinder: Option<(Arc<Cylinder>, usize)>,
     /// Of a point on a mesh by its field, that field.
     pub field: Option<Arc<Field>>,

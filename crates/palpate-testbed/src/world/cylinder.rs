@@ -1,9 +1,12 @@
-//! A cylinder on a solid with flat faces: which plane is between them, and the points by which they touch.
+//! A cylinder on a solid with flat faces or on another cylinder: which plane is between them, and the points by which they touch.
 //!
 //! Behind a plane that has the other solid on its far side lie the two rims of the cylinder. Each has m points that share the
 //! law. Behind a plane that has the cylinder on its far side lie corners of the other solid. The deepest has the whole law: with
 //! springs at all of them, the corners of a large table would pull a can that stands off its middle to one side. The two touch
 //! across the plane of least overlap, as two solids with flat faces do.
+//!
+//! Two cylinders have planes of the same kinds: the ends and the side of the other one have the rims of the cylinder behind them,
+//! and behind those of the cylinder lies the deepest place of the other one's rims. Where a rim meets a rim, the plane touches both.
 //!
 //! Where a rim is behind the plane with all of itself, they stay where they are on it (*held*): the sum of their squared
 //! depths is the same wherever they are. Where it is not, they turn with the deepest place of the rim (*turned*).
@@ -12,6 +15,9 @@ use std::f64::consts::TAU;
 
 use super::between::{Flat, MARGIN, number};
 use super::contact::{Placed, Touch};
+use super::crossing::Crossing;
+use super::tangent::{Family, PARTS, Through};
+use super::tube::{Behind, Moving, Point, Tube, side_of};
 use super::vector::Vec3;
 
 /// Points of a rim, at least.
@@ -39,25 +45,43 @@ pub(super) enum Plane {
     End(u8, u8),
     /// The one that is tangent to the cylinder's side next to a corner of the solid, by that corner's number.
     Side(u8),
+    /// One that is tangent to the cylinder's side next to a rim of another cylinder, by that rim and its own name.
+    SideAtRim(u8, u8),
+    /// One that is tangent to another cylinder's side, by its name.
+    Around(u8),
+    /// One that touches a rim of each of two cylinders, and its name.
+    Rims(Crossing, u8),
     /// One through an edge of the solid, by that edge's number and its own name.
     Edge(u8, u8),
 }
 
 impl Plane {
-    /// The corner behind it, if it has the cylinder on its far side.
+    /// The corner behind it, or the rim whose deepest place is, if it has the cylinder on its far side.
     fn corner(self) -> Option<usize> {
         match self {
-            Self::End(_, corner) | Self::Side(corner) => Some(usize::from(corner)),
-            Self::Face(_) | Self::Edge(..) => None,
+            Self::End(_, corner) | Self::Side(corner) | Self::SideAtRim(corner, _) => {
+                Some(usize::from(corner))
+            }
+            Self::Rims(Crossing { rims, .. }, _) => Some(usize::from(rims[1])),
+            Self::Face(_) | Self::Edge(..) | Self::Around(_) => None,
         }
     }
 
     /// Whether it is another one only by a name that has changed.
     fn is_same(self, other: Self) -> bool {
+        let is_near = |one: u8, other: u8| {
+            let off = one.abs_diff(other);
+            off.min(PARTS.abs_diff(off)) <= NEAR
+        };
         match (self, other) {
             (Self::Edge(edge, name), Self::Edge(of, other)) => {
                 edge == of && name.abs_diff(other) <= NEAR
             }
+            (Self::SideAtRim(rim, name), Self::SideAtRim(of, other)) => {
+                rim == of && is_near(name, other)
+            }
+            (Self::Around(name), Self::Around(other)) => is_near(name, other),
+            (Self::Rims(one, name), Self::Rims(of, other)) => one == of && is_near(name, other),
             (one, other) => one == other,
         }
     }
@@ -90,36 +114,10 @@ pub(super) struct Cylinder {
     pub radius: f64,
     pub half_length: f64,
     pub flat: Flat,
+    /// Radius and half length of the other, if that is a cylinder as well; its ends are its flat faces.
+    pub other: Option<[f64; 2]>,
     /// Of the angles from one point of a rim to each.
     pub cosines: Vec<f64>,
-}
-
-/// A plane that moves.
-#[derive(Debug, Clone, Copy)]
-struct Moving {
-    normal: Vec3,
-    normal_rate: Vec3,
-    /// A place in it, and the velocity of that place.
-    on: Vec3,
-    on_velocity: Vec3,
-}
-
-impl Moving {
-    fn depth(&self, place: Vec3) -> f64 {
-        self.normal.dot(self.on - place)
-    }
-
-    fn depth_rate(&self, place: Vec3, velocity: Vec3) -> f64 {
-        self.normal_rate.dot(self.on - place) + self.normal.dot(self.on_velocity - velocity)
-    }
-}
-
-/// A point of the two: where it is, how that moves, and how deep it lies.
-struct Point {
-    place: Vec3,
-    velocity: Vec3,
-    depth: f64,
-    depth_rate: f64,
 }
 
 impl Cylinder {
@@ -131,7 +129,23 @@ impl Cylinder {
             radius,
             half_length,
             flat,
+            other: None,
             cosines: angles.map(f64::cos).collect(),
+        }
+    }
+
+    /// A cylinder on another one.
+    pub fn on_another(is_first: bool, one: [f64; 2], other: [f64; 2]) -> Self {
+        let ends = [-1.0, 1.0].map(|side| (Vec3([0.0, 0.0, side]), other[1]));
+        let flat = Flat {
+            corners: Vec::new(),
+            faces: ends.to_vec(),
+            edges: Vec::new(),
+            most: 0,
+        };
+        Self {
+            other: Some(other),
+            ..Self::new(is_first, one, flat)
         }
     }
 
@@ -185,8 +199,8 @@ impl Cylinder {
         let towards_first = if is_towards_first { 1.0 } else { -1.0 };
         let (normal, normal_rate) = (plane.normal, plane.normal_rate);
         let found = point.unwrap_or(Point {
-            place: lying.round.position,
-            velocity: lying.round.velocity,
+            place: lying.tube.placed.position,
+            velocity: lying.tube.placed.velocity,
             depth: f64::NEG_INFINITY,
             depth_rate: 0.0,
         });
@@ -207,31 +221,12 @@ impl Cylinder {
 /// A cylinder and a solid as they lie in the world.
 pub(super) struct Lying<'a> {
     pub cylinder: &'a Cylinder,
-    pub round: &'a Placed,
+    pub tube: Tube<'a>,
     pub flat: &'a Placed,
-    /// Along the cylinder, and how that turns.
-    pub axis: Vec3,
-    pub axis_rate: Vec3,
+    /// The other solid, if that is a cylinder.
+    pub other: Option<Tube<'a>>,
     /// Of the other solid.
     pub corners: Vec<Vec3>,
-}
-
-/// How a rim lies behind a plane.
-struct Behind {
-    /// Of its centre, and by how much more its deepest place is deep.
-    depth: f64,
-    more: f64,
-}
-
-impl Behind {
-    /// The squared depths of the points of the rim that are behind the plane, one of them at the deepest place.
-    fn squares(&self, cosines: &[f64]) -> f64 {
-        if self.depth >= self.more {
-            return cosines.len() as f64 * (self.depth * self.depth + 0.5 * self.more * self.more);
-        }
-        let depths = cosines.iter().map(|cosine| self.depth + self.more * cosine);
-        depths.map(|depth| depth.max(0.0).powi(2)).sum()
-    }
 }
 
 impl<'a> Lying<'a> {
@@ -241,13 +236,11 @@ impl<'a> Lying<'a> {
         } else {
             [placed[1], placed[0]]
         };
-        let axis = round.rotation.out(Vec3([0.0, 0.0, 1.0]));
         Self {
+            tube: Tube::new([cylinder.radius, cylinder.half_length], round),
+            other: cylinder.other.map(|of| Tube::new(of, flat)),
             cylinder,
-            round,
             flat,
-            axis,
-            axis_rate: round.turning.cross(axis),
             corners: cylinder
                 .flat
                 .corners
@@ -271,20 +264,20 @@ impl<'a> Lying<'a> {
                 }
             }
             Plane::End(end, _) => {
-                let normal = self.axis * side_of(usize::from(end));
-                let on = self.centre(usize::from(end));
+                let normal = self.tube.axis * side_of(usize::from(end));
+                let on = self.tube.centre(usize::from(end));
                 Moving {
                     normal,
-                    normal_rate: self.round.turning.cross(normal),
+                    normal_rate: self.tube.placed.turning.cross(normal),
                     on,
-                    on_velocity: self.round.velocity_at(on),
+                    on_velocity: self.tube.placed.velocity_at(on),
                 }
             }
             Plane::Side(corner) => {
-                let off = self.corners[usize::from(corner)] - self.round.position;
-                let velocity = self.flat.velocity_at(self.corners[usize::from(corner)]);
-                let off_rate = velocity - self.round.velocity;
-                let (a, a_rate) = (self.axis, self.axis_rate);
+                let (round, place) = (self.tube.placed, self.corners[usize::from(corner)]);
+                let off = place - round.position;
+                let off_rate = self.flat.velocity_at(place) - round.velocity;
+                let (a, a_rate) = (self.tube.axis, self.tube.axis_rate);
                 let out = off.across(a);
                 let normal = out.direction().unwrap_or(Vec3::ZERO);
                 let out_rate =
@@ -294,31 +287,36 @@ impl<'a> Lying<'a> {
                 Moving {
                     normal,
                     normal_rate,
-                    on: self.round.position + normal * self.cylinder.radius,
-                    on_velocity: self.round.velocity + normal_rate * self.cylinder.radius,
+                    on: round.position + normal * self.cylinder.radius,
+                    on_velocity: round.velocity + normal_rate * self.cylinder.radius,
                 }
             }
-            Plane::Edge(edge, name) => {
-                let (normal, normal_rate) = self.normal(edge, name);
-                let on = self.on_edge(edge);
-                Moving {
-                    normal,
-                    normal_rate,
-                    on,
-                    on_velocity: self.flat.velocity_at(on),
-                }
-            }
+            Plane::Edge(edge, name) => self.of_family(Family::Edge(edge), name),
+            Plane::SideAtRim(rim, name) => self.of_family(Family::SideAtRim(rim), name),
+            Plane::Around(name) => self.of_family(Family::Around, name),
+            Plane::Rims(crossing, name) => self.between_rims(crossing, name),
         }
     }
 
-    /// The normal of least overlap about an edge, and how that turns.
-    fn normal(&self, edge: u8, name: u8) -> (Vec3, Vec3) {
-        let turn = self.turn(edge);
-        let angle = self.least_about(edge, &turn, name);
+    /// The plane of least overlap of a family.
+    fn of_family(&self, family: Family, name: u8) -> Moving {
+        let turn = self.turn(family);
+        let angle = self.least_about(family, &turn, name);
         let angle = angle.unwrap_or_else(|| turn.angle(name));
         let (normal, onward) = turn.at(angle);
-        let rate = self.bend(edge, &turn, angle).turning();
-        (normal, turn.turning.cross(normal) + onward * rate)
+        let rate = self.bend(family, &turn, angle).turning();
+        let normal_rate = turn.turning.cross(normal) + onward * rate;
+        let Through {
+            on,
+            on_velocity,
+            lift,
+        } = self.through(family);
+        Moving {
+            normal,
+            normal_rate,
+            on: on + normal * lift,
+            on_velocity: on_velocity + normal_rate * lift,
+        }
     }
 
     /// The plane of least overlap, which is another one than `now` where that is less by a margin; of two that are apart, any
@@ -349,9 +347,8 @@ impl<'a> Lying<'a> {
         let faces = (0..solid.faces.len()).map(|face| Plane::Face(number(face)));
         let faces = overlaps(faces.collect());
         let corners = || (0..solid.corners.len()).map(number);
-        let ends = corners()
-            .take(1)
-            .flat_map(|at| [Plane::End(0, at), Plane::End(1, at)]);
+        let ends = [Plane::End(0, 0), Plane::End(1, 0)].into_iter();
+        let ends = ends.filter(|_| self.count() > 0);
         let corners = overlaps(ends.chain(corners().map(Plane::Side)).collect());
         let all = faces.iter().chain(&corners);
         let so_far = all.fold(f64::INFINITY, |least, (_, overlap)| least.min(*overlap));
@@ -365,13 +362,28 @@ impl<'a> Lying<'a> {
                 if self.least_that_can_be(edge) > so_far {
                     continue;
                 }
-                for (name, overlap) in self.overlaps_of(edge) {
+                for (name, overlap) in self.overlaps_of(Family::Edge(edge)) {
                     look(Plane::Edge(edge, name), overlap);
+                }
+            }
+            if self.other.is_some() {
+                for (name, overlap) in self.overlaps_of(Family::Around) {
+                    look(Plane::Around(name), overlap);
                 }
             }
         }
         for (plane, overlap) in corners {
             look(plane, overlap);
+        }
+        if so_far > 0.0 && self.other.is_some() {
+            for rim in [0, 1] {
+                for (name, overlap) in self.overlaps_of(Family::SideAtRim(rim)) {
+                    look(Plane::SideAtRim(rim, name), overlap);
+                }
+            }
+            for (crossing, name, overlap) in self.crossings() {
+                look(Plane::Rims(crossing, name), overlap);
+            }
         }
         plane
     }
@@ -382,9 +394,8 @@ impl<'a> Lying<'a> {
         match plane {
             Plane::Face(_) => {
                 let at = self.moving(plane);
-                let behind = [0, 1].map(|rim| self.behind(rim, &at));
-                let [one, other] = behind.each_ref().map(|of| of.depth + of.more);
-                let deepest = one.max(other);
+                let behind = [0, 1].map(|rim| self.tube.behind(rim, &at));
+                let deepest = behind[0].deepest().max(behind[1].deepest());
                 if deepest <= 0.0 {
                     return (plane, deepest);
                 }
@@ -396,37 +407,38 @@ impl<'a> Lying<'a> {
             }
             Plane::End(end, corner) => {
                 let at = self.moving(plane);
-                let (deepest, depth) = deepest(&at, &self.corners, usize::from(corner));
+                let (deepest, depth) = self.deepest(&at, usize::from(corner));
                 (Plane::End(end, number(deepest)), depth)
             }
             Plane::Side(corner) => {
                 let at = self.moving(plane);
-                let (deepest, depth) = deepest(&at, &self.corners, usize::from(corner));
+                let (deepest, depth) = self.deepest(&at, usize::from(corner));
                 // Where another one is deeper, the plane has not the least overlap of those about it.
                 let is_least = deepest == usize::from(corner);
                 (plane, if is_least { depth } else { f64::INFINITY })
             }
             Plane::Edge(edge, name) => {
-                let (overlap, name) = self.overlap_about(edge, name);
+                let (overlap, name) = self.overlap_about(Family::Edge(edge), name);
                 (Plane::Edge(edge, name), overlap)
             }
-        }
-    }
-
-    pub fn centre(&self, rim: usize) -> Vec3 {
-        self.round.position + self.axis * (side_of(rim) * self.cylinder.half_length)
-    }
-
-    fn behind(&self, rim: usize, plane: &Moving) -> Behind {
-        Behind {
-            depth: plane.depth(self.centre(rim)),
-            more: self.cylinder.radius * plane.normal.across(self.axis).norm(),
+            Plane::SideAtRim(rim, name) => {
+                let (overlap, name) = self.overlap_about(Family::SideAtRim(rim), name);
+                (Plane::SideAtRim(rim, name), overlap)
+            }
+            Plane::Around(name) => {
+                let (overlap, name) = self.overlap_about(Family::Around, name);
+                (Plane::Around(name), overlap)
+            }
+            Plane::Rims(crossing, name) => {
+                let (overlap, name) = self.overlap_of_rims(crossing, name);
+                (Plane::Rims(crossing, name), overlap)
+            }
         }
     }
 
     /// Steps from the cylinder's x axis to the deepest place of its rims.
     fn steps(&self, normal: Vec3) -> f64 {
-        let [x, y, _] = self.round.rotation.back(-normal).0;
+        let [x, y, _] = self.tube.placed.rotation.back(-normal).0;
         let steps = self.cylinder.share() as f64 / TAU;
         (y.atan2(x) * steps).round()
     }
@@ -436,7 +448,7 @@ impl<'a> Lying<'a> {
             return [Rim::Turned(0); 2];
         }
         let plane = self.moving(plane);
-        let behind = [0, 1].map(|rim| self.behind(rim, &plane));
+        let behind = [0, 1].map(|rim| self.tube.behind(rim, &plane));
         let Some(now) = now else {
             return behind.map(|of| {
                 if of.depth >= of.more {
@@ -459,81 +471,50 @@ impl<'a> Lying<'a> {
         })
     }
 
-    fn corner(&self, corner: usize, plane: &Moving) -> Point {
-        let place = self.corners[corner];
-        let velocity = self.flat.velocity_at(place);
-        Point {
-            place,
-            velocity,
-            depth: plane.depth(place),
-            depth_rate: plane.depth_rate(place, velocity),
+    /// How many corners can lie behind a plane of the cylinder, or rims.
+    fn count(&self) -> usize {
+        match self.other {
+            Some(_) => 2,
+            None => self.corners.len(),
         }
+    }
+
+    /// A corner behind a plane, or the deepest place of a rim.
+    fn corner(&self, corner: usize, plane: &Moving) -> Point {
+        if let Some(other) = &self.other {
+            return other.turned(corner, plane, (0.0, 1.0));
+        }
+        let place = self.corners[corner];
+        plane.point(place, self.flat.velocity_at(place))
+    }
+
+    /// The deepest corner behind a plane, which is another one than `now` where that is deeper by a margin; and how deep.
+    fn deepest(&self, plane: &Moving, now: usize) -> (usize, f64) {
+        let depth = |corner: usize| match &self.other {
+            Some(other) => other.behind(corner, plane).deepest(),
+            None => plane.depth(self.corners[corner]),
+        };
+        let here = depth(now);
+        let margin = MARGIN * here.abs() + ALIKE;
+        let depths = (0..self.count()).map(|corner| (corner, depth(corner)));
+        let deeper = depths.filter(|(_, depth)| *depth > here + margin);
+        deeper
+            .max_by(|(_, one), (_, other)| one.total_cmp(other))
+            .unwrap_or((now, here))
     }
 
     fn point_of_rim(&self, number: usize, rims: [Rim; 2], plane: &Moving) -> Option<Point> {
-        let (share, radius) = (self.cylinder.share(), self.cylinder.radius);
+        let share = self.cylinder.share();
         let rim = number / share;
-        let centre = self.centre(rim);
         let (Rim::Held(back) | Rim::Turned(back)) = *rims.get(rim)?;
         let steps = (number % share + share - usize::from(back)) % share;
-        let (sine, cosine) = (TAU * steps as f64 / share as f64).sin_cos();
-        if let Rim::Held(_) = rims[rim] {
-            let out = self.round.rotation.out(Vec3([cosine, sine, 0.0]));
-            let place = centre + out * radius;
-            let velocity = self.round.velocity_at(place);
-            return Some(Point {
-                place,
-                velocity,
-                depth: plane.depth(place),
-                depth_rate: plane.depth_rate(place, velocity),
-            });
-        }
-        let (a, a_rate) = (self.axis, self.axis_rate);
-        let (along, along_rate) = (
-            plane.normal.dot(a),
-            plane.normal_rate.dot(a) + plane.normal.dot(a_rate),
-        );
-        // Part of the normal across the axis; the deepest place is on the other side.
-        let across = plane.normal.across(a);
-        let size = across.norm();
-        let up = across.direction().unwrap_or(Vec3::ZERO);
-        let across_rate = plane.normal_rate - a * along_rate - a_rate * along;
-        let up_rate = if size > 0.0 {
-            across_rate.across(up) * (1.0 / size)
+        let angle = (TAU * steps as f64 / share as f64).sin_cos();
+        Some(if let Rim::Held(_) = rims[rim] {
+            self.tube.held(rim, plane, angle)
         } else {
-            Vec3::ZERO
-        };
-        let side = a.cross(up);
-        let side_rate = a_rate.cross(up) + a.cross(up_rate);
-        let (out, out_rate) = (
-            (up * cosine + side * sine) * -1.0,
-            (up_rate * cosine + side_rate * sine) * -1.0,
-        );
-        let centre_velocity = self.round.velocity_at(centre);
-        Some(Point {
-            place: centre + out * radius,
-            velocity: centre_velocity + out_rate * radius,
-            depth: plane.depth(centre) + radius * size * cosine,
-            depth_rate: plane.depth_rate(centre, centre_velocity)
-                + radius * up.dot(across_rate) * cosine,
+            self.tube.turned(rim, plane, angle)
         })
     }
-}
-
-/// The deepest of some places behind a plane, which is another one than `now` where that is deeper by a margin; and how deep.
-fn deepest(plane: &Moving, places: &[Vec3], now: usize) -> (usize, f64) {
-    let depths = places.iter().map(|place| plane.depth(*place)).enumerate();
-    let here = plane.depth(places[now]);
-    let margin = MARGIN * here.abs() + ALIKE;
-    let deeper = depths.filter(|(_, depth)| *depth > here + margin);
-    deeper
-        .max_by(|(_, one), (_, other)| one.total_cmp(other))
-        .unwrap_or((now, here))
-}
-
-/// On which side of the centre a rim is.
-fn side_of(rim: usize) -> f64 {
-    if rim == 0 { -1.0 } else { 1.0 }
 }
 
 /// A small whole number that stands as a float.

@@ -1,4 +1,4 @@
-//! What a cylinder and a solid with flat faces store, at places by chance.
+//! What a cylinder and a solid with flat faces or another cylinder store, at places by chance.
 
 #![allow(clippy::print_stdout)] // what was measured
 
@@ -17,7 +17,8 @@ const HALF_LENGTH: f64 = 0.03;
 struct Solid {
     name: &'static str,
     cylinder: Cylinder,
-    faces: Faces,
+    /// None of another cylinder.
+    faces: Option<Faces>,
 }
 
 fn solids() -> Vec<Solid> {
@@ -51,10 +52,20 @@ fn solids() -> Vec<Solid> {
         Solid {
             name,
             cylinder: Cylinder::new(true, [RADIUS, HALF_LENGTH], Flat::of(&wrapped)),
-            faces: Faces::of(&wrapped),
+            faces: Some(Faces::of(&wrapped)),
         }
     });
-    each.collect()
+    let two = [
+        ("a wider can", [RADIUS, HALF_LENGTH], [0.025, 0.04]),
+        ("a rod", [RADIUS, HALF_LENGTH], [0.008, 0.05]),
+        ("a disc", [0.03, 0.004], [0.02, 0.006]),
+    ];
+    let two = two.map(|(name, one, other)| Solid {
+        name,
+        cylinder: Cylinder::on_another(true, one, other),
+        faces: None,
+    });
+    each.chain(two).collect()
 }
 
 type Pose = (Vec3, [f64; 4]);
@@ -142,7 +153,7 @@ impl Chance {
 fn the_force_of_a_cylinder_is_the_fall_of_its_energy() {
     let mut chance = Chance::new(11);
     let mut worst = 0.0_f64;
-    let mut kinds = [0; 4];
+    let mut kinds = [0; 7];
     for Solid { name, cylinder, .. } in solids() {
         for case in 0..150 {
             let [one, other] = chance.poses(&cylinder);
@@ -178,10 +189,15 @@ fn the_force_of_a_cylinder_is_the_fall_of_its_energy() {
                 Plane::End(..) => 1,
                 Plane::Side(_) => 2,
                 Plane::Edge(..) => 3,
+                Plane::Around(_) => 4,
+                Plane::SideAtRim(..) => 5,
+                Plane::Rims(..) => 6,
             }] += 1;
         }
     }
-    println!("the fall to {worst:.1e}; faces, ends, sides, edges {kinds:?}");
+    println!(
+        "the fall to {worst:.1e}; faces, ends, sides, edges, around, sides at rims, rims {kinds:?}"
+    );
     assert!(kinds.iter().all(|count| *count > 15), "{kinds:?}");
 }
 
@@ -247,36 +263,60 @@ fn the_rates_of_a_cylinder_are_those_of_its_motion() {
     println!("rates to {worst:?}");
 }
 
+/// The place of a cylinder that is nearest to another one.
+fn nearest_of([radius, half_length]: [f64; 2], placed: &Placed, at: Vec3) -> Vec3 {
+    let own = placed.rotation.back(at - placed.position).0;
+    let away = own[0].hypot(own[1]);
+    let by = if away > radius { radius / away } else { 1.0 };
+    let height = own[2].clamp(-half_length, half_length);
+    placed.position
+        + placed
+            .rotation
+            .out(Vec3([own[0] * by, own[1] * by, height]))
+}
+
+/// How far a cylinder reaches along a direction, from its centre.
+fn reach_of([radius, half_length]: [f64; 2], placed: &Placed, along: Vec3) -> f64 {
+    let along = along.dot(placed.rotation.out(Vec3([0.0, 0.0, 1.0])));
+    half_length * along.abs() + radius * (1.0 - along * along).max(0.0).sqrt()
+}
+
 /// Whether two solids are apart, by going from each to the nearest place of the other one by turns: until there is no way
 /// left, or a plane across the way has one solid on each side.
 fn are_apart(solid: &Solid, one: Pose, other: Pose) -> bool {
-    let (round, flat) = (placed(one), placed(other));
-    let axis = round.rotation.out(Vec3([0.0, 0.0, 1.0]));
-    let mut at = flat.position;
+    let (round, base) = (placed(one), placed(other));
+    let size = [solid.cylinder.radius, solid.cylinder.half_length];
+    let mut at = base.position;
     for _ in 0..400_000 {
-        let own = round.rotation.back(at - round.position).0;
-        let away = own[0].hypot(own[1]);
-        let by = if away > RADIUS { RADIUS / away } else { 1.0 };
-        let height = own[2].clamp(-HALF_LENGTH, HALF_LENGTH);
-        let near = Vec3([own[0] * by, own[1] * by, height]);
-        let on_round = round.position + round.rotation.out(near);
-        let own = flat.rotation.back(on_round - flat.position);
-        let (above, normal) = solid.faces.nearest(own);
-        if above < 1e-10 {
+        let on_round = nearest_of(size, &round, at);
+        at = match (&solid.faces, solid.cylinder.other) {
+            (Some(faces), _) => {
+                let own = base.rotation.back(on_round - base.position);
+                let (above, normal) = faces.nearest(own);
+                on_round - base.rotation.out(normal) * above.max(0.0)
+            }
+            (None, size) => nearest_of(size.unwrap(), &base, on_round),
+        };
+        let way = on_round - at;
+        if way.norm() < 1e-7 {
             return false;
         }
-        let out = flat.rotation.out(normal);
-        at = on_round - out * above;
-        let along = out.dot(axis);
-        let reach = HALF_LENGTH * along.abs() + RADIUS * (1.0 - along * along).max(0.0).sqrt();
-        let corners = solid.cylinder.flat.corners.iter();
-        let highest = corners.map(|corner| normal.dot(*corner));
-        let highest = highest.fold(f64::NEG_INFINITY, f64::max) + out.dot(flat.position);
-        if out.dot(round.position) - reach > highest {
+        let out = way.direction().unwrap();
+        let highest = match solid.cylinder.other {
+            Some(size) => reach_of(size, &base, out),
+            None => {
+                let corners = solid.cylinder.flat.corners.iter();
+                let heights = corners.map(|corner| out.dot(base.rotation.out(*corner)));
+                heights.fold(f64::NEG_INFINITY, f64::max)
+            }
+        };
+        let lowest = out.dot(round.position - base.position) - reach_of(size, &round, out);
+        if lowest > highest {
             return true;
         }
     }
-    panic!("neither apart nor not");
+    let way = nearest_of(size, &round, at) - at;
+    panic!("{}: neither apart nor not, {:e} m", solid.name, way.norm());
 }
 
 /// They push where they overlap, and not where they are apart.

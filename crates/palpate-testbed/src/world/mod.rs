@@ -42,6 +42,7 @@
 pub mod benchmarks;
 mod between;
 mod contact;
+mod crossing;
 mod cylinder;
 #[cfg(test)]
 mod cylinder_tests;
@@ -73,6 +74,7 @@ mod scene;
 mod self_check;
 mod surface;
 mod tangent;
+mod tube;
 mod turning;
 mod vector;
 mod wrapping;

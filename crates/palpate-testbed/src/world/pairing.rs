@@ -111,28 +111,32 @@ fn rod(shapes: [&Shape; 2]) -> Option<Rod> {
     })
 }
 
-/// A cylinder on a solid with flat faces.
+/// A cylinder on a solid with flat faces, or on another one: of two the shorter one, of equals the first.
 fn cylinder(shapes: [&Shape; 2]) -> Option<Cylinder> {
-    let on = |is_first: bool| {
-        let [one, other] = if is_first {
-            shapes
-        } else {
-            [shapes[1], shapes[0]]
-        };
-        let &Shape::Cylinder {
+    let size = |shape: &Shape| match *shape {
+        Shape::Cylinder {
             radius,
             half_length,
-        } = one
-        else {
-            return None;
-        };
+        } => Some([radius, half_length]),
+        _ => None,
+    };
+    let on = |is_first: bool, one: [f64; 2], other: &Shape| {
         let flat = match other {
             &Shape::HalfSpace { normal, offset } => Flat::half_space(Vec3(normal), offset),
             solid => flat(solid)?,
         };
-        Some(Cylinder::new(is_first, [radius, half_length], flat))
+        Some(Cylinder::new(is_first, one, flat))
     };
-    on(true).or_else(|| on(false))
+    match shapes.map(size) {
+        [Some(one), Some(other)] => Some(if one[1] <= other[1] {
+            Cylinder::on_another(true, one, other)
+        } else {
+            Cylinder::on_another(false, other, one)
+        }),
+        [Some(one), None] => on(true, one, shapes[1]),
+        [None, Some(one)] => on(false, one, shapes[0]),
+        [None, None] => None,
+    }
 }
 
 /// The share of a law that one has of so many that lie flat together.

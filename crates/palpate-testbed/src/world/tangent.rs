@@ -1,11 +1,16 @@
-//! Planes between a cylinder and a solid with flat faces that are found among many: all through an edge of the solid whose
-//! normals lie between those of the two faces there.
+//! Planes between a cylinder and another solid that are found among many: all through an edge of the solid whose normals lie
+//! between those of the two faces there, and of two cylinders all that are tangent to the side of either.
 //!
 //! Among those the overlap p of a plane is a function of an angle φ. Where p² has its least, half its slope
-//! g(φ) = Σ max(0, d) ∂d/∂φ is 0, and the angle turns at the rate −(∂g/∂t)/(∂g/∂φ).
+//! g(φ) = Σ max(0, d) ∂d/∂φ is 0, and the angle turns at the rate −(∂g/∂t)/(∂g/∂φ). Where one place has the whole law,
+//! g = ∂d/∂φ.
 
+use std::f64::consts::TAU;
+
+use super::between::MARGIN;
 use super::cylinder::Lying;
 use super::ridders::falls_through_zero;
+use super::tube::Tube;
 use super::vector::Vec3;
 
 /// Parts of a family, by which one of its planes is named.
@@ -20,7 +25,25 @@ const APART: f64 = 0.1;
 /// How far beyond its end an arc is taken to reach `[rad]`.
 const BEYOND: f64 = 1e-12;
 
-/// The normals of the planes through an edge, which turn with one of the two solids.
+/// Planes that differ by an angle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Family {
+    /// Those through an edge, by its number.
+    Edge(u8),
+    /// Those that are tangent to the side of the other cylinder.
+    Around,
+    /// Those that are tangent to the side of the cylinder, with a rim of the other one behind them, by its number.
+    SideAtRim(u8),
+}
+
+/// What all planes of a family go through: a place, which is moved by so much along the normal of each.
+pub(super) struct Through {
+    pub on: Vec3,
+    pub on_velocity: Vec3,
+    pub lift: f64,
+}
+
+/// The normals of a family, which turn with one of the two solids.
 pub(super) struct Turn {
     /// Normals at the angle 0 and a quarter turn on.
     zero: Vec3,
@@ -29,6 +52,7 @@ pub(super) struct Turn {
     pub turning: Vec3,
     /// Up to which angle there are normals.
     width: f64,
+    is_round: bool,
 }
 
 impl Turn {
@@ -46,19 +70,46 @@ impl Turn {
         f64::from(name) * self.part()
     }
 
-    fn part(&self) -> f64 {
+    pub fn part(&self) -> f64 {
         self.width / f64::from(PARTS)
     }
 
+    /// Those about a cylinder's axis.
+    pub fn about(tube: &Tube) -> Self {
+        let out = |v: [f64; 3]| tube.placed.rotation.out(Vec3(v));
+        Self {
+            zero: out([1.0, 0.0, 0.0]),
+            quarter: out([0.0, 1.0, 0.0]),
+            turning: tube.placed.turning,
+            width: TAU,
+            is_round: true,
+        }
+    }
+
+    /// How far an angle is from another one.
+    pub fn off(&self, angle: f64, other: f64) -> f64 {
+        let off = (angle - other).abs();
+        if self.is_round {
+            off.min((TAU - off).abs())
+        } else {
+            off
+        }
+    }
+
     /// The name of the plane at an angle, if it was called `now`.
-    fn name(&self, angle: f64, now: Option<u8>) -> u8 {
+    pub fn name(&self, angle: f64, now: Option<u8>) -> u8 {
         let at = angle / self.part();
         if let Some(now) = now
             && (at - f64::from(now)).abs() <= RENAMED
         {
             return now;
         }
-        super::cylinder::small(at.round().clamp(0.0, f64::from(PARTS)))
+        let all = f64::from(PARTS);
+        super::cylinder::small(if self.is_round {
+            at.round().rem_euclid(all)
+        } else {
+            at.round().clamp(0.0, all)
+        })
     }
 }
 
@@ -122,67 +173,140 @@ impl Bend {
     }
 }
 
+/// How the rims of a cylinder lie behind a plane of a family.
+struct Rims {
+    centres: [Depth; 2],
+    /// How much deeper than that the deepest place is.
+    more: Depth,
+    /// Part of the normal along the axis with its derivatives, and the size of the part across it.
+    b: Depth,
+    size: f64,
+}
+
+impl Rims {
+    fn behind(tube: &Tube, through: &Through, turn: &Turn, angle: f64) -> Self {
+        let (normal, onward) = turn.at(angle);
+        let (normal_rate, onward_rate) = (turn.turning.cross(normal), turn.turning.cross(onward));
+        let (axis, axis_rate, radius) = (tube.axis, tube.axis_rate, tube.radius);
+        // The derivative of the normal by the angle is `onward`, whose own is -n.
+        let b = Depth {
+            depth: normal.dot(axis),
+            by_angle: onward.dot(axis),
+            by_angle_twice: -normal.dot(axis),
+            by_time: normal_rate.dot(axis) + normal.dot(axis_rate),
+            by_both: onward_rate.dot(axis) + onward.dot(axis_rate),
+        };
+        // sqrt(1 - b²)
+        let size = normal.across(axis).norm();
+        let over = if size > 0.0 { 1.0 / size } else { 0.0 };
+        let more = Depth {
+            depth: radius * size,
+            by_angle: -radius * b.depth * b.by_angle * over,
+            by_angle_twice: radius
+                * over
+                * (b.depth * b.depth
+                    - b.by_angle * b.by_angle
+                    - (b.depth * b.by_angle * over).powi(2)),
+            by_time: -radius * b.depth * b.by_time * over,
+            by_both: -radius
+                * over
+                * (b.by_time * b.by_angle
+                    + b.depth * b.by_both
+                    + b.depth * b.depth * b.by_angle * b.by_time * over * over),
+        };
+        let centres = [0, 1].map(|rim| {
+            let centre = tube.centre(rim);
+            let off = through.on - centre;
+            let velocity = through.on_velocity - tube.placed.velocity_at(centre);
+            Depth {
+                depth: normal.dot(off) + through.lift,
+                by_angle: onward.dot(off),
+                by_angle_twice: -normal.dot(off),
+                by_time: normal_rate.dot(off) + normal.dot(velocity),
+                by_both: onward_rate.dot(off) + onward.dot(velocity),
+            }
+        });
+        Self {
+            centres,
+            more,
+            b,
+            size,
+        }
+    }
+
+    /// Of the deepest place of one of them.
+    fn of_one(&self, rim: usize) -> Bend {
+        let (centre, more) = (&self.centres[rim], &self.more);
+        Bend {
+            overlap: centre.depth + more.depth,
+            slope: centre.by_angle + more.by_angle,
+            by_angle: centre.by_angle_twice + more.by_angle_twice,
+            by_time: centre.by_both + more.by_both,
+        }
+    }
+}
+
 impl Lying<'_> {
-    pub fn turn(&self, edge: u8) -> Turn {
+    pub fn turn(&self, family: Family) -> Turn {
+        let edge = match (family, &self.other) {
+            (Family::Edge(edge), _) => usize::from(edge),
+            (Family::Around, Some(other)) => return Turn::about(other),
+            (Family::Around, None) | (Family::SideAtRim(_), _) => return Turn::about(&self.tube),
+        };
         let solid = &self.cylinder.flat;
-        let [zero, other] = solid.edges[usize::from(edge)]
-            .faces
-            .map(|face| solid.faces[face].0);
+        let [zero, other] = solid.edges[edge].faces.map(|face| solid.faces[face].0);
         let quarter = other.across(zero).direction().unwrap_or(Vec3::ZERO);
         Turn {
             zero: self.flat.rotation.out(zero),
             quarter: self.flat.rotation.out(quarter),
             turning: self.flat.turning,
             width: other.dot(quarter).atan2(other.dot(zero)),
+            is_round: false,
+        }
+    }
+
+    pub fn through(&self, family: Family) -> Through {
+        let of = |tube: &Tube| Through {
+            on: tube.placed.position,
+            on_velocity: tube.placed.velocity,
+            lift: tube.radius,
+        };
+        match (family, &self.other) {
+            (Family::Edge(edge), _) => {
+                let on = self.on_edge(edge);
+                Through {
+                    on,
+                    on_velocity: self.flat.velocity_at(on),
+                    lift: 0.0,
+                }
+            }
+            (Family::Around, Some(other)) => of(other),
+            (Family::Around, None) | (Family::SideAtRim(_), _) => of(&self.tube),
         }
     }
 
     /// The first end of an edge.
-    pub fn on_edge(&self, edge: u8) -> Vec3 {
+    fn on_edge(&self, edge: u8) -> Vec3 {
         let end = self.cylinder.flat.edges[usize::from(edge)].ends[0];
         self.corners[end]
     }
 
-    pub fn bend(&self, edge: u8, turn: &Turn, angle: f64) -> Bend {
-        let (normal, onward) = turn.at(angle);
-        let (normal_rate, onward_rate) = (turn.turning.cross(normal), turn.turning.cross(onward));
-        let (axis, axis_rate, radius) = (self.axis, self.axis_rate, self.cylinder.radius);
-        let on = self.on_edge(edge);
-        let on_velocity = self.flat.velocity_at(on);
-        // Of the normal, the part along the axis. Its derivative by the angle is that of `onward`, whose own is -n.
-        let (b, b_by_angle) = (normal.dot(axis), onward.dot(axis));
-        let b_by_time = normal_rate.dot(axis) + normal.dot(axis_rate);
-        let b_by_both = onward_rate.dot(axis) + onward.dot(axis_rate);
-        // And the size of the part across it, sqrt(1 - b²).
-        let size = normal.across(axis).norm();
-        let over = if size > 0.0 { 1.0 / size } else { 0.0 };
-        let more = Depth {
-            depth: radius * size,
-            by_angle: -radius * b * b_by_angle * over,
-            by_angle_twice: radius
-                * over
-                * (b * b - b_by_angle * b_by_angle - (b * b_by_angle * over).powi(2)),
-            by_time: -radius * b * b_by_time * over,
-            by_both: -radius
-                * over
-                * (b_by_time * b_by_angle
-                    + b * b_by_both
-                    + b * b * b_by_angle * b_by_time * over * over),
-        };
+    pub fn bend(&self, family: Family, turn: &Turn, angle: f64) -> Bend {
+        let through = self.through(family);
+        if let (Family::SideAtRim(rim), Some(other)) = (family, &self.other) {
+            return Rims::behind(other, &through, turn, angle).of_one(usize::from(rim));
+        }
+        let Rims {
+            centres,
+            more,
+            b,
+            size,
+        } = Rims::behind(&self.tube, &through, turn, angle);
+        let radius = self.tube.radius;
         let share = self.cylinder.share();
         let mut bend = Bend::default();
         let mut deepest = (f64::NEG_INFINITY, 0.0);
-        for rim in [0, 1] {
-            let centre = self.centre(rim);
-            let off = on - centre;
-            let velocity = on_velocity - self.round.velocity_at(centre);
-            let of_centre = Depth {
-                depth: normal.dot(off),
-                by_angle: onward.dot(off),
-                by_angle_twice: -normal.dot(off),
-                by_time: normal_rate.dot(off) + normal.dot(velocity),
-                by_both: onward_rate.dot(off) + onward.dot(velocity),
-            };
+        for of_centre in centres {
             if of_centre.depth + more.depth > deepest.0 {
                 deepest = (
                     of_centre.depth + more.depth,
@@ -197,16 +321,16 @@ impl Lying<'_> {
                     depth: c,
                     by_angle,
                     by_time,
-                    by_both,
                     ..
                 } = of_centre;
                 bend.overlap += count * (c * c + half * size * size);
-                bend.slope += count * (c * by_angle - half * b * b_by_angle);
+                bend.slope += count * (c * by_angle - half * b.depth * b.by_angle);
                 bend.by_angle += count
-                    * (by_angle * by_angle - c * c - half * (b_by_angle * b_by_angle - b * b));
+                    * (by_angle * by_angle + c * of_centre.by_angle_twice
+                        - half * (b.by_angle * b.by_angle - b.depth * b.depth));
                 bend.by_time += count
-                    * (by_time * by_angle + c * by_both
-                        - half * (b_by_time * b_by_angle + b * b_by_both));
+                    * (by_time * by_angle + c * of_centre.by_both
+                        - half * (b.by_time * b.by_angle + b.depth * b.by_both));
                 continue;
             }
             for &cosine in &self.cylinder.cosines {
@@ -222,13 +346,17 @@ impl Lying<'_> {
         bend.shared(share, deepest.0, deepest.1)
     }
 
-    /// The angles at which planes through an edge have less overlap than those beside them. They count even if the overlap does
-    /// not fall from both ends of the arc inwards: the energy would jump where it ceases to.
-    pub fn least_of(&self, edge: u8, turn: &Turn) -> Vec<f64> {
-        let slope = |angle: f64| self.bend(edge, turn, angle).slope;
-        let count = (2..AROUND)
-            .find(|count| turn.width <= APART * *count as f64)
-            .unwrap_or(AROUND);
+    /// The angles at which planes of a family have less overlap than those beside them. Along an arc they count even if the overlap
+    /// does not fall from both ends inwards: the energy would jump where it ceases to.
+    pub fn least_of(&self, family: Family, turn: &Turn) -> Vec<f64> {
+        let slope = |angle: f64| self.bend(family, turn, angle).slope;
+        let count = if turn.is_round {
+            AROUND
+        } else {
+            (2..AROUND)
+                .find(|count| turn.width <= APART * *count as f64)
+                .unwrap_or(AROUND)
+        };
         let angle = |number: usize| turn.width * number as f64 / count as f64;
         let mut found = Vec::new();
         let mut before = slope(0.0);
@@ -244,39 +372,52 @@ impl Lying<'_> {
     }
 
     /// The angle at which the plane of that name has its least overlap.
-    pub fn least_about(&self, edge: u8, turn: &Turn, name: u8) -> Option<f64> {
-        let slope = |angle: f64| self.bend(edge, turn, angle).slope;
+    pub fn least_about(&self, family: Family, turn: &Turn, name: u8) -> Option<f64> {
+        let slope = |angle: f64| self.bend(family, turn, angle).slope;
         let about = turn.angle(name);
         let reach = ABOUT * turn.part();
         let (low, high) = (about - reach, about + reach);
         if slope(low) < 0.0 && slope(high) > 0.0 {
             return Some(falls_through_zero(|angle| -slope(angle), low, high));
         }
-        let off = |angle: &f64| (angle - about).abs();
-        let mut all = self.least_of(edge, turn);
-        all.retain(|angle| off(angle) <= reach);
+        let mut all = self.least_of(family, turn);
+        all.retain(|angle| turn.off(*angle, about) <= reach);
         all.into_iter()
-            .min_by(|one, other| off(one).total_cmp(&off(other)))
+            .min_by(|one, other| turn.off(*one, about).total_cmp(&turn.off(*other, about)))
     }
 
     /// The overlap of the plane of that name, and what it is called now.
-    pub fn overlap_about(&self, edge: u8, name: u8) -> (f64, u8) {
-        let turn = self.turn(edge);
-        let is_there = |angle: &f64| (-BEYOND..=turn.width + BEYOND).contains(angle);
-        match self.least_about(edge, &turn, name).filter(is_there) {
+    pub fn overlap_about(&self, family: Family, name: u8) -> (f64, u8) {
+        let turn = self.turn(family);
+        let is_there =
+            |angle: &f64| turn.is_round || (-BEYOND..=turn.width + BEYOND).contains(angle);
+        match self.least_about(family, &turn, name).filter(is_there) {
             Some(angle) => (
-                self.bend(edge, &turn, angle).overlap,
+                self.overlap_at(family, &turn, angle),
                 turn.name(angle, Some(name)),
             ),
             None => (f64::INFINITY, name),
         }
     }
 
+    /// Where the other rim is deeper, no plane has its least overlap by the first.
+    fn overlap_at(&self, family: Family, turn: &Turn, angle: f64) -> f64 {
+        let overlap = self.bend(family, turn, angle).overlap;
+        if let Family::SideAtRim(rim) = family {
+            let other = Family::SideAtRim(1 - rim);
+            let other = self.bend(other, turn, angle).overlap;
+            if other > overlap + MARGIN * overlap.abs() {
+                return f64::INFINITY;
+            }
+        }
+        overlap
+    }
+
     /// What no plane through an edge has less overlap than: the cylinder holds a ball about its centre, and where that is
     /// behind the planes at both ends of the arc, it is behind those between by no less.
     pub fn least_that_can_be(&self, edge: u8) -> f64 {
-        let turn = self.turn(edge);
-        let off = self.on_edge(edge) - self.round.position;
+        let turn = self.turn(Family::Edge(edge));
+        let off = self.on_edge(edge) - self.tube.placed.position;
         let depth = [0.0, turn.width].map(|angle| turn.at(angle).0.dot(off));
         let depth = depth[0].min(depth[1]);
         if depth <= 0.0 {
@@ -286,15 +427,14 @@ impl Lying<'_> {
         (depth + ball) / (self.cylinder.share() as f64).sqrt()
     }
 
-    /// The name of each plane through an edge that has less overlap than those beside it, and that overlap.
-    pub fn overlaps_of(&self, edge: u8) -> Vec<(u8, f64)> {
-        let turn = self.turn(edge);
-        let angles = self.least_of(edge, &turn).into_iter();
-        angles
-            .map(|angle| {
-                let overlap = self.bend(edge, &turn, angle).overlap;
-                (turn.name(angle, None), overlap)
-            })
-            .collect()
+    /// The name of each plane of a family that has less overlap than those beside it, and that overlap.
+    pub fn overlaps_of(&self, family: Family) -> Vec<(u8, f64)> {
+        let turn = self.turn(family);
+        let angles = self.least_of(family, &turn).into_iter();
+        let each = angles.map(|angle| {
+            let overlap = self.overlap_at(family, &turn, angle);
+            (turn.name(angle, None), overlap)
+        });
+        each.collect()
     }
 }

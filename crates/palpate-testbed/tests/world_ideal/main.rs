@@ -3,6 +3,7 @@
 
 mod boxes;
 mod by_other_means;
+mod cans;
 mod capsules;
 mod chaos;
 mod closed_forms;

@@ -1,0 +1,212 @@
+//! Planes that touch a rim of each of two cylinders.
+//!
+//! The way between the two places that such a plane touches is along its normal, so it is at right angles to both rims there: one
+//! of the places where the two circles are nearest to each other. For each place of the cylinder's rim, the nearest place of the
+//! other one's is known, so one root is left. Its normal is at right angles to both tangents.
+
+use super::cylinder::Lying;
+use super::ridders::falls_through_zero;
+use super::tangent::Turn;
+use super::tube::{Moving, side_of};
+use super::vector::Vec3;
+
+/// Places of a rim at which the way to the other is looked at, and of the part of it about a place by name.
+const AROUND: usize = 64;
+const NEARBY: usize = 8;
+/// A plane is looked for so many parts about where it was.
+const ABOUT: f64 = 3.0;
+/// Beside a root, others are looked for at this many places, each half as far away as the one before.
+const BESIDE: i32 = 8;
+/// Sine of the angle of parallel tangents.
+const PARALLEL: f64 = 1e-6;
+
+/// A rim of the cylinder and one of the other, and how their tangents cross: two places where they cross in the two ways can be near
+/// to each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Crossing {
+    pub rims: [u8; 2],
+    is_left: bool,
+}
+
+/// A place of the cylinder's rim and the nearest one of the other's.
+struct Near {
+    /// Half of the slope of the squared way between the two.
+    slope: f64,
+    /// Out of the cylinder.
+    normal: Vec3,
+    overlap: f64,
+    is_left: bool,
+    /// Whether the plane has both cylinders on their sides and less overlap than those beside it.
+    is_between: bool,
+    place: Vec3,
+    /// Outwards and along the rim, of both.
+    out: [Vec3; 2],
+    along: [Vec3; 2],
+}
+
+/// The places from `low` to `high` at which a function rises through 0. Those beside a root may be close to it.
+fn rises(of: impl Fn(f64) -> f64, low: f64, high: f64, count: usize) -> Vec<f64> {
+    let at = |number: usize| low + (high - low) * number as f64 / count as f64;
+    let root = |low: f64, high: f64| falls_through_zero(|place| -of(place), low, high);
+    let mut found = Vec::new();
+    let mut before = of(low);
+    for number in 1..=count {
+        let (low, high) = (at(number - 1), at(number));
+        let after = of(high);
+        if before < 0.0 && after >= 0.0 {
+            let one = root(low, high);
+            found.push(one);
+            let beside =
+                |end: f64| (1..=BESIDE).map(move |halves| one + (end - one) * 0.5_f64.powi(halves));
+            if let Some(place) = beside(low).find(|place| of(*place) > 0.0) {
+                found.push(root(low, place));
+            }
+            if let Some(place) = beside(high).find(|place| of(*place) < 0.0) {
+                found.push(root(place, high));
+            }
+        }
+        before = after;
+    }
+    found
+}
+
+impl Lying<'_> {
+    fn near(&self, rims: [u8; 2], turn: &Turn, angle: f64) -> Near {
+        let other = self.other.as_ref().unwrap_or(&self.tube);
+        let rims = rims.map(usize::from);
+        let (out, along) = turn.at(angle);
+        let place = self.tube.centre(rims[0]) + out * self.tube.radius;
+        let centre = other.centre(rims[1]);
+        let over = (place - centre).across(other.axis);
+        let other_out = over.direction().unwrap_or(Vec3::ZERO);
+        let other_along = other.axis.cross(other_out);
+        let way = place - (centre + other_out * other.radius);
+        let cross = along.cross(other_along);
+        let sine = cross.norm();
+        let is_left = cross.dot(out) > 0.0;
+        let side = if is_left { 1.0 } else { -1.0 };
+        let normal = cross * (side / sine.max(PARALLEL));
+        let overlap = normal.dot(way);
+        // The planes beside it have more overlap where both circles are wide enough.
+        let [p, q] = [
+            self.tube.radius / normal.dot(out),
+            -other.radius / normal.dot(other_out),
+        ];
+        let cosine = along.dot(other_along);
+        let is_least =
+            overlap < p.min(q) && (p - overlap) * (q - overlap) > p * q * cosine * cosine;
+        Near {
+            slope: way.dot(along),
+            normal,
+            overlap,
+            is_left,
+            is_between: sine > PARALLEL
+                && p > 0.0
+                && q > 0.0
+                && is_least
+                && normal.dot(self.tube.axis) * side_of(rims[0]) > 0.0
+                && normal.dot(other.axis) * side_of(rims[1]) < 0.0,
+            place,
+            out: [out, other_out],
+            along: [along, other_along],
+        }
+    }
+
+    /// All planes of this kind, and the overlap of each.
+    pub fn crossings(&self) -> Vec<(Crossing, u8, f64)> {
+        let turn = Turn::about(&self.tube);
+        let mut found = Vec::new();
+        for rims in [[0, 0], [0, 1], [1, 0], [1, 1]] {
+            let slope = |angle: f64| self.near(rims, &turn, angle).slope;
+            for angle in rises(slope, 0.0, std::f64::consts::TAU, AROUND) {
+                let near = self.near(rims, &turn, angle);
+                if near.is_between {
+                    let is_left = near.is_left;
+                    let name = turn.name(angle, None);
+                    found.push((Crossing { rims, is_left }, name, near.overlap));
+                }
+            }
+        }
+        found
+    }
+
+    /// The angle of the plane of that name.
+    fn angle_of_rims(&self, crossing: Crossing, turn: &Turn, name: u8) -> Option<f64> {
+        let about = turn.angle(name);
+        let reach = ABOUT * turn.part();
+        let near = |angle: f64| self.near(crossing.rims, turn, angle);
+        let all = rises(
+            |angle| near(angle).slope,
+            about - reach,
+            about + reach,
+            NEARBY,
+        );
+        all.into_iter()
+            .filter(|angle| near(*angle).is_left == crossing.is_left)
+            .min_by(|one, other| (one - about).abs().total_cmp(&(other - about).abs()))
+    }
+
+    /// The overlap of the plane of that name, and what it is called now.
+    pub fn overlap_of_rims(&self, crossing: Crossing, name: u8) -> (f64, u8) {
+        let turn = Turn::about(&self.tube);
+        let Some(angle) = self.angle_of_rims(crossing, &turn, name) else {
+            return (f64::INFINITY, name);
+        };
+        let near = self.near(crossing.rims, &turn, angle);
+        if near.is_between {
+            (near.overlap, turn.name(angle, Some(name)))
+        } else {
+            (f64::INFINITY, name)
+        }
+    }
+
+    /// The plane of that name: with the way w(n) between the places that it touches, w = D n.
+    pub fn between_rims(&self, crossing: Crossing, name: u8) -> Moving {
+        let other = self.other.as_ref().unwrap_or(&self.tube);
+        let turn = Turn::about(&self.tube);
+        let angle = self.angle_of_rims(crossing, &turn, name);
+        let near = self.near(
+            crossing.rims,
+            &turn,
+            angle.unwrap_or_else(|| turn.angle(name)),
+        );
+        let normal = near.normal;
+        // How w changes while n stays: the rims turn below it.
+        let [one, two] = [(&self.tube, 0, 1.0), (other, 1, -1.0)].map(|(tube, number, side)| {
+            let out = near.out[number];
+            let rate =
+                tube.axis * tube.axis_rate.dot(normal) + tube.axis_rate * tube.axis.dot(normal);
+            let size = side * normal.dot(out);
+            let out_rate = rate.across(out) * (-side / size);
+            let centre = tube.centre(usize::from(crossing.rims[number]));
+            tube.placed.velocity_at(centre) + out_rate * tube.radius
+        });
+        let way_rate = one - two;
+        // (dw/dn - D) n' = -w', of which the parts along two directions across n are left.
+        let [p, q] = [
+            self.tube.radius / normal.dot(near.out[0]),
+            -other.radius / normal.dot(near.out[1]),
+        ];
+        let first = near.along[0];
+        let second = normal.cross(first);
+        let (c, s) = (near.along[1].dot(first), near.along[1].dot(second));
+        let [xx, xy, yy] = [
+            p + q * c * c - near.overlap,
+            q * c * s,
+            q * s * s - near.overlap,
+        ];
+        let (x, y) = (-way_rate.dot(first), -way_rate.dot(second));
+        let size = xx * yy - xy * xy;
+        let normal_rate = if size > 0.0 {
+            (first * (yy * x - xy * y) + second * (xx * y - xy * x)) * (1.0 / size)
+        } else {
+            Vec3::ZERO
+        };
+        Moving {
+            normal,
+            normal_rate,
+            on: near.place,
+            on_velocity: self.tube.placed.velocity_at(near.place),
+        }
+    }
+}
