@@ -1,13 +1,13 @@
 //! Planes that touch a rim of each of two cylinders.
 //!
 //! The way between the two places that such a plane touches is along its normal, so it is at right angles to both rims there: one
-//! of the places where the two circles are nearest to each other. For each place of the cylinder's rim, the nearest place of the
-//! other one's is known, so one root is left. Its normal is at right angles to both tangents.
+//! of the places where the two circles are nearest to each other. For each place of the smaller circle, the nearest place of the
+//! larger one is known, so one root is left. Its normal is at right angles to both tangents.
 
 use super::cylinder::Lying;
 use super::ridders::falls_through_zero;
 use super::tangent::Turn;
-use super::tube::{Moving, side_of};
+use super::tube::{Moving, Tube, side_of};
 use super::vector::Vec3;
 
 /// Places of a rim at which the way to the other is looked at, and of the part of it about a place by name.
@@ -28,18 +28,18 @@ pub(super) struct Crossing {
     is_left: bool,
 }
 
-/// A place of the cylinder's rim and the nearest one of the other's.
+/// A place of the smaller circle and the nearest one of the larger.
 struct Near {
     /// Half of the slope of the squared way between the two.
     slope: f64,
-    /// Out of the cylinder.
+    /// Out of the cylinder with the smaller circle.
     normal: Vec3,
     overlap: f64,
     is_left: bool,
     /// Whether the plane has both cylinders on their sides and less overlap than those beside it.
     is_between: bool,
-    place: Vec3,
-    /// Outwards and along the rim, of both.
+    /// Of both: the places, outwards there, and along the rim.
+    places: [Vec3; 2],
     out: [Vec3; 2],
     along: [Vec3; 2],
 }
@@ -71,17 +71,38 @@ fn rises(of: impl Fn(f64) -> f64, low: f64, high: f64, count: usize) -> Vec<f64>
 }
 
 impl Lying<'_> {
-    fn near(&self, rims: [u8; 2], turn: &Turn, angle: f64) -> Near {
+    /// The one with the smaller circles goes first; and whether that is the other one.
+    fn by_size(&self) -> ([&Tube<'_>; 2], bool) {
         let other = self.other.as_ref().unwrap_or(&self.tube);
-        let rims = rims.map(usize::from);
+        if other.radius < self.tube.radius {
+            ([other, &self.tube], true)
+        } else {
+            ([&self.tube, other], false)
+        }
+    }
+
+    /// Their rims in the same order.
+    fn rims_by_size(&self, rims: [u8; 2]) -> [usize; 2] {
+        let [one, other] = rims.map(usize::from);
+        if self.by_size().1 {
+            [other, one]
+        } else {
+            [one, other]
+        }
+    }
+
+    fn near(&self, rims: [u8; 2], turn: &Turn, angle: f64) -> Near {
+        let ([smaller, larger], _) = self.by_size();
+        let rims = self.rims_by_size(rims);
         let (out, along) = turn.at(angle);
-        let place = self.tube.centre(rims[0]) + out * self.tube.radius;
-        let centre = other.centre(rims[1]);
-        let over = (place - centre).across(other.axis);
-        let other_out = over.direction().unwrap_or(Vec3::ZERO);
-        let other_along = other.axis.cross(other_out);
-        let way = place - (centre + other_out * other.radius);
-        let cross = along.cross(other_along);
+        let place = smaller.centre(rims[0]) + out * smaller.radius;
+        let centre = larger.centre(rims[1]);
+        let over = (place - centre).across(larger.axis);
+        let larger_out = over.direction().unwrap_or(Vec3::ZERO);
+        let larger_along = larger.axis.cross(larger_out);
+        let nearest = centre + larger_out * larger.radius;
+        let way = place - nearest;
+        let cross = along.cross(larger_along);
         let sine = cross.norm();
         let is_left = cross.dot(out) > 0.0;
         let side = if is_left { 1.0 } else { -1.0 };
@@ -89,10 +110,10 @@ impl Lying<'_> {
         let overlap = normal.dot(way);
         // The planes beside it have more overlap where both circles are wide enough.
         let [p, q] = [
-            self.tube.radius / normal.dot(out),
-            -other.radius / normal.dot(other_out),
+            smaller.radius / normal.dot(out),
+            -larger.radius / normal.dot(larger_out),
         ];
-        let cosine = along.dot(other_along);
+        let cosine = along.dot(larger_along);
         let is_least =
             overlap < p.min(q) && (p - overlap) * (q - overlap) > p * q * cosine * cosine;
         Near {
@@ -104,17 +125,17 @@ impl Lying<'_> {
                 && p > 0.0
                 && q > 0.0
                 && is_least
-                && normal.dot(self.tube.axis) * side_of(rims[0]) > 0.0
-                && normal.dot(other.axis) * side_of(rims[1]) < 0.0,
-            place,
-            out: [out, other_out],
-            along: [along, other_along],
+                && normal.dot(smaller.axis) * side_of(rims[0]) > 0.0
+                && normal.dot(larger.axis) * side_of(rims[1]) < 0.0,
+            places: [place, nearest],
+            out: [out, larger_out],
+            along: [along, larger_along],
         }
     }
 
     /// All planes of this kind, and the overlap of each.
     pub fn crossings(&self) -> Vec<(Crossing, u8, f64)> {
-        let turn = Turn::about(&self.tube);
+        let turn = Turn::about(self.by_size().0[0]);
         let mut found = Vec::new();
         for rims in [[0, 0], [0, 1], [1, 0], [1, 1]] {
             let slope = |angle: f64| self.near(rims, &turn, angle).slope;
@@ -148,7 +169,7 @@ impl Lying<'_> {
 
     /// The overlap of the plane of that name, and what it is called now.
     pub fn overlap_of_rims(&self, crossing: Crossing, name: u8) -> (f64, u8) {
-        let turn = Turn::about(&self.tube);
+        let turn = Turn::about(self.by_size().0[0]);
         let Some(angle) = self.angle_of_rims(crossing, &turn, name) else {
             return (f64::INFINITY, name);
         };
@@ -162,8 +183,9 @@ impl Lying<'_> {
 
     /// The plane of that name: with the way w(n) between the places that it touches, w = D n.
     pub fn between_rims(&self, crossing: Crossing, name: u8) -> Moving {
-        let other = self.other.as_ref().unwrap_or(&self.tube);
-        let turn = Turn::about(&self.tube);
+        let ([smaller, larger], is_swapped) = self.by_size();
+        let rims = self.rims_by_size(crossing.rims);
+        let turn = Turn::about(smaller);
         let angle = self.angle_of_rims(crossing, &turn, name);
         let near = self.near(
             crossing.rims,
@@ -172,20 +194,20 @@ impl Lying<'_> {
         );
         let normal = near.normal;
         // How w changes while n stays: the rims turn below it.
-        let [one, two] = [(&self.tube, 0, 1.0), (other, 1, -1.0)].map(|(tube, number, side)| {
+        let [one, two] = [(smaller, 0, 1.0), (larger, 1, -1.0)].map(|(tube, number, side)| {
             let out = near.out[number];
             let rate =
                 tube.axis * tube.axis_rate.dot(normal) + tube.axis_rate * tube.axis.dot(normal);
             let size = side * normal.dot(out);
             let out_rate = rate.across(out) * (-side / size);
-            let centre = tube.centre(usize::from(crossing.rims[number]));
+            let centre = tube.centre(rims[number]);
             tube.placed.velocity_at(centre) + out_rate * tube.radius
         });
         let way_rate = one - two;
         // (dw/dn - D) n' = -w', of which the parts along two directions across n are left.
         let [p, q] = [
-            self.tube.radius / normal.dot(near.out[0]),
-            -other.radius / normal.dot(near.out[1]),
+            smaller.radius / normal.dot(near.out[0]),
+            -larger.radius / normal.dot(near.out[1]),
         ];
         let first = near.along[0];
         let second = normal.cross(first);
@@ -202,11 +224,13 @@ impl Lying<'_> {
         } else {
             Vec3::ZERO
         };
+        let on = near.places[usize::from(is_swapped)];
+        let side = if is_swapped { -1.0 } else { 1.0 };
         Moving {
-            normal,
-            normal_rate,
-            on: near.place,
-            on_velocity: self.tube.placed.velocity_at(near.place),
+            normal: normal * side,
+            normal_rate: normal_rate * side,
+            on,
+            on_velocity: self.tube.placed.velocity_at(on),
         }
     }
 }

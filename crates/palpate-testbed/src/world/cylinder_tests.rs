@@ -59,6 +59,7 @@ fn solids() -> Vec<Solid> {
         ("a wider can", [RADIUS, HALF_LENGTH], [0.025, 0.04]),
         ("a rod", [RADIUS, HALF_LENGTH], [0.008, 0.05]),
         ("a disc", [0.03, 0.004], [0.02, 0.006]),
+        ("a plate and a rod", [0.05, 0.002], [0.004, 0.04]),
     ];
     let two = two.map(|(name, one, other)| Solid {
         name,
@@ -143,7 +144,7 @@ impl Chance {
                 high = middle;
             }
         }
-        let deep = 1e-3 * self.0.unit();
+        let deep = 2e-6 + 1e-3 * self.0.unit();
         [at(high - deep), other]
     }
 }
