@@ -219,6 +219,32 @@ fn a_cylinder_tips_over_an_edge_only_where_its_mass_centre_is_beyond_it() {
     assert!(upright(0.151) < 0.9, "{}", upright(0.151));
 }
 
+/// The same of one that lies across a narrow post.
+#[test]
+fn a_cylinder_across_a_post_tips_only_where_its_mass_centre_is_beyond_it() {
+    let law = ContactLaw::spring(K).with_damping(20.0).with_friction(0.5);
+    let tilt = |x: f64| {
+        let bodies = vec![
+            Body::new("post", box_of([0.01, 0.02, 0.05]), Motion::Fixed).at([0.0, 0.0, -0.05]),
+            can(heavy(), [x, 0.0, RADIUS - WEIGHT / (0.5 * K)])
+                .turned([LYING[0], 0.0, LYING[0], 0.0]),
+        ];
+        let renderer = renderer(&world(0.005, bodies, law));
+        let mut state = renderer.start();
+        leave_alone(&renderer, &mut state, 400);
+        let [w, x, y, z] = state.bodies()[1].orientation;
+        // How far the axis rises over its length.
+        (w * w - x * x - y * y + z * z).abs()
+    };
+    for x in [0.0, 0.005, -0.009] {
+        let rises = tilt(x);
+        println!("across a post of 10 mm, mass centre at {x} m: the axis rises by {rises:.1e}");
+        assert!(rises < 1e-4, "{x} {rises}");
+    }
+    // Falling, after 0.4 s.
+    assert!(tilt(0.011) > 0.05, "{}", tilt(0.011));
+}
+
 /// A tool pushes cans about: each contact's books, and those of the world.
 #[test]
 fn the_books_of_cylinders_that_are_pushed_about_balance() {
