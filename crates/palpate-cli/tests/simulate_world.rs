@@ -170,9 +170,10 @@ fn a_world_that_cannot_be_judged_or_rendered_says_why() {
         ),
         (
             "shape = { sphere = { radius_m = 0.03 } }",
-            "shape = { cylinder = { radius_m = 0.03, length_m = 0.02 } }",
+            "shape = { mesh = { vertices_m = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0]], faces = [[0, 1, 2]] } }\n\
+             inertia_kg_m2 = [1e-4, 1e-4, 1e-4]",
             3,
-            "\"ball\"",
+            "\"ball\" and \"floor\": all of it lies in a plane",
         ),
         (
             "format = 2",
