@@ -274,7 +274,7 @@ static void misuse(void) {
   for (int axis = 0; axis < 3; axis++) device.mass[axis] = 0.1;
   REFUSED(palpate_scene_add_device(scene, "block", &device, &shape), SCENE, "has already");
   REFUSED(palpate_scene_add_device(scene, "left,right", &device, &shape), SCENE, "must have no comma");
-  shape.kind = PALPATE_SHAPE_KIND_CYLINDER, shape.radius = shape.half_length = 0.01;
+  shape.kind = PALPATE_SHAPE_KIND_HALF_SPACE, shape.normal[2] = 1.0, shape.radius = 0.01;
   REFUSED(palpate_scene_add_device(scene, "second", &device, &shape), PARAMETER, "a tool has to be a sphere");
   EXPECT(palpate_scene_device_count(scene) == 1);
   shape.kind = PALPATE_SHAPE_KIND_SPHERE;
