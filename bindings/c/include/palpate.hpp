@@ -36,18 +36,29 @@ inline palpate_contact_params contact_params(double stiffness, double mass = INF
   return params;
 }
 
-/* Lets `params` have these settings, which stay as long as the parameters are used. */
+/* Sets the settings of the method. `params` points to them, so the array has to outlive the parameters; a temporary array does
+   not compile. */
 inline void use(palpate_contact_params &params, span<const palpate_setting> settings) noexcept {
   params.settings = settings.data();
   params.setting_count = settings.size();
 }
+template <typename Array, detail::if_temporary<Array> = 0>
+void use(palpate_contact_params &params, Array &&settings) = delete;
+template <std::size_t N>
+void use(palpate_contact_params &params, const palpate_setting (&&settings)[N]) = delete;
 
-/* A sample of a world: a pose of each device, in the order of the scene, which stay until the tick. */
+/* A sample of a world: a pose of each device, in the order of the scene. It points to the poses, so the array has to outlive
+   the sample; a temporary array does not compile. */
 inline palpate_world_sample world_sample(span<const palpate_pose> poses) noexcept {
   return palpate_world_sample_at(poses.data(), poses.size());
 }
+template <typename Array, detail::if_temporary<Array> = 0>
+palpate_world_sample world_sample(Array &&poses) = delete;
+template <std::size_t N>
+palpate_world_sample world_sample(const palpate_pose (&&poses)[N]) = delete;
 
-/* Shapes, in the own axes of the tool or body that has them. Points and faces stay until the call that takes the shape. */
+/* Shapes, in the own axes of the tool or body that has them. A hull or mesh points to its points and faces, so the arrays have
+   to outlive the shape; temporary arrays do not compile. */
 inline palpate_shape sphere(double radius) noexcept {
   palpate_shape shape = palpate_shape_default();
   shape.radius = radius;
@@ -83,6 +94,10 @@ inline palpate_shape hull(span<const double> points) noexcept {
   shape.point_count = points.size() / 3;
   return shape;
 }
+template <typename Points, detail::if_temporary<Points> = 0>
+palpate_shape hull(Points &&points) = delete;
+template <std::size_t N>
+palpate_shape hull(const double (&&points)[N]) = delete;
 
 /* Triangles, by the places of three points for each, in turn to the left as they are seen from outside. */
 inline palpate_shape mesh(span<const double> points, span<const std::uint32_t> faces) noexcept {
@@ -92,6 +107,12 @@ inline palpate_shape mesh(span<const double> points, span<const std::uint32_t> f
   shape.face_count = faces.size() / 3;
   return shape;
 }
+template <typename Points, typename Faces, detail::if_temporary<Points, Faces> = 0>
+palpate_shape mesh(Points &&points, Faces &&faces) = delete;
+template <std::size_t N>
+palpate_shape mesh(const double (&&points)[N], span<const std::uint32_t> faces) = delete;
+template <std::size_t N>
+palpate_shape mesh(span<const double> points, const std::uint32_t (&&faces)[N]) = delete;
 
 /* The law of a contact of `stiffness` [N/m]. */
 inline palpate_contact_law contact_law(double stiffness, double damping = 0.0, double friction = 0.0) noexcept {

@@ -105,6 +105,26 @@ class span {
 
 }  // namespace palpate
 
+namespace palpate {
+namespace detail {
+
+/* Whether an argument of the deduced type `T &&` is a container that is destroyed at the end of the expression. A view, such
+   as a span, owns nothing. */
+template <typename T>
+inline constexpr bool is_temporary_v =
+    !std::is_lvalue_reference_v<T> && !is_span_v<std::remove_cv_t<std::remove_reference_t<T>>>
+#if defined(__cpp_lib_ranges)
+    && !std::ranges::borrowed_range<T>
+#endif
+    ;
+
+/* Enables a deleted overload that rejects a temporary container, whose elements the result would point to. */
+template <typename... Arrays>
+using if_temporary = std::enable_if_t<(is_temporary_v<Arrays> || ...), int>;
+
+}  // namespace detail
+}  // namespace palpate
+
 #if defined(__cpp_lib_ranges)
 /* So that a std::span can be made of one that goes at the end of the call: it owns nothing. */
 template <typename T>
