@@ -1,5 +1,5 @@
-// A wall that a device touches, in a thread of its own: Unity's Update comes at the rate of the display, which
-// is too slow for a hand. Give it a device, for instance the driver of a vendor.
+// A wall that a device touches. The loop runs in a thread of its own, since Unity's Update runs at the rate of the display,
+// which is too slow for a hand.
 //
 // License: MIT OR Apache-2.0
 using System;
@@ -7,67 +7,234 @@ using System.Diagnostics;
 using System.Threading;
 using UnityEngine;
 
-/// <summary>What a driver gives and takes, along one axis.</summary>
+/// <summary>One axis of a device. A MonoBehaviour that implements it, on the object of the wall, is found by the
+/// wall.</summary>
 public interface IHapticAxis
 {
-    /// <summary>Position of the end-point [m].</summary>
+    /// <summary>Position of the end-point along the x axis of the scene [m]. Called by the thread of the loop.</summary>
     double ReadPosition();
 
-    /// <summary>Force on the device [N].</summary>
+    /// <summary>Force on the device along the x axis of the scene [N]. Called by the thread of the loop.</summary>
     void WriteForce(double force);
 }
 
-/// <summary>A wall in a scene: x = 0 of its object is the surface.</summary>
+/// <summary>A wall whose surface passes through the position of its object, across the x axis of the scene (1 unit is 1 m).
+/// It is solid on the side to which the object's local x axis (transform.right) points. A wall that moves is rendered at the
+/// position of the last two frames, interpolated.</summary>
 public sealed class Wall : MonoBehaviour
 {
     public double Stiffness = 1000.0; // [N/m]
     public double DeviceMass = 0.25; // [kg]
     public double Period = 0.001; // [s]
-    public IHapticAxis Device;
 
-    /// <summary>How far the device is in the wall [m], of the last tick.</summary>
-    public double Penetration { get { return Volatile.Read(ref penetration); } }
-
+    IHapticAxis device;
     double penetration;
     volatile bool running;
     Thread thread;
+    Exception failure;
+
+    // Parameters that the loop renders, and the next ones, which it takes between two ticks.
+    double stiffness, deviceMass, period;
+    Side side;
+    Parameters next;
+
+    // Path of the surface over one frame, for the loop.
+    SurfacePath path;
+
+    /// <summary>The device. Without one, OnEnable takes the component of the same object that implements
+    /// IHapticAxis. A loop that runs is started again with the new device.</summary>
+    public IHapticAxis Device
+    {
+        get { return device; }
+        set
+        {
+            bool wasRunning = running;
+            Stop();
+            device = value;
+            if (wasRunning || (enabled && value != null))
+            {
+                OnEnable();
+            }
+        }
+    }
+
+    /// <summary>How far the device is in the wall [m], at the last tick; negative outside.</summary>
+    public double Penetration { get { return Volatile.Read(ref penetration); } }
+
+    /// <summary>Whether the loop runs.</summary>
+    public bool Running { get { return running; } }
+
+    enum Side { Positive, Negative }
+
+    /// What a loop renders.
+    sealed class Parameters
+    {
+        internal Palpate.ContactParams Contact;
+        internal Palpate.LoopParams Loop;
+    }
+
+    /// The surface at the beginning and the end of a frame [m], and the clock's times of both [s].
+    sealed class SurfacePath
+    {
+        internal double From, To, Begin, End;
+
+        internal double At(double time)
+        {
+            if (time >= End)
+            {
+                return To;
+            }
+            return From + (To - From) * Math.Max(0.0, time - Begin) / (End - Begin);
+        }
+    }
+
+    static readonly Stopwatch Clock = Stopwatch.StartNew();
+
+    static double Now { get { return Clock.Elapsed.TotalSeconds; } }
 
     public void OnEnable()
     {
-        var loop = Palpate.LoopParams.Default(Period);
-        loop.DeviceMass = DeviceMass;
-        // Made here, so that an exception says what is wrong where Unity shows it.
-        var contact = new Palpate.Contact(Palpate.ContactParams.Default(Stiffness), loop);
+        if (running)
+        {
+            return;
+        }
+        device = device ?? GetComponent<IHapticAxis>();
+        if (device == null)
+        {
+            UnityEngine.Debug.LogWarning(
+                "Wall: no device, so nothing is rendered: set Wall.Device, or add a component that implements IHapticAxis");
+            return;
+        }
+        Palpate.Contact contact;
+        try
+        {
+            contact = Make(Read());
+        }
+        catch (Exception error)
+        {
+            UnityEngine.Debug.LogError("Wall: nothing is rendered: " + error.Message);
+            return;
+        }
+        double surface = transform.position.x;
+        double now = Now;
+        Volatile.Write(ref path, new SurfacePath { From = surface, To = surface, Begin = now, End = now });
+        Interlocked.Exchange(ref next, null);
+        failure = null;
         running = true;
-        thread = new Thread(() => Run(contact)) { Priority = System.Threading.ThreadPriority.Highest };
+        IHapticAxis used = device;
+        double step = period;
+        Side facing = side;
+        thread = new Thread(() => Run(contact, used, step, facing)) { Priority = System.Threading.ThreadPriority.Highest };
         thread.Start();
     }
 
     public void OnDisable()
     {
+        Stop();
+    }
+
+    /// <summary>Once a frame: the loop gets the position of the wall, and parameters that have changed.</summary>
+    public void Update()
+    {
+        if (failure != null)
+        {
+            Exception error = failure;
+            Stop();
+            UnityEngine.Debug.LogError("Wall: the loop has stopped: " + error.Message);
+            return;
+        }
+        if (!running)
+        {
+            return;
+        }
+        SurfacePath before = Volatile.Read(ref path);
+        double now = Now;
+        double frame = Math.Max(1e-3, Math.Min(0.1, now - before.Begin));
+        double surface = transform.position.x;
+        if (surface != before.To || now < before.End)
+        {
+            Volatile.Write(ref path,
+                new SurfacePath { From = before.At(now), To = surface, Begin = now, End = now + frame });
+        }
+        bool samePace = Period == period && SideOf(transform.right.x) == side;
+        if (!samePace)
+        {
+            Stop();
+            OnEnable();
+        }
+        else if (Stiffness != stiffness || DeviceMass != deviceMass)
+        {
+            try
+            {
+                Parameters changed = Read();
+                // Checked here, where an error is shown; the loop keeps the parameters that it has.
+                Make(changed).Dispose();
+                Interlocked.Exchange(ref next, changed);
+            }
+            catch (Exception error)
+            {
+                UnityEngine.Debug.LogError("Wall: the parameters are unchanged: " + error.Message);
+            }
+        }
+    }
+
+    void Stop()
+    {
         running = false;
         if (thread != null)
         {
             thread.Join();
+            thread = null;
         }
+        failure = null;
     }
 
-    void Run(Palpate.Contact contact)
+    static Side SideOf(double right)
     {
+        return right >= 0.0 ? Side.Positive : Side.Negative;
+    }
+
+    /// The parameters of the component, and keeps which they are.
+    Parameters Read()
+    {
+        stiffness = Stiffness;
+        deviceMass = DeviceMass;
+        period = Period;
+        side = SideOf(transform.right.x);
+        var loop = Palpate.LoopParams.Default(period);
+        loop.DeviceMass = deviceMass;
+        return new Parameters { Contact = Palpate.ContactParams.Default(stiffness), Loop = loop };
+    }
+
+    static Palpate.Contact Make(Parameters parameters)
+    {
+        return new Palpate.Contact(parameters.Contact, parameters.Loop);
+    }
+
+    /// The loop. Coordinates are those of the wall: 0 is the surface, and positive is inside.
+    void Run(Palpate.Contact contact, IHapticAxis axis, double step, Side facing)
+    {
+        double inward = facing == Side.Positive ? 1.0 : -1.0;
         try
         {
             using (contact)
             {
-                var clock = Stopwatch.StartNew();
+                double start = Now;
                 double last = 0.0;
                 for (long tick = 0; running; tick++)
                 {
-                    while (clock.Elapsed.TotalSeconds < tick * Period)
+                    while (Now - start < tick * step)
                     {
                         Thread.SpinWait(20);
                     }
-                    double now = clock.Elapsed.TotalSeconds;
-                    var sample = Palpate.Sample.At(Device.ReadPosition());
+                    Parameters changed = Interlocked.Exchange(ref next, null);
+                    if (changed != null)
+                    {
+                        contact.Change(changed.Contact, changed.Loop);
+                    }
+                    double now = Now;
+                    double position = axis.ReadPosition();
+                    var sample = Palpate.Sample.At(inward * (position - Volatile.Read(ref path).At(now)));
                     if (tick > 0)
                     {
                         sample.Elapsed = now - last;
@@ -75,14 +242,25 @@ public sealed class Wall : MonoBehaviour
                     }
                     last = now;
                     Palpate.Output output;
-                    Device.WriteForce(contact.Step(sample, out output));
+                    axis.WriteForce(inward * contact.Step(sample, out output));
                     Volatile.Write(ref penetration, output.Penetration);
                 }
             }
         }
+        catch (Exception error)
+        {
+            failure = error;
+        }
         finally
         {
-            Device.WriteForce(0.0);
+            try
+            {
+                axis.WriteForce(0.0);
+            }
+            catch (Exception error)
+            {
+                failure = failure ?? error;
+            }
         }
     }
 }

@@ -4,34 +4,69 @@ using System.Threading;
 
 namespace UnityEngine
 {
-    public class MonoBehaviour { }
+    public struct Vector3
+    {
+        public float x, y, z;
+    }
+
+    public class Transform
+    {
+        public Vector3 position;
+        public Vector3 right = new Vector3 { x = 1.0f };
+    }
+
+    public class MonoBehaviour
+    {
+        public readonly Transform transform = new Transform();
+        public bool enabled = true;
+        public object component;
+
+        public T GetComponent<T>() where T : class
+        {
+            return component as T;
+        }
+    }
+
+    public static class Debug
+    {
+        public static string Said = "";
+        public static void LogWarning(object message) { Said += message + "\n"; }
+        public static void LogError(object message) { Said += message + "\n"; }
+    }
 }
 
 /// A device that is pushed against the wall by a spring of a hand.
 sealed class HandOnAxis : IHapticAxis
 {
-    double position = -0.002, velocity;
+    double depth = -0.002, velocity;
     double force;
+    public double Direction = 1.0;
+    public long FailsAt = long.MaxValue;
     public double Last { get { return Volatile.Read(ref force); } }
+    public double Position { get { return Direction * Volatile.Read(ref depth); } }
     public bool Pushed;
     public double Deepest, Largest;
     public long Reads;
 
     public double ReadPosition()
     {
-        Interlocked.Increment(ref Reads);
-        return position;
+        if (Interlocked.Increment(ref Reads) >= FailsAt)
+        {
+            throw new InvalidOperationException("the cable is out");
+        }
+        return Direction * depth;
     }
 
     public void WriteForce(double newForce)
     {
         Volatile.Write(ref force, newForce);
+        newForce *= Direction;
         Pushed = Pushed || newForce < 0.0;
         Largest = Math.Max(Largest, Math.Abs(newForce));
         // 0.25 kg, pushed with 2 N and held by a hand's 2 N s/m, over 1 ms.
         velocity += (2.0 - 2.0 * velocity + newForce) / 0.25 * 0.001;
-        position += velocity * 0.001;
-        Deepest = Math.Max(Deepest, position);
+        Volatile.Write(ref depth, depth + velocity * 0.001);
+        Deepest = Math.Max(Deepest, depth);
     }
 }
 
@@ -63,6 +98,85 @@ static class Program
         {
             Expect(error.Message.StartsWith(words, StringComparison.Ordinal), error.Message);
         }
+    }
+
+    /// Waits until the device was read `count` times more.
+    static void Ticks(HandOnAxis device, long count)
+    {
+        long until = Interlocked.Read(ref device.Reads) + count;
+        while (Interlocked.Read(ref device.Reads) < until)
+        {
+            Thread.Sleep(1);
+        }
+    }
+
+    static void Walls()
+    {
+        // As Unity does it: enabled before anybody could set a device, which warns and renders nothing.
+        var wall = new Wall();
+        wall.OnEnable();
+        wall.Update();
+        Expect(!wall.Running && UnityEngine.Debug.Said.Contains("set Wall.Device"), "a wall without a device says so");
+        wall.OnDisable();
+
+        // Set while it is enabled, the device starts the loop.
+        var device = new HandOnAxis();
+        wall.Device = device;
+        Ticks(device, 1500);
+        wall.Update();
+        Expect(wall.Running, "a device that is set starts the loop");
+        Expect(device.Pushed && device.Deepest > 0.0005, "the device has met the wall, and was pushed back");
+        Expect(device.Largest <= 20.0, "no force exceeds the limit");
+
+        // A stiffness that changes while it runs: 2 N rest half as deep.
+        double before = wall.Penetration;
+        wall.Stiffness = 4000.0;
+        wall.Update();
+        Ticks(device, 1500);
+        Expect(wall.Penetration < 0.5 * before, "the new stiffness acts: " + before + " m, then " + wall.Penetration + " m");
+        UnityEngine.Debug.Said = "";
+        wall.Stiffness = -1.0;
+        wall.Update();
+        Ticks(device, 10);
+        Expect(wall.Running && UnityEngine.Debug.Said.Contains("stiffness is -1 N/m"), "a wrong stiffness is refused by name");
+        wall.Stiffness = 4000.0;
+        wall.Update();
+
+        // The object is moved: the surface moves with it, and the device, which is pushed against it, follows.
+        double at = device.Position;
+        wall.transform.position.x = -0.01f;
+        wall.Update();
+        Ticks(device, 3000);
+        Expect(Math.Abs(device.Position - at - -0.01) < 0.002, "the wall has moved by -10 mm, and the device from " + at
+            + " m to " + device.Position + " m");
+        wall.OnDisable();
+        Expect(device.Last == 0.0 && !wall.Running, "the force is taken off at the end");
+
+        // Turned round, the wall is solid towards -x; the device is found as a component of the object.
+        var other = new HandOnAxis { Direction = -1.0 };
+        var turned = new Wall { component = other };
+        turned.transform.right.x = -1.0f;
+        turned.OnEnable();
+        Ticks(other, 1500);
+        Expect(other.Pushed && other.Position < -0.0005, "a wall that is turned round pushes towards +x");
+        turned.OnDisable();
+
+        // A driver that throws stops the loop, with no force, and Unity shows why.
+        UnityEngine.Debug.Said = "";
+        var failing = new HandOnAxis { FailsAt = 20 };
+        var last = new Wall { component = failing };
+        last.OnEnable();
+        while (Interlocked.Read(ref failing.Reads) < 20 || failing.Last != 0.0)
+        {
+            Thread.Sleep(1);
+        }
+        while (!UnityEngine.Debug.Said.Contains("the cable is out"))
+        {
+            last.Update();
+            Thread.Sleep(1);
+        }
+        Expect(!last.Running, "a driver that throws stops the loop");
+        Console.WriteLine("Unity: the device rests {0:F6} m in the wall", wall.Penetration);
     }
 
     static int Main()
@@ -98,19 +212,7 @@ static class Program
         contact.Stiffness = -1.0;
         Refused(contact, loop, "stiffness is -1 N/m, but must be finite and greater than 0", "basic");
 
-        var device = new HandOnAxis();
-        var wall = new Wall { Device = device };
-        wall.OnEnable();
-        while (Interlocked.Read(ref device.Reads) < 1500)
-        {
-            Thread.Sleep(1);
-        }
-        wall.OnDisable();
-        Expect(device.Last == 0.0, "the force is taken off at the end");
-        // How deep depends on how the machine keeps time: a tick that comes late is a longer period.
-        Expect(device.Pushed && device.Deepest > 0.0005, "the device has met the wall, and was pushed back");
-        Expect(device.Largest <= 20.0, "no force exceeds the limit");
-        Console.WriteLine("Unity: the device rests {0:F6} m in the wall", wall.Penetration);
+        Walls();
         return failures == 0 ? 0 : 1;
     }
 }
