@@ -46,7 +46,9 @@ fn main() -> ! {
     };
     pins.is_on.store(true, Ordering::Relaxed);
     watchdog::start();
-    mps2::start(core, LOOP_RATE);
+    let [loop_phase, supervisor_phase] =
+        [&pins.loop_phase, &pins.supervisor_phase].map(|phase| phase.load(Ordering::Relaxed));
+    mps2::start(core, LOOP_RATE, loop_phase, supervisor_phase);
     loop {
         // A board would sleep here (`wfi`). QEMU 7.2 loses interrupts of the timers when its core sleeps
         // while instructions are its clock.

@@ -5,7 +5,7 @@
 use cortex_m::interrupt::InterruptNumber;
 use cortex_m::peripheral::scb::SystemHandler;
 use cortex_m::peripheral::syst::SystClkSource;
-use cortex_m::peripheral::{NVIC, Peripherals};
+use cortex_m::peripheral::{NVIC, Peripherals, SYST};
 
 /// Counts per second of every timer and of the watchdog.
 pub const CLOCK: u32 = 25_000_000;
@@ -49,11 +49,11 @@ impl Timer {
         }
     }
 
-    /// Lets the interrupt come `rate` times a second.
-    fn start(self, rate: u32) {
+    /// Lets the interrupt come `rate` times a second, first after a period and `phase` counts.
+    fn start(self, rate: u32, phase: u32) {
         let (control, value, reload) = (0x0, 0x4, 0x8);
         write(self.base(), reload, CLOCK / rate - 1);
-        write(self.base(), value, CLOCK / rate - 1);
+        write(self.base(), value, CLOCK / rate - 1 + phase);
         // Counting, and interrupting.
         write(self.base(), control, 0b1001);
     }
@@ -72,21 +72,25 @@ impl Timer {
 }
 
 /// Starts everything that interrupts, the most urgent first: world, supervisor, and the loop by the system
-/// timer. `loop_rate` is in Hz.
-pub fn start(mut core: Peripherals, loop_rate: u32) {
+/// timer. `loop_rate` is in Hz; the phases, in counts of the timer, delay the first tick of the loop and the first look of
+/// the supervisor.
+pub fn start(mut core: Peripherals, loop_rate: u32, loop_phase: u32, supervisor_phase: u32) {
     // SAFETY: nothing here relies on a critical section made of priorities.
     unsafe {
         core.NVIC.set_priority(Timer::World, 0x00);
         core.NVIC.set_priority(Timer::Supervisor, MASK_OF_ALL);
         core.SCB.set_priority(SystemHandler::SysTick, 0x80);
     }
-    Timer::World.start(20_000);
-    Timer::Supervisor.start(loop_rate / 2);
+    Timer::World.start(20_000, 0);
+    Timer::Supervisor.start(loop_rate / 2, supervisor_phase);
     core.SYST.set_clock_source(SystClkSource::Core);
-    core.SYST.set_reload(CLOCK / loop_rate - 1);
+    core.SYST.set_reload(CLOCK / loop_rate - 1 + loop_phase);
     core.SYST.clear_current();
     core.SYST.enable_interrupt();
     core.SYST.enable_counter();
+    // The counter takes a new reload value when it next wraps, so only the first period has the phase.
+    while SYST::get_current() == 0 {}
+    core.SYST.set_reload(CLOCK / loop_rate - 1);
     // SAFETY: their handlers are there, and nothing that they share is in use yet.
     unsafe {
         NVIC::unmask(Timer::World);

@@ -26,7 +26,7 @@ pub struct Counted {
 /// # Errors
 /// The program does not run, or says what it should not.
 pub fn counted(core: Core, program: &str) -> Result<Vec<Counted>, Box<dyn Error>> {
-    let said = core.run(program, Time::Counted, 0)?;
+    let said = core.run(program, Time::Counted, &[])?;
     let mut names: Vec<&str> = Vec::new();
     let mut ticks: Vec<Vec<(u32, u32)>> = Vec::new();
     for line in said.lines() {

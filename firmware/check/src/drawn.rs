@@ -5,7 +5,7 @@ use std::error::Error;
 use palpate_figure::{Grid, Kind, Limits, Panel, Role, Row, Series, Sheet, Size, svg};
 
 use crate::qemu::M4F;
-use crate::ran::{Entry, Ran, Scene, ran};
+use crate::ran::{Entry, Phases, Ran, Scene, ran};
 
 /// What is shown of each run `[s]`.
 const UNTIL: f64 = 0.6;
@@ -53,8 +53,9 @@ fn created(ran: &Ran) -> f64 {
 /// # Errors
 /// A run fails.
 pub fn figure() -> Result<String, Box<dyn Error>> {
-    let (coupled, basic) = (ran(M4F, Scene::Wall)?, ran(M4F, Scene::WallByBasic)?);
-    let (stall, glitch) = (ran(M4F, Scene::Stall)?, ran(M4F, Scene::Glitch)?);
+    let in_phase = |scene| ran(M4F, scene, Phases::default());
+    let (coupled, basic) = (in_phase(Scene::Wall)?, in_phase(Scene::WallByBasic)?);
+    let (stall, glitch) = (in_phase(Scene::Stall)?, in_phase(Scene::Glitch)?);
     let at = |ran: &Ran| ran.event.ok_or("nothing has happened in a run");
     let force: (&str, Value) = ("motor force [N]", |entry| entry.motor);
     let sheet = Sheet {

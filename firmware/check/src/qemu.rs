@@ -102,20 +102,23 @@ impl Core {
         Ok(PathBuf::from(programs).join(self.target).join(name))
     }
 
-    /// Runs the program `name` and gives what it prints. `scene` is written to where the emulated world
-    /// looks for it.
+    /// Runs the program `name` and gives what it prints. `words` are written to the addresses of pins where the emulated
+    /// world looks for them.
     ///
     /// # Errors
     /// There is no program or no QEMU, or the program did not end with 0 within a minute.
-    pub fn run(&self, name: &str, time: Time, scene: u32) -> Result<String, QemuError> {
-        let loader = format!("loader,addr=0x20300000,data={scene},data-len=4");
+    pub fn run(&self, name: &str, time: Time, words: &[(u32, u32)]) -> Result<String, QemuError> {
         let mut command = Command::new("timeout");
         command
             .args(["60", "qemu-system-arm", "-machine", self.machine])
             .args(["-display", "none", "-monitor", "none", "-serial", "none"])
             .args(["-semihosting-config", "enable=on,target=native"])
-            .args(["-device", &loader, "-kernel"])
+            .arg("-kernel")
             .arg(self.program(name)?);
+        for (address, word) in words {
+            let loader = format!("loader,addr={address:#x},data={word},data-len=4");
+            command.args(["-device", &loader]);
+        }
         match time {
             Time::Free => {}
             Time::Counted => drop(command.args(["-icount", "shift=8,sleep=off"])),

@@ -4,6 +4,9 @@ use std::error::Error;
 
 use crate::qemu::{Core, Time};
 
+/// Address of the pins of the emulated board.
+const PINS: u32 = 0x2030_0000;
+
 /// The scenes of the program `knob`, by their numbers there (`board/src/emulated/scene.rs`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)] // said there
@@ -65,12 +68,28 @@ pub struct Ran {
     pub ticks: u32,
 }
 
+/// When the interrupts of the board begin, after a period of their own each, in counts of its 25 MHz timer. A compiler changes
+/// these by the length of the code before.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Phases {
+    /// Delay of the first tick of the loop.
+    pub of_loop: u32,
+    /// Delay of the first look of the supervisor.
+    pub of_supervisor: u32,
+}
+
 /// Runs `scene` on `core`.
 ///
 /// # Errors
 /// The program does not run, or says what it should not.
-pub fn ran(core: Core, scene: Scene) -> Result<Ran, Box<dyn Error>> {
-    let said = core.run("knob", Time::Real, scene as u32)?;
+pub fn ran(core: Core, scene: Scene, phases: Phases) -> Result<Ran, Box<dyn Error>> {
+    // Words of `emulated::Pins` of the board.
+    let words = [
+        (PINS, scene as u32),
+        (PINS + 44, phases.of_loop),
+        (PINS + 48, phases.of_supervisor),
+    ];
+    let said = core.run("knob", Time::Real, &words)?;
     let mut ran = Ran {
         entries: Vec::new(),
         event: None,

@@ -24,7 +24,7 @@ fn firmware_in_c_gives_the_forces_of_the_desktop_to_the_last_bit() {
 fn compared_with_the_desktop(program: &str) {
     let (desktop, _) = desktop();
     for core in cores() {
-        let board = core.run(program, Time::Free, 0).unwrap();
+        let board = core.run(program, Time::Free, &[]).unwrap();
         assert_eq!(board.lines().count(), 4 * 801, "{}", core.name);
         for (board, desktop) in board.lines().zip(desktop.lines()) {
             assert_eq!(board, desktop, "{}", core.name);

@@ -14,7 +14,7 @@ use crate::handle::{Handle, STEP};
 use crate::mps2::watchdog;
 pub use scene::{Scene, Stall};
 
-/// Where the pins lie: QEMU's loader writes the scene's number there.
+/// Address of the pins: QEMU's loader writes the scene's number and the phases there.
 const PINS: usize = 0x2030_0000;
 /// Where the world lies.
 const WORLD: usize = 0x2030_1000;
@@ -25,7 +25,8 @@ const LOGGED_EVERY: u32 = 5;
 /// Entries of a run: 1.2 s.
 const ENTRIES: usize = 4800;
 
-/// The pins between controller and world.
+/// The pins between controller and world, at the offsets that `check/src/ran.rs` knows.
+#[repr(C)]
 pub struct Pins {
     scene: AtomicU32,
     /// Duty of the PWM timer.
@@ -48,6 +49,10 @@ pub struct Pins {
     pub longest: AtomicU32,
     /// Ticks that lasted longer than a period.
     pub overruns: AtomicU32,
+    /// By how many counts of the 25 MHz timer the first tick of the loop comes later; the emulator's loader writes it.
+    pub loop_phase: AtomicU32,
+    /// The same for the first look of the supervisor.
+    pub supervisor_phase: AtomicU32,
 }
 
 impl Pins {
