@@ -84,5 +84,9 @@ pub fn deliver(
     if let Some(out) = &results.out {
         outputs.write(out, |writer| forces::write(writer, &scene, &runs))?;
     }
-    print_report(&WorldReport::new(&scene, &bench, &runs), results.json)
+    let mut report = WorldReport::new(&scene, &bench, &runs);
+    if (flags.method.as_ref()).is_some_and(|methods| methods.are_all) {
+        report.all_methods(&scene);
+    }
+    print_report(&report, results.json)
 }
