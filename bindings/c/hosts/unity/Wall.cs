@@ -31,12 +31,11 @@ public sealed class Wall : MonoBehaviour
     double penetration;
     volatile bool running;
     Thread thread;
-    Exception failure;
+    volatile Exception failure;
 
-    // Parameters that the loop renders, and the next ones, which it takes between two ticks.
-    double stiffness, deviceMass, period;
-    Side side;
-    Parameters next;
+    // Parameters as last read from the component, those with which the loop began, and the next ones, which it takes between
+    // two ticks.
+    Parameters given, begun, next;
 
     // Path of the surface over one frame, for the loop.
     SurfacePath path;
@@ -51,7 +50,7 @@ public sealed class Wall : MonoBehaviour
             bool wasRunning = running;
             Stop();
             device = value;
-            if (wasRunning || (enabled && value != null))
+            if (wasRunning || (isActiveAndEnabled && value != null))
             {
                 OnEnable();
             }
@@ -69,8 +68,30 @@ public sealed class Wall : MonoBehaviour
     /// What a loop renders.
     sealed class Parameters
     {
-        internal Palpate.ContactParams Contact;
-        internal Palpate.LoopParams Loop;
+        internal double Stiffness, DeviceMass, Period;
+        internal Side Side;
+
+        internal Palpate.ContactParams Contact { get { return Palpate.ContactParams.Default(Stiffness); } }
+
+        internal Palpate.LoopParams Loop
+        {
+            get
+            {
+                var loop = Palpate.LoopParams.Default(Period);
+                loop.DeviceMass = DeviceMass;
+                return loop;
+            }
+        }
+
+        internal bool Equals(Parameters other)
+        {
+            return Stiffness == other.Stiffness && DeviceMass == other.DeviceMass && NeedsNoRestart(other);
+        }
+
+        internal bool NeedsNoRestart(Parameters other)
+        {
+            return Period == other.Period && Side == other.Side;
+        }
     }
 
     /// The surface at the beginning and the end of a frame [m], and the clock's times of both [s].
@@ -106,9 +127,10 @@ public sealed class Wall : MonoBehaviour
             return;
         }
         Palpate.Contact contact;
+        given = Read();
         try
         {
-            contact = Make(Read());
+            contact = Make(given);
         }
         catch (Exception error)
         {
@@ -122,9 +144,8 @@ public sealed class Wall : MonoBehaviour
         failure = null;
         running = true;
         IHapticAxis used = device;
-        double step = period;
-        Side facing = side;
-        thread = new Thread(() => Run(contact, used, step, facing)) { Priority = System.Threading.ThreadPriority.Highest };
+        Parameters first = begun = given;
+        thread = new Thread(() => Run(contact, used, first)) { Priority = System.Threading.ThreadPriority.Highest };
         thread.Start();
     }
 
@@ -156,25 +177,30 @@ public sealed class Wall : MonoBehaviour
             Volatile.Write(ref path,
                 new SurfacePath { From = before.At(now), To = surface, Begin = now, End = now + frame });
         }
-        bool samePace = Period == period && SideOf(transform.right.x) == side;
-        if (!samePace)
+        Parameters changed = Read();
+        if (changed.Equals(given))
+        {
+            return;
+        }
+        given = changed;
+        try
+        {
+            // Checked here, where an error is shown; the loop keeps the parameters that it has.
+            Make(changed).Dispose();
+        }
+        catch (Exception error)
+        {
+            UnityEngine.Debug.LogError("Wall: the parameters are unchanged: " + error.Message);
+            return;
+        }
+        if (changed.NeedsNoRestart(begun))
+        {
+            Interlocked.Exchange(ref next, changed);
+        }
+        else
         {
             Stop();
             OnEnable();
-        }
-        else if (Stiffness != stiffness || DeviceMass != deviceMass)
-        {
-            try
-            {
-                Parameters changed = Read();
-                // Checked here, where an error is shown; the loop keeps the parameters that it has.
-                Make(changed).Dispose();
-                Interlocked.Exchange(ref next, changed);
-            }
-            catch (Exception error)
-            {
-                UnityEngine.Debug.LogError("Wall: the parameters are unchanged: " + error.Message);
-            }
         }
     }
 
@@ -189,21 +215,15 @@ public sealed class Wall : MonoBehaviour
         failure = null;
     }
 
-    static Side SideOf(double right)
-    {
-        return right >= 0.0 ? Side.Positive : Side.Negative;
-    }
-
-    /// The parameters of the component, and keeps which they are.
     Parameters Read()
     {
-        stiffness = Stiffness;
-        deviceMass = DeviceMass;
-        period = Period;
-        side = SideOf(transform.right.x);
-        var loop = Palpate.LoopParams.Default(period);
-        loop.DeviceMass = deviceMass;
-        return new Parameters { Contact = Palpate.ContactParams.Default(stiffness), Loop = loop };
+        return new Parameters
+        {
+            Stiffness = Stiffness,
+            DeviceMass = DeviceMass,
+            Period = Period,
+            Side = transform.right.x >= 0.0f ? Side.Positive : Side.Negative,
+        };
     }
 
     static Palpate.Contact Make(Parameters parameters)
@@ -212,9 +232,10 @@ public sealed class Wall : MonoBehaviour
     }
 
     /// The loop. Coordinates are those of the wall: 0 is the surface, and positive is inside.
-    void Run(Palpate.Contact contact, IHapticAxis axis, double step, Side facing)
+    void Run(Palpate.Contact contact, IHapticAxis axis, Parameters first)
     {
-        double inward = facing == Side.Positive ? 1.0 : -1.0;
+        double step = first.Period;
+        double inward = first.Side == Side.Positive ? 1.0 : -1.0;
         try
         {
             using (contact)

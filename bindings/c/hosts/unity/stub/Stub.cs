@@ -18,7 +18,7 @@ namespace UnityEngine
     public class MonoBehaviour
     {
         public readonly Transform transform = new Transform();
-        public bool enabled = true;
+        public bool isActiveAndEnabled = true;
         public object component;
 
         public T GetComponent<T>() where T : class
@@ -139,8 +139,21 @@ static class Program
         wall.Update();
         Ticks(device, 10);
         Expect(wall.Running && UnityEngine.Debug.Said.Contains("stiffness is -1 N/m"), "a wrong stiffness is refused by name");
+        // The same of a period, for which the loop begins again; and what is right again is rendered.
+        UnityEngine.Debug.Said = "";
         wall.Stiffness = 4000.0;
+        wall.Period = 0.0;
         wall.Update();
+        Ticks(device, 10);
+        Expect(wall.Running && UnityEngine.Debug.Said.Contains("period is 0 s"), "a wrong period is refused by name");
+        wall.Period = 0.002;
+        wall.Update();
+        Ticks(device, 10);
+        wall.Period = 0.001;
+        wall.Update();
+        Ticks(device, 10);
+        Expect(wall.Running && UnityEngine.Debug.Said.Split('\n').Length == 2, "a right period is rendered: "
+            + UnityEngine.Debug.Said);
 
         // The object is moved: the surface moves with it, and the device, which is pushed against it, follows.
         double at = device.Position;
