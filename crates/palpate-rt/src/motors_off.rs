@@ -15,7 +15,7 @@ pub(crate) struct MotorsOff {
     is_off: bool,
     /// When somebody beside the loop has taken the force off since then.
     cut: Option<Duration>,
-    /// From when to when a force was taken for delivered in the last tick, if that tick has commanded none.
+    /// From when to when a force was taken for delivered up to the last command.
     last_on: Option<(Duration, Duration)>,
     /// For how long they have been off without a break.
     unbroken: Duration,
@@ -23,14 +23,17 @@ pub(crate) struct MotorsOff {
 
 impl MotorsOff {
     /// Somebody beside the loop has taken the force off at `at`. The first of several counts; it may be told a tick late,
-    /// since a guardian is not heard while a supervisor has the port.
+    /// since a guardian is not heard while a supervisor has the port, nor anybody while the loop stands still within a tick.
     pub fn cut(&mut self, at: Duration) {
         self.cut = Some(self.cut.map_or(at, |before| before.min(at)));
         if let Some((from, to)) = self.last_on {
             let since = at.max(from);
             let more = to.saturating_sub(since);
             self.time.motors_off += more;
-            self.unbroken += more;
+            // A force that was commanded since then has ended it.
+            if self.is_off {
+                self.unbroken += more;
+            }
             self.last_on = Some((from, since.min(to)));
         }
     }
@@ -52,7 +55,7 @@ impl MotorsOff {
             (false, true) => off_for,
             (_, false) => Duration::ZERO,
         };
-        self.last_on = is_off.then_some((from, off_from.min(ended)));
+        self.last_on = Some((from, off_from.min(ended)));
         self.until = Some(ended);
         self.is_off = is_off;
         self.cut = None;
@@ -153,12 +156,16 @@ mod tests {
             off.tick(ms(3007), ms(3007), false);
         });
         assert_eq!(told_late, (3007, 3003));
-        let no_earlier_than_the_last_command = after(|off| {
-            off.tick(ms(0), ms(50), false);
+        // It stood still within a tick, which has commanded a force at its end.
+        let within_a_tick = after(|off| {
+            off.tick(ms(0), ms(0), false);
+            off.tick(ms(1), ms(3000), false);
             off.cut(ms(4));
-            off.tick(ms(100), ms(100), true);
+            off.cut(ms(5));
+            assert_eq!(off.unbroken(), ms(0));
+            off.tick(ms(3001), ms(3001), true);
         });
-        assert_eq!(no_earlier_than_the_last_command, (100, 50));
+        assert_eq!(within_a_tick, (3001, 2997));
     }
 
     #[test]
