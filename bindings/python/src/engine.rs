@@ -37,6 +37,7 @@ pub struct Description {
     damping: f64,
     friction: f64,
     friction_stiffness: f64,
+    friction_damping: f64,
     end_velocity: bool,
     period: f64,
     device_mass: Vec<Vector>,
@@ -163,6 +164,7 @@ impl EngineContact {
             damping: given.damping,
             friction: given.friction,
             friction_stiffness: given.friction_stiffness,
+            friction_damping: given.friction_damping,
         };
         let bodies = given
             .bodies

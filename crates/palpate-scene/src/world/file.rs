@@ -84,6 +84,7 @@ struct RawContact {
     damping_n_s_per_m: Option<Spanned<f64>>,
     friction: Option<Spanned<f64>>,
     friction_stiffness_n_per_m: Option<Spanned<f64>>,
+    friction_damping_n_s_per_m: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize, Default)]
@@ -580,15 +581,30 @@ impl Reading {
         let mut or = |field, value: Option<Spanned<f64>>, default: f64| {
             value.map_or(default, |value| self.places.take(place, field, value))
         };
+        let damping = or(Field::Damping, raw.damping_n_s_per_m, 0.0);
+        let friction = or(Field::Friction, raw.friction, 0.0);
+        let friction_stiffness = or(
+            Field::FrictionStiffness,
+            raw.friction_stiffness_n_per_m,
+            usual,
+        );
+        let usual = ContactLaw::usual_friction_damping(stiffness, damping, friction_stiffness);
+        // The damping itself or a stiffness is wrong, and is reported by its own key.
+        let usual = if out_of_range("", usual, Range::NotNegative).is_some() {
+            0.0
+        } else {
+            usual
+        };
         Contact {
             between,
             law: ContactLaw {
                 stiffness,
-                damping: or(Field::Damping, raw.damping_n_s_per_m, 0.0),
-                friction: or(Field::Friction, raw.friction, 0.0),
-                friction_stiffness: or(
-                    Field::FrictionStiffness,
-                    raw.friction_stiffness_n_per_m,
+                damping,
+                friction,
+                friction_stiffness,
+                friction_damping: or(
+                    Field::FrictionDamping,
+                    raw.friction_damping_n_s_per_m,
                     usual,
                 ),
             },

@@ -102,6 +102,8 @@ class EngineContact(_palpate.EngineContact):
         damping: Material damping B [N s/m].
         friction: Coefficient of friction.
         friction_stiffness: Stiffness of the bristle of friction [N/m]; `None`: that of the contact.
+        friction_damping: Damping of the bristle of friction [N s/m]; `None`: `damping` times `friction_stiffness` over
+            `stiffness`.
         end_velocity: Whether a step moves a body by the velocity at its end, as semi-implicit Euler does, and not by
             the mean of start and end.
         encoder_quantum: Quantum of the position sensors [m]; 0: not known to have one.
@@ -129,6 +131,7 @@ class EngineContact(_palpate.EngineContact):
         damping: float = 0.0,
         friction: float = 0.0,
         friction_stiffness: float | None = None,
+        friction_damping: float | None = None,
         end_velocity: bool = True,
         encoder_quantum: float = 0.0,
         delay: float = 0.0,
@@ -137,6 +140,7 @@ class EngineContact(_palpate.EngineContact):
         force_limit: float = 20.0,
         soft_start: float = 0.2,
     ) -> EngineContact:
+        bristle = stiffness if friction_stiffness is None else friction_stiffness
         made = super().__new__(
             cls,
             {
@@ -154,7 +158,8 @@ class EngineContact(_palpate.EngineContact):
                 "stiffness": stiffness,
                 "damping": damping,
                 "friction": friction,
-                "friction_stiffness": stiffness if friction_stiffness is None else friction_stiffness,
+                "friction_stiffness": bristle,
+                "friction_damping": bristle_damping(stiffness, damping, bristle, friction_damping),
                 "end_velocity": end_velocity,
                 "period": period,
                 "device_mass": _masses(device_mass, len(tools)),
@@ -271,6 +276,13 @@ class EngineContact(_palpate.EngineContact):
 
     def __reduce__(self) -> NoReturn:
         raise TypeError("contacts with an engine have a state, and are not pickled")
+
+
+def bristle_damping(stiffness: float, damping: float, friction_stiffness: float, given: float | None) -> float:
+    """Damping of the bristle of friction [N s/m]: the given one, or that of a material that damps both directions alike."""
+    if given is not None:
+        return given
+    return damping * friction_stiffness / stiffness if stiffness > 0.0 else 0.0
 
 
 def _masses(given: ArrayLike, count: int) -> list[list[float]]:

@@ -73,7 +73,8 @@ class Contact(EngineContact):
         period: Time from sample to sample [s], a whole number of the plant's time steps. `None`: one step.
         port: Input port to which the wrenches go. `None`: the plant's `applied_spatial_force`, which then must not be
             connected; where it is, connect it to an `ExternallyAppliedSpatialForceMultiplexer` and give one of its ports.
-        others: Of `palpate.engines.EngineContact`: `damping`, `friction`, `friction_stiffness`, `encoder_quantum`, `delay`,
+        others: Of `palpate.engines.EngineContact`: `damping`, `friction`, `friction_stiffness`, `friction_damping`,
+            `encoder_quantum`, `delay`,
             `lag`, `gain`, `force_limit`, `soft_start`.
 
     Raises:

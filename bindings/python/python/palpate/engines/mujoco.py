@@ -61,6 +61,8 @@ class Contact(EngineContact):
         damping: Material damping B [N s/m].
         friction: Coefficient of friction.
         friction_stiffness: Stiffness of the bristle of friction [N/m]; `None`: that of the contact.
+        friction_damping: Damping of the bristle of friction [N s/m]; `None`: `damping` times `friction_stiffness` over
+            `stiffness`.
         encoder_quantum: Quantum of the position sensors [m]; 0: not known to have one.
         delay: Time from a sample to the beginning of its force [s]. The engine is then ahead of the sample by it.
         lag: Time constant of the actuators [s].
@@ -90,6 +92,7 @@ class Contact(EngineContact):
         damping: float = 0.0,
         friction: float = 0.0,
         friction_stiffness: float | None = None,
+        friction_damping: float | None = None,
         encoder_quantum: float = 0.0,
         delay: float = 0.0,
         lag: float = 0.0,
@@ -128,6 +131,7 @@ class Contact(EngineContact):
             damping=damping,
             friction=friction,
             friction_stiffness=friction_stiffness,
+            friction_damping=friction_damping,
             # Of the integrators only Runge-Kutta moves by the mean velocity.
             end_velocity=int(model.opt.integrator) != int(mujoco.mjtIntegrator.mjINT_RK4),
             encoder_quantum=encoder_quantum,

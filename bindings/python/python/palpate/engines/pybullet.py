@@ -52,7 +52,8 @@ class Contact(EngineContact):
             of several devices a row of three for each.
         period: Time from sample to sample [s], a whole number of the engine's steps. `None`: one step. Set the step first,
             by `pybullet.setTimeStep`.
-        others: Of `palpate.engines.EngineContact`: `damping`, `friction`, `friction_stiffness`, `encoder_quantum`, `delay`,
+        others: Of `palpate.engines.EngineContact`: `damping`, `friction`, `friction_stiffness`, `friction_damping`,
+            `encoder_quantum`, `delay`,
             `lag`, `gain`, `force_limit`, `soft_start`.
 
     Raises:
