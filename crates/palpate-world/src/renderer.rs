@@ -366,16 +366,13 @@ impl WorldRenderer {
             return false;
         };
         let period = self.in_loop.period;
-        let lag = self.in_loop.actuation.lag;
         let expected: f64 = (0..self.tools)
             .map(|tool| {
-                state.commands.claims(tool, lag, period) * params.largest_speed
-                    + state.torque_commands.claims(tool, lag, period) * params.largest_turning
+                state.commands.impulse_to_come(tool) * params.largest_speed
+                    + state.torque_commands.impulse_to_come(tool) * params.largest_turning
             })
             .sum();
-        let free = state
-            .guard
-            .free(params, &state.books, expected * period, period);
+        let free = state.guard.free(params, &state.books, expected, period);
         state.guard.left = free;
         let power = most_of(params, &state.forces, &state.torques);
         let kept = self.kept(state, power);

@@ -56,6 +56,8 @@ pub struct UnderWay<S> {
     newest: u8,
     /// What the device felt at the last sample `[N]`: used where there is a lag.
     felt: Command<S>,
+    /// What of it was sent, by the loop's own actuation where a method has learned another `[N]`.
+    felt_by_model: S,
 }
 
 /// Most commands that can act in one interval or have yet to.
@@ -280,6 +282,7 @@ impl<S: Scalar> UnderWay<S> {
             commands: [Sent::default(); MOST_COMMANDS],
             newest: 0,
             felt: Command::default(),
+            felt_by_model: S::ZERO,
         }
     }
 
@@ -292,6 +295,7 @@ impl<S: Scalar> UnderWay<S> {
             let mut felt = self.felt;
             let piece = actuator.pass(&mut felt, &self.schedule(actuator, S::ZERO, h), h);
             self.felt = felt;
+            self.felt_by_model = felt.sent;
             piece
         };
         if let Some(newest) = self.commands.get_mut(usize::from(self.newest)) {
@@ -300,14 +304,29 @@ impl<S: Scalar> UnderWay<S> {
         piece
     }
 
-    /// What reaches the device in it by another actuator, which leaves no trace.
+    /// The same where a method has learned another actuator than the `model` of the loop: the mean force by the
+    /// model `[N]`, and what reached the device by what was learned.
     #[inline]
-    pub fn passing(&self, actuator: &Actuator<S>, h: S) -> Piece<S> {
-        if actuator.is_at_once {
-            return self.held_at_once(actuator, h);
-        }
-        let mut felt = self.felt;
-        actuator.pass(&mut felt, &self.schedule(actuator, S::ZERO, h), h)
+    pub fn pass_learned(
+        &mut self,
+        model: &Actuator<S>,
+        learned: &Actuator<S>,
+        h: S,
+    ) -> (S, Piece<S>) {
+        let (by_model, felt) = if model.is_at_once {
+            (self.held_at_once(model, h), S::ZERO)
+        } else {
+            let mut felt = Command {
+                intended: self.felt_by_model,
+                sent: self.felt_by_model,
+            };
+            let schedule = self.schedule(model, S::ZERO, h);
+            let piece = model.pass(&mut felt, &schedule, h);
+            (piece, felt.sent)
+        };
+        let piece = self.pass(learned, h);
+        self.felt_by_model = felt;
+        (by_model.held.mean, piece)
     }
 
     /// The newest command, exactly as it was sent.
@@ -402,19 +421,27 @@ impl<'a, S: Scalar> Ahead<'a, S> {
         }
     }
 
-    /// Sum of the magnitudes of what is still to act before the command of this sample `[N]`.
+    /// Whether a command that is not 0 is still to act before the command of this sample does.
     #[must_use]
-    pub fn magnitude(&self) -> S {
+    pub fn is_awaited(&self) -> bool {
+        let delay = self.actuator.delay;
+        let parts = (!self.actuator.is_at_once && delay > S::ZERO).then(|| self.schedule(delay));
+        parts.is_some_and(|parts| parts.parts(delay).any(|part| part.command.sent != S::ZERO))
+    }
+
+    /// Bound on the impulse that the commands before this sample's can still give, whatever follows `[N s]`:
+    /// the integral of the force's magnitude. A lag spreads an impulse over time and adds none, so each command
+    /// counts with the time that it has left to act, and the force that decays in the lag with its whole rest.
+    #[must_use]
+    pub fn impulse_to_come(&self) -> S {
+        let actuator = self.actuator;
         let mut sum = S::ZERO;
-        if !self.actuator.is_at_once && self.actuator.delay > S::ZERO {
-            for part in self
-                .schedule(self.actuator.delay)
-                .parts(self.actuator.delay)
-            {
-                sum += part.command.sent.abs();
+        if !actuator.is_at_once && actuator.delay > S::ZERO {
+            for part in self.schedule(actuator.delay).parts(actuator.delay) {
+                sum += (part.ends - part.begins).max(S::ZERO) * part.command.sent.abs();
             }
         }
-        sum
+        actuator.gain * sum + actuator.lag * self.under_way.felt_by_model.abs()
     }
 
     /// What acts before the command of this sample begins, in order, and what then follows it over

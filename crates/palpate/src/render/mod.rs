@@ -245,10 +245,10 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                     passed,
                 }
             }
-            Some(learned) => Passed {
-                booked: state.under_way.passing(&self.actuator, h).held.mean,
-                passed: state.under_way.pass(&learned, h),
-            },
+            Some(learned) => {
+                let (booked, passed) = state.under_way.pass_learned(&self.actuator, &learned, h);
+                Passed { booked, passed }
+            }
         };
         match self.try_step(state, &sample, elapsed, &passed, adds) {
             Ok(output) => output,
@@ -411,7 +411,8 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             (wanted, limited) = self.bounded(sum, limited);
         }
         let mut commanded = self.slewed(wanted, state.commanded, elapsed, &mut limited);
-        let claims = || gain * situation.ahead.magnitude();
+        // By the actuation of the loop, as the ledger.
+        let claims = || Ahead::new(&self.actuator, &state.under_way).impulse_to_come();
         let balance = state.ledger.balance();
         if let Some((bound, kept)) = self.guard_bound(balance, claims)
             && let bound = bound / gain
