@@ -62,7 +62,7 @@ mod _palpate {
     #[pymodule_export]
     use super::recording::{read_recording, recorded_columns};
     #[pymodule_export]
-    use super::render::{render, render_figure};
+    use super::render::{read_trace, render, render_figure};
     #[pymodule_export]
     use super::renderer::Renderer;
     #[pymodule_export]

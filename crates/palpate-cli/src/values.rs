@@ -4,7 +4,8 @@ use std::fmt;
 use std::time::Duration;
 
 use palpate::Side;
-use palpate_record::unit::LengthUnit;
+use palpate_record::trace::{Delimiter, Layout};
+use palpate_record::unit::{LengthUnit, TimeUnit};
 use palpate_rt::WorldAxis;
 use palpate_scene::method::{MethodName, method_named};
 use palpate_scene::world::WorldScene;
@@ -180,6 +181,28 @@ pub fn length_unit(text: &str) -> Result<LengthUnit, String> {
         let units = LengthUnit::ALL.map(LengthUnit::symbol).join(", ");
         format!("the units are {units}")
     })
+}
+
+/// Unit of times.
+pub fn time_unit(text: &str) -> Result<TimeUnit, String> {
+    TimeUnit::of_symbol(text).ok_or_else(|| {
+        let units = TimeUnit::ALL.map(TimeUnit::symbol).join(", ");
+        format!("the units are {units}")
+    })
+}
+
+/// What separates the fields of a table.
+pub fn delimiter(text: &str) -> Result<Delimiter, String> {
+    Delimiter::named(text).ok_or_else(|| "comma, semicolon or tab is needed".into())
+}
+
+/// Quantities, and the columns of a table that hold them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TraceColumns(pub Vec<(String, String)>);
+
+/// Quantities and columns, such as `t=time,x=X`.
+pub fn trace_columns(text: &str) -> Result<TraceColumns, String> {
+    Layout::parse_columns(text).map(TraceColumns)
 }
 
 /// From one number to another; which of them is larger is the business of what it is for.

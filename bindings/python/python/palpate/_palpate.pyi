@@ -37,6 +37,7 @@ __all__ = [
     "methods",
     "read_recording",
     "read_scene",
+    "read_trace",
     "recorded_columns",
     "render",
     "render_figure",
@@ -67,7 +68,7 @@ _Words = NDArray[np.uint64]
 _Vector = list[float]
 _Times = list[float]
 _Sides = list[str]
-_Motion = tuple[NDArray[np.float64], NDArray[np.float64], str, str | None]
+_Motion = tuple[NDArray[np.float64], NDArray[np.float64], str, str | None, str | None, int]
 _Part = tuple[list[tuple[str, str]], list[str]]
 _Row = tuple[tuple[int, int, int, int], tuple[float, float, float, float], tuple[bool, int, int]]
 _Rendered = tuple[str, str, list[tuple[str, _Words]], _Words]
@@ -247,6 +248,9 @@ def read_recording(
     path: str | PathLike[str],
 ) -> tuple[tuple[str, str], _Words, list[tuple[int, float, str, str]], list[tuple[str, str]], _Words, _Words]: ...
 def read_scene(path: str | PathLike[str]) -> tuple[str, str, Path]: ...
+def read_trace(
+    path: str | PathLike[str], layout: dict[str, Any]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64] | None, int]: ...
 def recorded_columns() -> tuple[list[tuple[str, bool]], list[list[str]]]: ...
 def render(
     motion: _Motion, method: object, parameters: dict[str, Any], settings_given: dict[str, Any]

@@ -5,6 +5,7 @@ mod demo;
 mod drawing;
 #[cfg(any(test, feature = "schema"))]
 mod in_json;
+mod motion;
 mod parameters;
 mod receipt;
 mod recording;
@@ -15,6 +16,7 @@ mod timing;
 pub use actuator::{of as actuator_of, told as told_lines};
 pub use demo::DemoReport;
 pub use drawing::DrawingReport;
+pub use motion::RecordedMotion;
 pub use parameters::of as parameters_of;
 pub use receipt::{plant_receipt, receipt};
 pub use recording::FromRecording;
@@ -67,6 +69,9 @@ pub struct Report {
     /// Of a recording that a loop has made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recording: Option<FromRecording>,
+    /// Of a recorded motion: its samples, gaps, and what was interpolated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motion: Option<RecordedMotion>,
     /// What else is not perfect about the loop.
     #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
     pub timing: serde_json::Map<String, Value>,
@@ -278,6 +283,7 @@ impl Report {
             delay_samples: subject.delay.whole_samples(),
             replay: None,
             recording: None,
+            motion: None,
             timing: timing::of(subject.delay, &subject.timing),
             actuator: serde_json::Map::new(),
             says_what_columns_are: true,
@@ -314,6 +320,11 @@ impl Report {
     /// Says which recording that was.
     pub fn recorded(&mut self, recording: FromRecording) {
         self.recording = Some(recording);
+    }
+
+    /// Says how the recorded motion covers the loop's samples.
+    pub fn moved(&mut self, motion: RecordedMotion) {
+        self.motion = Some(motion);
     }
 
     /// Says what the actuator does and what the renderer was told of it: values by key with the unit.

@@ -25,6 +25,9 @@ impl fmt::Display for Report {
         if let Some(replayed) = &self.replay {
             writeln!(f, "{}", wrapped(&replayed.in_words()))?;
         }
+        if let Some(motion) = &self.motion {
+            writeln!(f, "{}", wrapped(&motion.in_words()))?;
+        }
         if !self.actuator.is_empty() {
             let values = self.actuator.iter();
             let values: Vec<String> = values

@@ -16,6 +16,8 @@ use palpate_testbed::metrics::Fidelity;
 use palpate_testbed::world::{DeviceJudgement, Member, WorldIdeal};
 use serde::Serialize;
 
+use crate::report::RecordedMotion;
+
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate world 1";
 
@@ -47,6 +49,9 @@ pub struct WorldReport {
     /// Mean-force error of the ideal, computed again with coarser steps, against itself; none if it was
     /// computed once.
     pub ideal_error_percent: Option<f64>,
+    /// Of a recorded motion in a table: its samples, gaps, and what was interpolated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motion: Option<RecordedMotion>,
     /// Number of contacts that begin in the ideal's window.
     pub contacts: usize,
     /// Names of those that overlap at the start, so that a contact begins with that overlap.
@@ -224,6 +229,7 @@ impl WorldReport {
             samples: runs.first().map_or(0, |run| run.positions.len()),
             chaotic_from_s: check.and_then(|check| check.chaotic_from),
             ideal_error_percent: check.map(|check| check.error),
+            motion: None,
             contacts: ideal.encounters.len(),
             overlapping_at_start: overlapping_at_start(scene, ideal),
             deepest_m: ideal.deepest(),
@@ -237,6 +243,13 @@ impl WorldReport {
                 .collect(),
             methods: runs.iter().map(|run| of_run(run, &of_devices)).collect(),
         }
+    }
+}
+
+impl WorldReport {
+    /// Says how the recorded motion covers the loop's samples.
+    pub fn moved(&mut self, motion: RecordedMotion) {
+        self.motion = Some(motion);
     }
 }
 

@@ -18,7 +18,11 @@ impl fmt::Display for WorldReport {
         if !self.title.is_empty() {
             writeln!(f, "{}", wrapped(&self.title))?;
         }
-        writeln!(f, "{}\n", wrapped(&self.conditions()))?;
+        writeln!(f, "{}", wrapped(&self.conditions()))?;
+        if let Some(motion) = &self.motion {
+            writeln!(f, "{}", wrapped(&motion.in_words()))?;
+        }
+        writeln!(f)?;
         writeln!(f, "{}\n", lines(&self.method_table()))?;
         if self.methods.iter().any(|method| method.sum.is_some()) {
             writeln!(f, "{}", lines(&self.axis_table()))?;

@@ -6,6 +6,7 @@ use std::path::Path;
 use std::string::FromUtf8Error;
 
 use palpate_files::bounded::SCENE;
+use palpate_record::unit::Spacing;
 use palpate_scene::method::MethodName;
 use palpate_scene::world::WorldFile;
 use palpate_scene::{
@@ -132,9 +133,18 @@ fn read_text(path: &Path) -> Result<String, Failure> {
 
 /// Warns of an intention that no hand has.
 fn tell_if_not_a_hand(name: &str, scene: &Scene) {
-    if let Some(Intention::Recorded(path)) = scene.device.grip().map(|grip| &grip.intention)
-        && let Some(excess) = inside::excess(path.times(), path.positions())
-    {
+    let Some(Intention::Recorded(path)) = scene.device.grip().map(|grip| &grip.intention) else {
+        return;
+    };
+    if let Some(spacing) = Spacing::implausible(path.times()) {
+        let column = spacing.likely_unit().map_or_else(String::new, |unit| {
+            format!(" Then call its column t_{unit}")
+        });
+        tell(format_args!(
+            "warning: {name}: hand.intention: {spacing}{column}"
+        ));
+    }
+    if let Some(excess) = inside::excess(path.times(), path.positions()) {
         let column = excess.likely_unit().position_column();
         tell(format_args!(
             "warning: {name}: hand.intention: {excess} Then call its column {column}"
