@@ -236,7 +236,7 @@ fn check_times(times: &[f64]) -> PyResult<()> {
 /// How a table is laid out, as Python says it.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-struct TableLayout {
+pub struct TableLayout {
     columns: Vec<(String, String)>,
     unit: Option<String>,
     time_unit: Option<String>,

@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _palpate
+from ._fixed import Fixed
 from ._report import Fields, Figure, Report
 from ._scene import SceneLike, _scene
 
 
-class Excitation(_palpate.Excitation):
+class Excitation(Fixed, _palpate.Excitation):
     """Forces that shake a device, so that its motion says what a renderer has to know of it.
 
     Make one, give it the position of the device at each period, and command the force that it answers. When it is

@@ -8,12 +8,13 @@ import sys
 import weakref
 from collections.abc import Mapping
 from types import TracebackType
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, ClassVar, NamedTuple, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _palpate
+from ._fixed import Fixed
 from ._arrays import row
 from ._methods import METHODS
 from ._recording import BODIES, DEVICES, RECORDED, Event
@@ -102,7 +103,7 @@ class LoopReport(NamedTuple):
     """Of several devices the one that the trip is of, by its name in the world; `None` of one device, and without a trip."""
 
 
-class Loop(_palpate.Loop):
+class Loop(Fixed, _palpate.Loop):
     """A renderer or a world on a device in real time: the loop of `palpate run`, in a thread that never waits for Python.
 
         with palpate.Loop(palpate.devices.Pointer(), palpate.Renderer(stiffness=400.0, ...)) as loop:
@@ -170,6 +171,8 @@ class Loop(_palpate.Loop):
     """The names of a world's bodies by the field `body`; the last are the devices, whose avatars they are. Of a renderer none."""
     contact_names: tuple[tuple[str, str], ...]
     """Between which two each contact of a world is, by the field `pair` of its row. Of a renderer none."""
+
+    _way: ClassVar[str] = "make another Loop; change(renderer) or change(world) changes what it renders"
 
     def __new__(
         cls,

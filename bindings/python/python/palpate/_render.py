@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _palpate
 from ._arrays import numbers
+from ._fixed import question_period
 from ._report import Runs
 
 
@@ -139,6 +140,7 @@ def render(
         ValueError: A value that is not allowed, by the name of its argument; a motion that is none.
     """
     given = dict(locals())
+    question_period(period)
     for other in ("t", "x", "method", "unit", "time_unit", "skip_missing", "title", "settings"):
         del given[other]
     # Copies: the figure is drawn later, and the arrays of the caller may have changed by then.
@@ -146,7 +148,10 @@ def render(
     if times.shape == positions.shape and (missing := np.isnan(times) | np.isnan(positions)).any():
         left_out = int(missing.sum())
         if not skip_missing:
-            raise ValueError(f"{left_out} samples of t and x are NaN; skip_missing=True leaves them out")
+            first = int(np.argmax(~np.isfinite(times) | ~np.isfinite(positions)))
+            name, unit_of, value = ("time", "s", times[first]) if not np.isfinite(times[first]) else ("position", "m", positions[first])
+            said = "NaN" if np.isnan(value) else value
+            raise ValueError(f"{name} {said} {unit_of} at index {first} is not finite; skip_missing=True leaves out samples that are NaN")
         times, positions = times[~missing], positions[~missing]
     motion = (times, positions, title, unit, time_unit, left_out)
     arguments = (motion, method, given, settings)

@@ -7,6 +7,7 @@ import os
 from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Sequence, Union, overload
 
 from . import _palpate
+from ._fixed import Fixed
 from ._report import Report, Runs, WorldRuns
 from ._values import Situation
 
@@ -17,7 +18,7 @@ Tables = Mapping[str, Any]
 """A table of a scene file: its keys, each with its value."""
 
 
-class Scene(_palpate.Scene):
+class Scene(Fixed, _palpate.Scene):
     """An object, a device, a hand, a loop and a renderer: a closed loop to simulate.
 
     Each argument is a table of a scene file, as a dictionary: the keys are those of the file, with their

@@ -96,7 +96,9 @@ impl Spacing {
         let middle = steps.len() / 2;
         let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
         let median = *median;
-        (!(SHORTEST_STEP..=LONGEST_STEP).contains(&median)).then_some(Self { median })
+        let is_usual = (SHORTEST_STEP..=LONGEST_STEP).contains(&median);
+        // Times that are no numbers or do not increase are refused by whoever reads them.
+        (median > 0.0 && !is_usual).then_some(Self { median })
     }
 
     /// The unit in which the spacing would be usual, if the times were taken for seconds; none if no unit

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _palpate
 from .._arrays import known, numbers
+from .._fixed import Fixed, question_period
 from .._world_values import ContactBook, Effort, ToolState, Vector
 
 BODY_COLUMNS = 55
@@ -81,7 +82,7 @@ class PortBook(NamedTuple):
     """Work of the mean force of its contacts on the device."""
 
 
-class EngineContact(_palpate.EngineContact):
+class EngineContact(Fixed, _palpate.EngineContact):
     """Contacts of tools with bodies that another engine moves: what an adapter for an engine is made of.
 
     A period is
@@ -93,7 +94,7 @@ class EngineContact(_palpate.EngineContact):
         force = contact.hold()
 
     Args:
-        tools: Radius of each tool [m], by its name: a sphere, or a point of radius 0.
+        tools: Radius of each tool [m], at most 1, by its name: a sphere, or a point of radius 0.
         bodies: What may be touched.
         period: Time from sample to sample [s].
         device_mass: Effective mass of each device, right within a factor of 2 [kg]: one number for all, or three
@@ -141,10 +142,11 @@ class EngineContact(_palpate.EngineContact):
         soft_start: float = 0.2,
     ) -> EngineContact:
         bristle = stiffness if friction_stiffness is None else friction_stiffness
+        question_period(period)
         made = super().__new__(
             cls,
             {
-                "tools": list(tools.items()),
+                "tools": [(name, radius(given)) for name, given in tools.items()],
                 "bodies": [
                     (
                         name,
@@ -283,6 +285,28 @@ def bristle_damping(stiffness: float, damping: float, friction_stiffness: float,
     if given is not None:
         return given
     return damping * friction_stiffness / stiffness if stiffness > 0.0 else 0.0
+
+
+LARGEST_RADIUS = 1.0
+"""Radius of a tool that is taken for a mistake above this [m]."""
+
+
+def radius(given: Any, way: str = "") -> float:
+    """The radius of a tool [m]. A whole number is refused, since it is the number of a geom or a body.
+
+    Raises:
+        ValueError: What is no radius; `way` says what may stand there besides.
+    """
+    if isinstance(given, np.ndarray) and given.ndim == 0:
+        given = given.item()
+    allowed = f"must be a radius in metres from 0 to {LARGEST_RADIUS:g}, such as 0.01{way}"
+    if isinstance(given, (bool, np.bool_)) or not isinstance(given, (int, float, np.integer, np.floating)):
+        raise ValueError(f"tool is {given!r}, but {allowed}")
+    if isinstance(given, (int, np.integer)) and given != 0:
+        raise ValueError(f"tool is {given!r}, a whole number as a geom or a body has, but {allowed}")
+    if not 0 <= given <= LARGEST_RADIUS:
+        raise ValueError(f"tool is {given!r}, but {allowed}")
+    return float(given)
 
 
 def _masses(given: ArrayLike, count: int) -> list[list[float]]:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _palpate
+from .._fixed import Fixed
 from .._arrays import known, numbers, row
 from .._world_values import Vector
 from ._contact import BODY_COLUMNS, bristle_damping
@@ -108,7 +109,7 @@ class SlowProgress(NamedTuple):
         return np.concatenate([now.linear - before.linear, now.angular - before.angular]) / time
 
 
-class SlowHost(_palpate.SlowHost):
+class SlowHost(Fixed, _palpate.SlowHost):
     """A game or an engine at 20 to 200 Hz, whose bodies a `palpate.Loop` at 1 kHz renders.
 
         host = palpate.engines.SlowHost(period=0.001, device_mass=0.15, tool_radius=0.01, bodies=1, contacts=2)

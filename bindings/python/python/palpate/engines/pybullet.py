@@ -20,8 +20,7 @@ from typing import Any, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._arrays import row
-from ._contact import EngineBody, EngineContact, PlacedShape, body_row
+from ._contact import EngineBody, EngineContact, PlacedShape, body_row, radius
 
 try:
     import pybullet
@@ -88,7 +87,8 @@ class Contact(EngineContact):
         for number in numbers:
             if numbers.count(number) > 1:
                 raise ValueError(f"bodies names {number} twice")
-        radii = [float(radius) for radius in row("tool", np.ravel(tool))]
+        several: list[Any] = [tool] if np.ndim(tool) == 0 else [*tool]  # type: ignore[misc]
+        radii = [radius(given) for given in several]
         names = ["tool"] if len(radii) == 1 else [f"tool {number}" for number in range(len(radii))]
         made = super().__new__(
             cls,
