@@ -379,7 +379,8 @@ supervisor and guardian; 5 s unless --duration says otherwise. The force comes o
 the wall at 0, or into what the --scene has. The recording stays beside the page.
 
 What can be rendered is a coarse map with the mass, period, delay, lag, gain, friction and sensor of this \
-device. It takes a minute at most; the page says what was computed, and its resolution.")]
+device: its cells are simulated one by one, and a bar counts them. The page says what was computed, and its \
+resolution.")]
     #[command(after_help = "\
 Examples:
   palpate report tap.mcap --out device.html
@@ -411,7 +412,7 @@ Judge methods on plants drawn at random.
 
 Device, hand, object, loop and sensor are drawn over the whole range that desktop devices have; \
 docs/suite.md says how. Each plant is simulated over its first three collisions by every method \
-with its default settings, without delay and with one sample of it, and judged against the ideal \
+with its default settings, without delay and with one sample of it, which the renderer models or not, and judged against the ideal \
 of the same plant. The same seed gives the same plants for ever, and plant i is the same whatever \
 the number of plants; so is every digit of the results, whatever the number of threads \
 (RAYON_NUM_THREADS).
@@ -423,7 +424,7 @@ that is best on each plant counts, which is found with knowledge of the ideal. A
 `guard`, too.")]
     #[command(after_help = "\
 Examples:
-  palpate suite --plants 40
+  palpate suite --plants 40 --seeds 7
   palpate suite --plants 20 --seed 7 --method hfcr,virtual-damper --plot suite.svg --out suite.csv
   palpate suite --plants 5 --method hfcr --write-scenes plants --json")]
     Suite(SuiteArguments),

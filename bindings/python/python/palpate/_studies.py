@@ -115,6 +115,7 @@ def suite(
     *,
     seed: int = 1,
     plants: int = 200,
+    seeds: int = 1,
 ) -> Report:
     """Judges methods on plants that are drawn at random, as `palpate suite` does.
 
@@ -122,7 +123,8 @@ def suite(
         set: Family of plants: `"paper"`, `"desk"`, `"real"`, `"steps"` or `"calibrated"`.
         method: Name of a method, several names, or `"all"`. `None`: those that the set is for.
         seed: Seed of the draws.
-        plants: Number of plants, at most a million.
+        plants: Number of plants of each seed, at most a million.
+        seeds: Number of seeds, from `seed` on. With several, `over_seeds` has the median and the range over the seeds.
 
     Returns:
         The report: `columns`, one for each method, with the distribution of its errors.
@@ -130,7 +132,7 @@ def suite(
     Raises:
         ValueError: A set or a method that there is not, another number of plants.
     """
-    fields, text, figure = _palpate.run_suite(set, seed, plants, method)
+    fields, text, figure = _palpate.run_suite(set, seed, plants, method, seeds)
     return Report._of((fields, text), figure)
 
 

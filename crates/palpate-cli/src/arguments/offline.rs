@@ -203,6 +203,10 @@ pub struct SuiteArguments {
     /// Seed of the random numbers
     #[arg(long, value_name = "SEED", default_value_t = 1, value_parser = whole::<u64>)]
     pub seed: u64,
+    /// Number of seeds, from --seed on, each with so many plants: the report has the median and the range over the seeds
+    #[arg(long, value_name = "COUNT", default_value_t = 1,
+          value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub seeds: u32,
     /// What is compared.
     #[command(flatten)]
     pub compared: Compared,
