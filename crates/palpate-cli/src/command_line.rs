@@ -379,8 +379,8 @@ supervisor and guardian; 5 s unless --duration says otherwise. The force comes o
 the wall at 0, or into what the --scene has. The recording stays beside the page.
 
 What can be rendered is a coarse map with the mass, period, delay, lag, gain, friction and sensor of this \
-device: its cells are simulated one by one, and a bar counts them. The page says what was computed, and its \
-resolution.")]
+device. It takes a minute on a free processor, more on a busy one; on a terminal a line shows the part of the work \
+and the time. The page says what was computed, and its resolution.")]
     #[command(after_help = "\
 Examples:
   palpate report tap.mcap --out device.html

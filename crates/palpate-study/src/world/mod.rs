@@ -62,6 +62,20 @@ pub struct WorldReport {
     pub decisive: Vec<DecisiveReport>,
     /// One entry for each method.
     pub methods: Vec<WorldMethodReport>,
+    /// Methods that were left out of all, with the reason.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<LeftOutReport>,
+}
+
+/// A method that was left out of all.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct LeftOutReport {
+    /// Name of the method.
+    pub method: &'static str,
+    /// Why it cannot be set up.
+    pub reason: String,
 }
 
 /// How much the sensor and the hand of a device decide about the error of its force.
@@ -197,6 +211,15 @@ impl From<Fidelity> for FidelityReport {
 }
 
 impl WorldReport {
+    /// Adds the methods that the scene has no settings for, which `all` leaves out.
+    pub fn all_methods(&mut self, scene: &WorldScene) {
+        let left_out = WorldScene::METHODS.into_iter().filter_map(|method| {
+            let reason = scene.method(method).err()?.message.to_string();
+            Some(LeftOutReport { method, reason })
+        });
+        self.left_out.extend(left_out);
+    }
+
     /// The report of these runs on the bench of a scene.
     #[must_use]
     pub fn new(scene: &WorldScene, bench: &WorldBench, runs: &[WorldRun]) -> Self {
@@ -232,6 +255,7 @@ impl WorldReport {
             motion: None,
             contacts: ideal.encounters.len(),
             overlapping_at_start: overlapping_at_start(scene, ideal),
+            left_out: Vec::new(),
             deepest_m: ideal.deepest(),
             decisive: decisive
                 .map(|(name, of)| DecisiveReport {

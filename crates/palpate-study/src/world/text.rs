@@ -33,6 +33,14 @@ impl fmt::Display for WorldReport {
         } else {
             writeln!(f, "The ideal touches no tool in this window.")?;
         }
+        for left_out in &self.left_out {
+            let line = format!("{} was left out: {}.", left_out.method, left_out.reason);
+            writeln!(f, "{}", wrapped(&line))?;
+        }
+        if !self.left_out.is_empty() {
+            let line = "`palpate compare` with the world tries settings of its own for them.";
+            writeln!(f, "{line}")?;
+        }
         for line in self.remarks() {
             writeln!(f, "{}", wrapped(&line))?;
         }

@@ -47,8 +47,9 @@ pub fn run(arguments: &SimulateArguments, path: &Path, file: &WorldFile) -> Resu
         progress.advance();
     }
     drop(progress);
-    print_report(
-        &WorldReport::new(scene, &bench, &runs),
-        arguments.results.json,
-    )
+    let mut report = WorldReport::new(scene, &bench, &runs);
+    if (flags.method.as_ref()).is_some_and(|methods| methods.are_all) {
+        report.all_methods(scene);
+    }
+    print_report(&report, arguments.results.json)
 }
