@@ -215,8 +215,15 @@ fn a_flag_does_what_an_edit_of_the_scene_does() {
     for (flags, old, new) in edits {
         assert_eq!(text.matches(old).count(), 1, "{old}");
         folder.write("edited.toml", text.replace(old, new));
-        let by_flag = folder.json(&format!("simulate plain.toml {flags}"));
-        let by_edit = folder.json("simulate edited.toml");
+        let mut by_flag = folder.json(&format!("simulate plain.toml {flags}"));
+        let mut by_edit = folder.json("simulate edited.toml");
+        // A title that names a value of the file is followed by what the flag made of it.
+        let title = by_flag["title"].take().as_str().unwrap().to_owned();
+        let own = by_edit["title"].take().as_str().unwrap().to_owned();
+        if flags.starts_with("--stiffness") {
+            assert_eq!(title, format!("{own} (changed: stiffness 250 N/m)"));
+        }
+        assert!(title.starts_with(&own), "{title}");
         assert_eq!(by_flag, by_edit, "{flags}");
         assert_ne!(
             by_flag["methods"], unchanged["methods"],

@@ -511,3 +511,25 @@ fn a_guard_is_asked_for_by_flags_or_the_file_and_what_it_holds_back_is_counted()
         &["--guard-speed", "above 0"],
     );
 }
+
+#[test]
+fn all_names_the_methods_that_are_left_out() {
+    let folder = Folder::new();
+    folder.write("ball.toml", BALL);
+    let report = folder.json("simulate ball.toml --method all");
+    let methods = |key: &str| -> Vec<String> {
+        let all = report[key].as_array().unwrap().iter();
+        all.map(|one| one["method"].as_str().unwrap().to_owned())
+            .collect()
+    };
+    assert_eq!(methods("methods"), ["basic", "coupled"]);
+    let left_out = ["virtual-damper", "virtual-coupling", "god-object"];
+    assert_eq!(methods("left_out"), left_out);
+    let text = folder.succeed("simulate ball.toml --method all");
+    for method in left_out {
+        assert!(
+            text.contains(&format!("{method} was left out: {method} needs")),
+            "{text}"
+        );
+    }
+}

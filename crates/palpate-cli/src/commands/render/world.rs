@@ -109,5 +109,8 @@ pub fn deliver(
     }
     let mut report = WorldReport::new(&scene, &bench, &runs);
     change(&mut report);
+    if (flags.method.as_ref()).is_some_and(|methods| methods.are_all) {
+        report.all_methods(&scene);
+    }
     print_report(&report, results.json)
 }
