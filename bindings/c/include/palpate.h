@@ -1299,6 +1299,10 @@ typedef struct palpate_host_contact {
    */
   double friction_stiffness;
   /*
+   Damping of friction [N s/m]; 0: `damping` times `friction_stiffness` over `stiffness`; below 0: none.
+   */
+  double friction_damping;
+  /*
    Of a sphere of a body, its centre [m]. Not looked at for the tool.
    */
   double centre[3];
@@ -1601,6 +1605,10 @@ typedef struct palpate_contact_law {
    Stiffness of the bristle by which they rub [N/m]. 0, the default: `stiffness`.
    */
   double friction_stiffness;
+  /*
+   Damping of the bristle [N s/m]. 0, the default: `damping` times `friction_stiffness` over `stiffness`. Below 0: none.
+   */
+  double friction_damping;
 } palpate_contact_law;
 
 /*

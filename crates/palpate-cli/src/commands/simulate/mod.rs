@@ -131,12 +131,17 @@ fn read_text(path: &Path) -> Result<String, Failure> {
     String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))
 }
 
+/// Samples from which on an intention counts as recorded: a path of fewer points is written by hand, and they may be far apart.
+const LEAST_RECORDED: usize = 20;
+
 /// Warns of an intention that no hand has.
 fn tell_if_not_a_hand(name: &str, scene: &Scene) {
     let Some(Intention::Recorded(path)) = scene.device.grip().map(|grip| &grip.intention) else {
         return;
     };
-    if let Some(spacing) = Spacing::implausible(path.times()) {
+    if path.times().len() >= LEAST_RECORDED
+        && let Some(spacing) = Spacing::implausible(path.times())
+    {
         let column = spacing.likely_unit().map_or_else(String::new, |unit| {
             format!(" Then call its column t_{unit}")
         });
