@@ -100,7 +100,11 @@ impl Target {
             for (i, step) in moves.iter_mut().enumerate() {
                 // Poke and run, with another rhythm each time, or at random.
                 *step = if attempt < 6 {
-                    if (i / turn).is_multiple_of(2) { 1.0 } else { -1.0 }
+                    if (i / turn).is_multiple_of(2) {
+                        1.0
+                    } else {
+                        -1.0
+                    }
                 } else {
                     random.between(-1.0, 1.0)
                 };
@@ -208,7 +212,11 @@ impl Attack {
         let turn = 1 + attempt % 20;
         let mut moves = [0.0; LENGTH];
         for (i, step) in moves.iter_mut().enumerate() {
-            let alternates = if (i / turn).is_multiple_of(2) { 1.0 } else { -1.0 };
+            let alternates = if (i / turn).is_multiple_of(2) {
+                1.0
+            } else {
+                -1.0
+            };
             *step = if attempt % 4 == 3 {
                 random.between(-1.0, 1.0)
             } else {
