@@ -2987,7 +2987,7 @@ static inline palpate_host_body palpate_host_body_fixed(double x, double y, doub
 
 /* No contact in this place of the array. */
 static inline palpate_host_contact palpate_host_contact_none(void) {
-  palpate_host_contact contact = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0.0, 0.0, 0.0,
+  palpate_host_contact contact = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
                                   {0.0, 0.0, 0.0}, 0.0, PALPATE_NO_BODY, PALPATE_NO_BODY};
   return contact;
 }
