@@ -167,6 +167,14 @@ impl<S: Scalar> Method<S> for AnyMethod<S> {
     }
 
     #[inline]
+    fn is_limited(&self, memory: &AnyMemory<S>) -> bool {
+        match self {
+            Self::Basic(_) => false,
+            $(Self::$Variant(method) => method.is_limited(&part!(memory $($own)? $($shared)?)),)*
+        }
+    }
+
+    #[inline]
     fn contact_damping(&self) -> S {
         match self {
             Self::Basic(_) => S::ZERO,

@@ -403,7 +403,11 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         }
         let gain = self.actuator.gain();
         let intended = plan.force / gain;
-        let (mut wanted, mut limited) = self.bounded(intended, Limited::default());
+        let planned = Limited {
+            force: self.method.is_limited(&state.memory),
+            ..Limited::default()
+        };
+        let (mut wanted, mut limited) = self.bounded(intended, planned);
         if let Some(added) = adds(self.sign * wanted)
             && let sum = wanted + self.sign * added
             && sum.is_finite()
