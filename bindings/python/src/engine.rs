@@ -196,6 +196,7 @@ impl EngineContact {
             .map_err(|faults| wrong(&faults))?;
         let limits = safety_params(force_limit, None, given.soft_start)?;
         let safety = WorldSafety::new(tools.len(), limits, given.period).map_err(refused)?;
+        let safety = safety.rendering(&renderer.in_loop().actuation);
         Ok(Self {
             state: renderer.start(),
             renderer,
@@ -278,6 +279,7 @@ impl EngineContact {
             elapsed,
             positions: &positions,
             refused: fault.is_some(),
+            created_energy: self.state.books().created(),
         };
         let limited = bounded::names(limited, self.safety.bound(&answered, &mut wrenches));
         let forces: Vec<_> = wrenches.iter().map(|wrench| wrench.force).collect();

@@ -51,8 +51,8 @@ Exit codes:
   4  done, but the recording that was read or made is not whole; the output or
      standard error says what is missing
   5  the loop ran, but at its end or for most of its time safety had the motors off
-     or the renderer refused the samples, or a pipe refused every line: there was
-     no force
+     or the renderer refused the samples, or a pipe refused every line or was stopped by
+     safety: there was no force
   6  nothing can be said of a device; the message says why
   130  stopped by ctrl-C or another signal before its end; what is done is kept")]
 pub struct Arguments {

@@ -320,8 +320,9 @@ impl WorldRenderer {
             return Err(overflow);
         }
         let limits = (&self.in_loop.force_limits, &self.in_loop.torque_limits);
-        limited.force = limit(&state.intended, &mut state.forces, limits.0);
-        limited.torque = limit(&state.intended_torques, &mut state.torques, limits.1);
+        let gain = self.in_loop.actuation.limit_gain();
+        limited.force = limit(&state.intended, &mut state.forces, limits.0, gain);
+        limited.torque = limit(&state.intended_torques, &mut state.torques, limits.1, gain);
         limited.guard = self.guard(state);
         Ok(limited)
     }
@@ -403,11 +404,12 @@ impl WorldRenderer {
         let state = &state.progress;
         let mut limited = Limited::default();
         let guard = self.in_loop.guard.params();
+        let gain = self.in_loop.actuation.limit_gain();
         let mut power = 0.0;
         for (tool, held) in held.iter_mut().enumerate() {
             let [force, torque] = parts(held);
-            limited.force |= shorten(force, self.in_loop.force_limits.get(tool));
-            limited.torque |= shorten(torque, self.in_loop.torque_limits.get(tool));
+            limited.force |= shorten(force, self.in_loop.force_limits.get(tool), gain);
+            limited.torque |= shorten(torque, self.in_loop.torque_limits.get(tool), gain);
             power += guard.map_or(0.0, |params| most_of(params, &[*force], &[*torque]));
         }
         let kept = guard.and_then(|_| self.kept(state, power));
@@ -422,20 +424,20 @@ impl WorldRenderer {
 }
 
 /// Shortens what is asked for to the limit of each tool, if there are limits; whether one acted.
-fn limit(intended: &[Vector3], sent: &mut [Vector], limits: &[f64]) -> bool {
+fn limit(intended: &[Vector3], sent: &mut [Vector], limits: &[f64], gain: f64) -> bool {
     let mut acted = false;
     for (tool, (intended, sent)) in intended.iter().zip(sent).enumerate() {
         *sent = (*intended).into();
-        acted |= shorten(sent, limits.get(tool));
+        acted |= shorten(sent, limits.get(tool), gain);
     }
     acted
 }
 
-/// Shortens a vector that is longer than `most`; whether it was.
-fn shorten(vector: &mut Vector, most: Option<&f64>) -> bool {
+/// Shortens a vector that exceeds `most` after a `gain`; returns whether it did.
+fn shorten(vector: &mut Vector, most: Option<&f64>, gain: f64) -> bool {
     let long = Vector3::from(*vector);
     let norm = long.norm();
-    let most = most.filter(|most| norm > **most);
+    let most = most.map(|most| most / gain).filter(|most| norm > *most);
     if let Some(most) = most {
         *vector = (long * (most / norm)).into();
     }

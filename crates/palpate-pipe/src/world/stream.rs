@@ -6,6 +6,7 @@ use palpate::Fault;
 use palpate_device::Wrench;
 use palpate_record::unit::HandMotion;
 use palpate_rt::BoundedWorld;
+use palpate_rt::safety::Trip;
 use palpate_world::{ContactState, NOT_TURNED, Sample, Vector};
 
 use super::line::{self, WorldFormat};
@@ -16,6 +17,7 @@ use crate::messages::Messages;
 use crate::mistake::Mistakes;
 use crate::number;
 use crate::serving::{Answering, Stopped};
+use crate::summary::stop_in_words;
 
 /// Refused lines that are told one by one; of more, each doubling is.
 const TOLD_EACH: u64 = 8;
@@ -130,6 +132,16 @@ impl WorldStream {
             ));
         }
         self.summary.softened += u64::from(bounded.soft_start);
+        if bounded.stopped
+            && self.summary.safety_stop.is_none()
+            && let Some(trip) = self.world.trip()
+        {
+            self.summary.safety_stop = Some(trip.name());
+            self.tell(format_args!(
+                "line {number}: {}",
+                stop_in_words(self.world.limits(), trip)
+            ));
+        }
         if shortened && !self.memory.is_limited {
             self.memory.is_limited = true;
             let limit = self.limit_in_words();
@@ -314,6 +326,10 @@ impl Answering for WorldStream {
 
     fn is_ended(&self) -> bool {
         self.memory.is_ended
+    }
+
+    fn safety_stop(&self) -> Option<Trip> {
+        self.world.trip().filter(|trip| !trip.is_passing())
     }
 
     fn has_refused_all(&self) -> bool {

@@ -1,5 +1,6 @@
 //! The local model of a slow host in the loop, and the host's end of it.
 
+use palpate::Actuation;
 use palpate_device::clock::Clock;
 use palpate_device::{Device, Vector, Wrench};
 use palpate_record::recording::{ContactTick, Flags, Phase};
@@ -243,6 +244,10 @@ impl Renders for LocalWorld {
         Flags::default()
             .with(Flags::CONTACT, !self.contacts.is_empty())
             .with(Flags::LIMITED_FORCE, self.limited.force)
+    }
+
+    fn actuation(&self) -> Actuation<f64> {
+        self.renderer.in_loop().actuation
     }
 
     fn created_energy(&self) -> f64 {

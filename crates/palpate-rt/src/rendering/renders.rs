@@ -1,6 +1,6 @@
 //! What the loop asks of what it renders: a pose in, a wrench out.
 
-use palpate::Fault;
+use palpate::{Actuation, Fault};
 use palpate_device::{Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
 
@@ -76,6 +76,14 @@ pub trait Renders: Send {
     /// By how much later than told the commands begin, by what the method has learned so far `[s]`.
     fn learned_lateness(&self) -> f64 {
         0.0
+    }
+
+    /// Model of the way from a command to the force on the device.
+    fn actuation(&self) -> Actuation<f64>;
+
+    /// Fastest change of the force that the rendering allows `[N/s]`; infinite: none.
+    fn slew_limit(&self) -> f64 {
+        f64::INFINITY
     }
 
     /// Energy that held forces created since the start while the motors were on `[J]`, as of the last sample.

@@ -1,5 +1,6 @@
 //! A world, as the loop renders it.
 
+use palpate::Actuation;
 use palpate_device::{Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
 use palpate_world::{
@@ -267,6 +268,10 @@ impl Renders for RenderedWorld {
                 self.limited.force || self.limited.torque,
             )
             .with(Flags::LIMITED_GUARD, self.limited.guard)
+    }
+
+    fn actuation(&self) -> Actuation<f64> {
+        self.renderer.in_loop().actuation
     }
 
     fn created_energy(&self) -> f64 {

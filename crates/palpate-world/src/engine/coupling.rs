@@ -369,7 +369,9 @@ impl Coupling {
             state.intended[tool] = intended;
             let mut sent = intended;
             let norm = intended.norm();
-            if let Some(&most) = self.in_loop.force_limits.get(tool)
+            let most = self.in_loop.force_limits.get(tool);
+            let most = most.map(|most| most / self.in_loop.actuation.limit_gain());
+            if let Some(most) = most
                 && norm > most
             {
                 sent *= most / norm;

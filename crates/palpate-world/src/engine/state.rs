@@ -135,6 +135,19 @@ pub struct EngineBooks {
     pub devices: Vec<PortBook>,
 }
 
+impl EngineBooks {
+    /// Energy that held forces have created since the start `[J]`: hands and contacts have gained it together. It fluctuates
+    /// with the samples; a rising sum is an instability.
+    #[must_use]
+    pub fn created(&self) -> f64 {
+        let contacts = self.contacts.iter();
+        let contacts = contacts.map(|book| book.observed + book.step_error - book.work_on_avatar);
+        let devices = self.devices.iter();
+        let devices = devices.map(|book| book.port_work + book.carried);
+        contacts.sum::<f64>() + devices.sum::<f64>()
+    }
+}
+
 impl EngineState {
     /// What is known of each tool at the last sample.
     #[must_use]

@@ -81,6 +81,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         loop_params.check()?;
         let method = method.check(&contact, &loop_params)?;
         let unlimited = S::INFINITY;
+        let gain = loop_params.actuation.limit_gain();
         Ok(Self {
             contact,
             loop_params,
@@ -91,8 +92,9 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             per_period: S::ONE / loop_params.period,
             largest_gap: loop_params.bridged_gap(),
             speed_limit: loop_params.speed_limit.unwrap_or(unlimited),
-            force_limit: loop_params.force_limit.unwrap_or(unlimited),
-            slew_limit: loop_params.slew_limit.unwrap_or(unlimited),
+            // The limits hold for the command and for the force that the modelled gain makes of it.
+            force_limit: loop_params.force_limit.unwrap_or(unlimited) / gain,
+            slew_limit: loop_params.slew_limit.unwrap_or(unlimited) / gain,
         })
     }
 

@@ -49,7 +49,8 @@ class EngineOutput(NamedTuple):
     forces: NDArray[np.float64]
     """Force on each device [N], a row for each."""
     limited: tuple[str, ...]
-    """Limits that acted: `force`, `offset` of an avatar or an image, `soft-start`."""
+    """Limits that acted: `force`, `offset` of an avatar or an image, `soft-start`, and `safety-stop`: the loop has
+    created energy, and all forces stay 0 until `reset()`."""
     effort: Effort
     """What the period has cost, over all steps of the engine."""
     fault: str | None
