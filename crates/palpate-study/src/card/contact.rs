@@ -1,5 +1,6 @@
 //! One contact on a card: recorded and judged against the ideal on its motion, or simulated.
 
+use super::file_name;
 use palpate_record::recording::{Flags, Recording, Row};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile};
@@ -84,7 +85,7 @@ impl ContactCard {
     /// Why there is none: no contact, no scene, or a motion on which nothing can be rendered.
     pub(super) fn recorded(recording: &Recording, ticks: &Ticks) -> Result<Self, String> {
         let file = scene_of(recording).map_err(|error| error.to_string())?;
-        let name = recording.path().display();
+        let name = file_name(recording.path());
         if !recording.has_one_contact_each {
             return Err(format!(
                 "{name} has several contacts in a tick; the page shows one"
@@ -124,7 +125,7 @@ impl ContactCard {
         let source = format!(
             "the strongest contact of {}: its motion, rendered again by {} at the recorded instants, against the \
              ideal on that motion",
-            recording.path().display(),
+            file_name(recording.path()),
             scene.method
         );
         Ok(Self {

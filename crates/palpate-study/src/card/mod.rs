@@ -183,7 +183,7 @@ impl Card {
 
     /// Adds a file that was written.
     pub fn wrote(&mut self, path: &std::path::Path) {
-        self.files.push(path.display().to_string());
+        self.files.push(file_name(path));
     }
 
     /// The checks that ended in a warning.
@@ -192,6 +192,12 @@ impl Card {
             .iter()
             .filter(|check| check.outcome == Outcome::Warning)
     }
+}
+
+/// Name of a file without its folder: the page is made to be sent.
+fn file_name(path: &std::path::Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
 }
 
 /// How the data were obtained, a sentence for each source.
@@ -207,7 +213,7 @@ fn obtained(sources: &Sources<'_>) -> Vec<String> {
             );
             format!(
                 "Recording {}, made by palpate {}{written}.",
-                recording.path().display(),
+                file_name(recording.path()),
                 recording.receipt.palpate_version
             )
         })

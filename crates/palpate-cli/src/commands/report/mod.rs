@@ -50,11 +50,11 @@ pub fn run(arguments: &ReportArguments) -> Result<(), Failure> {
         outputs.plan("--record", recording)?;
     }
     let device_file = match &arguments.device_file {
-        Some(path) => Some((path.display().to_string(), read_device_file(path)?)),
+        Some(path) => Some((file_name(path), read_device_file(path)?)),
         None => None,
     };
     let calibration = match &arguments.calibration {
-        Some(path) => Some((path.display().to_string(), read_calibration(path)?)),
+        Some(path) => Some((file_name(path), read_calibration(path)?)),
         None => None,
     };
     let mut paths = arguments.recordings.clone();
@@ -172,6 +172,12 @@ fn make(
         CardError::SeveralDevices { .. } => Failure::Arguments(error.to_string()),
         other => Failure::input(other),
     })
+}
+
+/// Name of a file without its folder: the page is made to be sent.
+fn file_name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
 }
 
 fn read_calibration(path: &Path) -> Result<CalibrationRun, Failure> {
