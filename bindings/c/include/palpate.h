@@ -436,6 +436,11 @@ enum palpate_limit
    It was still coming back after a start or a fault; of worlds.
    */
   PALPATE_LIMIT_SOFT_START = 64,
+  /*
+   No limit but a safety stop: held forces have created energy, and all wrenches stay 0. Free the
+   world and make it again to go on; of worlds.
+   */
+  PALPATE_LIMIT_STOPPED = 128,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
