@@ -251,3 +251,21 @@ mod signals {
         drop(unread);
     }
 }
+
+#[test]
+fn created_energy_stops_a_pipe_as_it_stops_run() {
+    // Held while the device leaves by 2 mm, 2 N create 4 mJ in each second period.
+    let shaken = "0.002\n0\n".repeat(50);
+    let answer = pipe(&format!("{WALL} --method basic --soft-start 0"), &shaken);
+    assert_eq!(answer.code, 5, "{answer:?}");
+    let found = forces(&answer);
+    let pushed = found.iter().filter(|force| **force < -1.0).count();
+    assert!((10..20).contains(&pushed), "{found:?}");
+    assert!(found[40..].iter().all(|force| *force == 0.0), "{found:?}");
+    for words in [
+        "safety stop: held forces created more than 50.0 mJ",
+        "if the loop is as modelled",
+    ] {
+        assert!(answer.stderr.contains(words), "{}", answer.stderr);
+    }
+}
