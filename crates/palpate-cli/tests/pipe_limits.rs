@@ -27,7 +27,7 @@ fn forces(answer: &Answer) -> Vec<f64> {
 
 #[test]
 fn forces_are_limited_and_come_in_softly_unless_told_otherwise() {
-    let deep = "5\n".repeat(400);
+    let deep = "0.05\n".repeat(400);
     let limited = pipe(WALL, &deep);
     assert_eq!(limited.code, 0, "{limited:?}");
     let found = forces(&limited);
