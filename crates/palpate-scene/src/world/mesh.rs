@@ -10,7 +10,7 @@ use palpate_world::{Hull, Mesh, Shape, Vector};
 use serde::Deserialize;
 
 use super::mesh_contact::{RawDistanceGrid, RawShell};
-use super::stl;
+use super::{obj, stl};
 
 /// Most squares along an edge of the cube of a bumpy sphere: more have more triangles than a mesh may have.
 const MOST_CELLS: u32 = 288;
@@ -305,14 +305,15 @@ fn triangles(path: &Path) -> Result<Numbers, String> {
     let shown = path.display();
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     let loader = mesh_loader::Loader::default();
-    let nothing_else = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
     let scene = match extension.to_str() {
         Some("stl") => {
             let bytes = bytes_of(path)?;
             let stl = stl::checked(&bytes).map_err(|why| format!("{shown}: {why}"))?;
             loader.load_stl_from_slice(&stl, path)
         }
-        Some("obj") => loader.load_obj_from_slice_with_reader(&bytes_of(path)?, path, nothing_else),
+        Some("obj") => {
+            return obj::triangles(&bytes_of(path)?).map_err(|why| format!("{shown}: {why}"));
+        }
         _ => {
             return Err(format!(
                 "{shown}: a mesh is read from a file with the ending .stl or .obj"
