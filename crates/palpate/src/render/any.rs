@@ -175,6 +175,14 @@ impl<S: Scalar> Method<S> for AnyMethod<S> {
     }
 
     #[inline]
+    fn yields_to_limit(&self) -> bool {
+        match self {
+            Self::Basic(_) => false,
+            $(Self::$Variant(method) => Method::<S>::yields_to_limit(method),)*
+        }
+    }
+
+    #[inline]
     fn contact_damping(&self) -> S {
         match self {
             Self::Basic(_) => S::ZERO,

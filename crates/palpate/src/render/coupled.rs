@@ -231,7 +231,11 @@ impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
         let transmission = transmission.filter(|told| is_fast(told.resonance));
         let flexure = transmission.as_ref().map(Flexure::new);
         let largest = match loop_params.force_limit {
-            Some(limit) => loop_params.actuation.gain * limit,
+            // Command and delivered force are both limited.
+            Some(limit) => {
+                let actuation = &loop_params.actuation;
+                actuation.gain * limit / actuation.limit_gain()
+            }
             None => S::INFINITY,
         };
         Ok(Coupled {
@@ -505,6 +509,11 @@ impl<S: Scalar> Method<S> for Coupled<S> {
     #[inline]
     fn is_limited(&self, memory: &CoupledMemory<S>) -> bool {
         memory.is_limited
+    }
+
+    #[inline]
+    fn yields_to_limit(&self) -> bool {
+        true
     }
 
     #[inline]

@@ -95,6 +95,12 @@ pub trait Method<S: Scalar>: Copy + Debug {
         false
     }
 
+    /// Whether the object moves as if the contact were a spring up to the force limit and that force beyond it.
+    #[inline]
+    fn yields_to_limit(&self) -> bool {
+        false
+    }
+
     /// Damping B with which the object moves in contact `[N s/m]`.
     fn contact_damping(&self) -> S {
         S::ZERO

@@ -2,7 +2,7 @@
 
 use crate::common::{Auditor, PointMass, methods};
 use palpate::{
-    AnyParams, AnyRenderer, Contact, HfcrParams, Limited, LoopParams, ObjectState, Renderer,
+    AnyParams, AnyRenderer, Contact, HfcrParams, Limited, LoopParams, Mass, ObjectState, Renderer,
     Sample, Side,
 };
 
@@ -37,6 +37,12 @@ fn obeys(contact: Contact<f64>, limits: LoopParams<f64>, method: AnyParams<f64>)
     let sign: f64 = contact.side.sign();
     let mut state = renderer.start(ObjectState::at_rest(sign * 0.1)).unwrap();
     let mut auditor = Auditor::new(&contact);
+    let is_wall = matches!(contact.object_mass, Mass::Infinite);
+    if let Some(limit) = limits.force_limit
+        && (is_wall || matches!(method, AnyParams::Coupled(_)))
+    {
+        auditor = auditor.yielding_to(limit);
+    }
     let mut device = PointMass {
         mass: 0.1,
         user_force: 0.981,
