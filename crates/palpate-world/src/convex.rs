@@ -212,7 +212,9 @@ fn is_solid(points: &[Vector3], faces: &[Polygon], tolerance: f64) -> bool {
     // Euler's formula: a closed surface without holes has as many edges as corners and faces less two.
     let closes = corners.len() + faces.len() == sides / 2 + 2 && sides.is_multiple_of(2);
     let is_behind = |face: &Polygon| {
-        let mut heights = corners.iter().map(|&corner| face.normal.dot(&points[corner]));
+        let mut heights = corners
+            .iter()
+            .map(|&corner| face.normal.dot(&points[corner]));
         heights.all(|height| height - face.offset <= 4.0 * tolerance)
     };
     closes && faces.iter().all(is_behind)
@@ -373,7 +375,8 @@ mod tests {
                 heights.fold(f64::NEG_INFINITY, f64::max)
             };
             let most = ball.iter().map(outside).fold(0.0, f64::max);
-            assert!(most <= within + 1e-7, "{most} {within}");
+            // The ball has a diameter of 2, and points within 6 FLAT of a face are of it.
+            assert!(most <= within + 2e-5, "{most} {within}");
         }
         assert!(last < 40, "{last}");
     }

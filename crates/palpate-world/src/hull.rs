@@ -32,8 +32,8 @@ pub enum HullError {
     Flat,
     /// More corners than are taken.
     #[error(
-        "the hull has more than {0} corners, and at most {0} are taken; let it leave out points that are further outside, or leave \
-         the tolerance out (`within_m`): it then has the {0} corners that stand out most"
+        "the hull has more than {0} corners, and at most {0} are taken; give fewer points, let it leave out points that are further \
+         outside, or take the {0} corners that stand out most, as a scene does without `within_m`"
     )]
     TooMany(usize),
     /// A tolerance that is no length.
@@ -142,12 +142,20 @@ impl Hull {
     /// Most corners of a hull.
     pub const MOST_CORNERS: usize = MOST_POINTS;
 
-    /// The least convex solid around `points` `[m]`. If it had more than [`MOST_CORNERS`](Self::MOST_CORNERS) corners, it has the
-    /// ones that stand out most; [`left_out`](Self::left_out) is the largest distance of a point outside.
+    /// The least convex solid around `points` `[m]`.
+    ///
+    /// # Errors
+    /// The points lie in a plane, or the solid has more than [`MOST_CORNERS`](Self::MOST_CORNERS) corners.
+    pub fn around(points: &[Vector]) -> Result<Self, HullError> {
+        Self::within(points, 0.0)
+    }
+
+    /// The least convex solid around `points` `[m]` or, if it has more than [`MOST_CORNERS`](Self::MOST_CORNERS) corners, the one of
+    /// the corners that stand out most: [`left_out`](Self::left_out) is the largest distance of a point outside of it.
     ///
     /// # Errors
     /// The points lie in a plane.
-    pub fn around(points: &[Vector]) -> Result<Self, HullError> {
+    pub fn simplified(points: &[Vector]) -> Result<Self, HullError> {
         Self::of(points, |places| {
             Corners::nearest_around(places).map_err(|why| HullError::of(why, Self::MOST_CORNERS))
         })
@@ -164,8 +172,7 @@ impl Hull {
             return Err(HullError::Within(tolerance));
         }
         Self::of(points, |places| {
-            Corners::around(places, tolerance)
-                .map_err(|why| HullError::of(why, Self::MOST_CORNERS))
+            Corners::around(places, tolerance).map_err(|why| HullError::of(why, Self::MOST_CORNERS))
         })
     }
 

@@ -302,7 +302,8 @@ fn no_corners(shape: &Candidate<'_>, other: &Candidate<'_>, reason: NoHull) -> W
     let why = match reason {
         NoHull::TooMany => format!(
             "the convex hull around it has more than {MOST_POINTS} corners, and it touches a half-space by these; give it \
-             `shell = {{ points = 60 }}`, a coarser shape, or leave the pair without a law"
+             a shell of points (`shell = {{ points = 60 }}` in its mesh), make it a hull (`hull` in place of `mesh`), or leave the \
+             pair without a law"
         ),
         NoHull::Flat | NoHull::Broken => {
             "all of it lies in a plane or nearly so, and has no convex hull by whose corners it could touch a half-space"
@@ -373,10 +374,12 @@ fn spheres_on(shape: &Shape, other: &Shape) -> Option<Result<(Vec<Touching>, Sol
             })
             .collect(),
         // Only a corner of the convex hull is the first to meet a plane.
-        (Shape::Mesh(mesh), Shape::HalfSpace { .. }) => match Corners::nearest_around(mesh.places()) {
-            Ok(corners) => corners.touching(),
-            Err(reason) => return Some(Err(reason)),
-        },
+        (Shape::Mesh(mesh), Shape::HalfSpace { .. }) => {
+            match Corners::around(mesh.places(), 0.0) {
+                Ok(corners) => corners.touching(),
+                Err(reason) => return Some(Err(reason)),
+            }
+        }
         // A capsule that lies flat has two ends.
         (
             Shape::Capsule {

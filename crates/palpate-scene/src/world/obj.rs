@@ -2,14 +2,17 @@
 
 use std::collections::HashMap;
 
-/// Vertices that a polygon uses, by their first use, and triangles by the numbers of their corners.
-type Numbers = (Vec<[f32; 3]>, Vec<[u32; 3]>);
+use earcut::Earcut;
+use earcut::utils3d::project3d_to_2d;
+use palpate_testbed::world::mesh::gallery::Triangles;
+use palpate_world::Vector;
 
-/// What the `v` and `f` lines of a file say. The weight or the colour that a vertex may have is left out.
-pub(super) fn triangles(bytes: &[u8]) -> Result<Numbers, String> {
+/// What the `v` and `f` lines of a file say: vertices that a polygon uses, by their first use, and triangles. The weight or the
+/// colour that a vertex may have is left out.
+pub(super) fn triangles(bytes: &[u8]) -> Result<Triangles, String> {
     let text = String::from_utf8_lossy(bytes);
     let mut lines = text.trim_start_matches('\u{feff}').lines().enumerate();
-    let mut places: Vec<[f32; 3]> = Vec::new();
+    let mut places: Vec<Vector> = Vec::new();
     let mut polygons: Vec<(usize, Vec<usize>)> = Vec::new();
     while let Some((number, line)) = lines.next() {
         let mut line = line.trim_end().to_owned();
@@ -57,16 +60,14 @@ pub(super) fn triangles(bytes: &[u8]) -> Result<Numbers, String> {
                 })
             })
             .collect();
-        let outline: Vec<_> = polygon
-            .iter()
-            .map(|&corner| places[corner].map(f64::from))
-            .collect();
-        faces.extend(cut(&outline).into_iter().map(|cut| cut.map(|k| own[k])));
+        let outline: Vec<Vector> = polygon.iter().map(|&corner| places[corner]).collect();
+        let cut = cut(&outline).map_err(|why| format!("line {line}: {why}"))?;
+        faces.extend(cut.into_iter().map(|cut| cut.map(|k| own[k])));
     }
     Ok((vertices, faces))
 }
 
-fn place<'a>(words: impl Iterator<Item = &'a str>) -> Result<[f32; 3], String> {
+fn place<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vector, String> {
     let numbers: Vec<&str> = words.collect();
     if numbers.len() < 3 {
         return Err(format!(
@@ -76,7 +77,7 @@ fn place<'a>(words: impl Iterator<Item = &'a str>) -> Result<[f32; 3], String> {
     }
     let mut place = [0.0; 3];
     for (own, word) in place.iter_mut().zip(&numbers) {
-        let read = word.parse::<f32>().ok().filter(|x| x.is_finite());
+        let read = word.parse::<f64>().ok().filter(|x| x.is_finite());
         *own = read.ok_or_else(|| format!("a vertex has {word:?}, which is no finite number"))?;
     }
     Ok(place)
@@ -97,63 +98,58 @@ fn corner(word: &str, so_far: usize) -> Result<usize, String> {
     usize::try_from(index).map_err(|_| wrong(&format!("and there are {so_far} before it")))
 }
 
-/// Triangles of a polygon: a fan about its first corner where all of them have its sense, and else ear by ear.
-fn cut(outline: &[[f64; 3]]) -> Vec<[usize; 3]> {
-    let fan = |left: &[usize]| -> Vec<_> {
-        left[1..]
-            .windows(2)
-            .map(|two| [left[0], two[0], two[1]])
-            .collect()
-    };
-    let mut left: Vec<usize> = (0..outline.len()).collect();
-    let across = |[a, b, c]: [usize; 3]| {
-        let [a, b, c] = [outline[a], outline[b], outline[c]];
-        let (p, q) = (
-            [0, 1, 2].map(|k| b[k] - a[k]),
-            [0, 1, 2].map(|k| c[k] - a[k]),
-        );
-        [
-            p[1] * q[2] - p[2] * q[1],
-            p[2] * q[0] - p[0] * q[2],
-            p[0] * q[1] - p[1] * q[0],
-        ]
-    };
-    let whole = fan(&left)
-        .into_iter()
-        .map(across)
-        .fold([0.0; 3], |sum: [f64; 3], one| {
-            [0, 1, 2].map(|k| sum[k] + one[k])
-        });
-    let area = |triangle| (0..3).map(|k| across(triangle)[k] * whole[k]).sum::<f64>();
-    let mut triangles = Vec::new();
-    if fan(&left).into_iter().all(|triangle| area(triangle) >= 0.0) {
-        return fan(&left);
+/// Most of a polygon's area by which its triangles may differ from it.
+const CROSSED: f64 = 1e-6;
+
+/// Triangles of a polygon: a fan about its first corner where all of them have its sense, and else by the ear clipping of a
+/// library.
+fn cut(outline: &[Vector]) -> Result<Vec<[usize; 3]>, String> {
+    let fan = (2..outline.len()).map(|k| [0, k - 1, k]);
+    let fan: Vec<[usize; 3]> = fan.collect();
+    let whole = fan.iter().map(|&triangle| doubled_area(outline, triangle));
+    let whole = whole.fold([0.0; 3], |sum: Vector, one| {
+        [0, 1, 2].map(|k| sum[k] + one[k])
+    });
+    let along = |area: Vector| (0..3).map(|k| area[k] * whole[k]).sum::<f64>();
+    let has_its_sense = |triangle: &[usize; 3]| along(doubled_area(outline, *triangle)) >= 0.0;
+    if fan.iter().all(has_its_sense) {
+        return Ok(fan);
     }
-    while left.len() > 3 {
-        let count = left.len();
-        let around = |k: usize| {
-            [
-                left[(k + count - 1) % count],
-                left[k],
-                left[(k + 1) % count],
-            ]
-        };
-        let ear = (0..count).find(|&k| {
-            let [a, b, c] = around(k);
-            let holds = |&p: &usize| {
-                ![a, b, c].contains(&p)
-                    && ![a, b, c].iter().any(|&own| outline[own] == outline[p])
-                    && [[a, b, p], [b, c, p], [c, a, p]]
-                        .into_iter()
-                        .all(|side| area(side) >= 0.0)
-            };
-            area([a, b, c]) > 0.0 && !left.iter().any(holds)
-        });
-        // An outline that crosses itself has none.
-        let Some(ear) = ear else { break };
-        triangles.push(around(ear));
-        left.remove(ear);
+    let mut flat = Vec::new();
+    let mut corners: Vec<usize> = Vec::new();
+    if project3d_to_2d(outline, outline.len(), &mut flat) {
+        Earcut::new().earcut(flat, &[], &mut corners);
     }
-    triangles.extend(fan(&left));
-    triangles
+    let (triangles, _) = corners.as_chunks::<3>();
+    let covered = triangles
+        .iter()
+        .map(|&triangle| along(doubled_area(outline, triangle)));
+    let (covered, own) = (covered.map(f64::abs).sum::<f64>(), along(whole));
+    if (covered - own).abs() > CROSSED * own {
+        return Err("the outline of a face crosses itself, so that its inside is not known; cut it into triangles".into());
+    }
+    Ok(triangles
+        .iter()
+        .map(|&[a, b, c]| {
+            if has_its_sense(&[a, b, c]) {
+                [a, b, c]
+            } else {
+                [a, c, b]
+            }
+        })
+        .collect())
+}
+
+/// Along the normal of a triangle, twice its area long.
+fn doubled_area(outline: &[Vector], corners: [usize; 3]) -> Vector {
+    let [a, b, c] = corners.map(|corner| outline[corner]);
+    let (p, q) = (
+        [0, 1, 2].map(|k| b[k] - a[k]),
+        [0, 1, 2].map(|k| c[k] - a[k]),
+    );
+    [
+        p[1] * q[2] - p[2] * q[1],
+        p[2] * q[0] - p[0] * q[2],
+        p[0] * q[1] - p[1] * q[0],
+    ]
 }
