@@ -374,12 +374,10 @@ fn spheres_on(shape: &Shape, other: &Shape) -> Option<Result<(Vec<Touching>, Sol
             })
             .collect(),
         // Only a corner of the convex hull is the first to meet a plane.
-        (Shape::Mesh(mesh), Shape::HalfSpace { .. }) => {
-            match Corners::around(mesh.places(), 0.0) {
-                Ok(corners) => corners.touching(),
-                Err(reason) => return Some(Err(reason)),
-            }
-        }
+        (Shape::Mesh(mesh), Shape::HalfSpace { .. }) => match Corners::around(mesh.places(), 0.0) {
+            Ok(corners) => corners.touching(),
+            Err(reason) => return Some(Err(reason)),
+        },
         // A capsule that lies flat has two ends.
         (
             Shape::Capsule {

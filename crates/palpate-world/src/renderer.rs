@@ -7,6 +7,7 @@ use crate::axes::Axes;
 use crate::blocks::Blocks;
 use crate::books::{BodyBook, Books, ContactBook, DeviceBook, Gone, JointBook};
 use crate::commands::Commands;
+use crate::far_side::Entry;
 use crate::guard::{Account, most_of};
 use crate::link::{Link, links_of};
 use crate::mesh::Surface;
@@ -130,6 +131,15 @@ impl WorldRenderer {
         &self.in_loop
     }
 
+    /// The name of a tool or body.
+    #[must_use]
+    pub fn name_of(&self, side: Side) -> &str {
+        match side {
+            Side::Tool(number) => &self.world.tools[number].name,
+            Side::Body(number) => &self.world.bodies[number].name,
+        }
+    }
+
     /// A new state: bodies are as the world says, nothing has been sampled yet, the books are empty. The first sample
     /// finds the devices at rest.
     #[must_use]
@@ -175,6 +185,7 @@ impl WorldRenderer {
             tools: vec![ToolState::default(); self.tools],
             bodies: bodies.iter().map(body_state).collect(),
             contacts: contacts.collect(),
+            sides: vec![Entry::default(); self.points.len()],
             books: Books {
                 contacts: vec![ContactBook::default(); self.points.len()],
                 bodies: bodies
@@ -488,6 +499,7 @@ impl WorldRenderer {
     pub(crate) fn publish(&self, state: &mut Progress, memory: &Memory) {
         self.show_bodies(state);
         memory.publish(state);
+        self.watch_sides(state);
         let sent = state.forces.iter().zip(&state.torques);
         for (tool, (force, torque)) in state.tools.iter_mut().zip(sent) {
             tool.force = *force;

@@ -161,7 +161,20 @@ impl WorldStream {
             self.memory.is_begun = true;
             self.tell_if_inside(number);
         }
+        self.tell_if_through(number);
         Ok(())
+    }
+
+    /// Says which tool or body has come out of the far side of a solid.
+    fn tell_if_through(&mut self, number: u64) {
+        let through = self.world.state().gone_through();
+        let through: Vec<String> = through.map(|pair| self.names.through(pair)).collect();
+        for words in through {
+            self.summary.went_through += 1;
+            if self.summary.went_through <= TOLD_EACH {
+                self.tell(format_args!("line {number}: {words}"));
+            }
+        }
     }
 
     /// Counts the energy that was created since the line before.

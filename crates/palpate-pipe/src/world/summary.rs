@@ -27,6 +27,8 @@ pub struct WorldSummary {
     pub guarded: u64,
     /// Lines with a force that was still coming in.
     pub softened: u64,
+    /// How often a tool or body went through a solid and came out of its far side.
+    pub went_through: u64,
     /// Reason of the safety stop that has held all forces at 0 since; none: there was none.
     pub safety_stop: Option<&'static str>,
     /// Largest force on each device; none: no limit.
@@ -58,6 +60,7 @@ impl WorldSummary {
             limited: 0,
             guarded: 0,
             softened: 0,
+            went_through: 0,
             safety_stop: None,
             force_limit_n,
             torque_limit_n_m,

@@ -80,6 +80,19 @@ pub struct WorldRun {
     /// Samples at which the fastest contact or joint asked for more sub-steps than a tick has: see
     /// [`Effort::too_fast`](palpate_world::Effort::too_fast).
     pub too_fast: usize,
+    /// How often a tool or body went through a solid and came out of its far side.
+    pub went_through: usize,
+    /// The first time.
+    pub first_through: Option<Through>,
+}
+
+/// A tool or body that went through a solid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Through {
+    /// When it was found on the far side `[s]`.
+    pub time: f64,
+    /// Names of the one that went, and of the solid.
+    pub names: [String; 2],
 }
 
 /// A sample that the renderer refused.
@@ -265,6 +278,8 @@ impl WorldBench {
             coarse: 0,
             crowded: 0,
             too_fast: 0,
+            went_through: 0,
+            first_through: None,
         };
         let end = grid.edge(grid.intervals());
         let period = self.params.period;
@@ -300,6 +315,13 @@ impl WorldBench {
             run.commanded.push(output.forces.to_vec());
             run.commanded_torques.push(output.torques.to_vec());
             plant.hold_wrenches(output.forces, output.torques);
+            for pair in state.gone_through() {
+                run.went_through += 1;
+                run.first_through.get_or_insert_with(|| Through {
+                    time,
+                    names: pair.map(|side| renderer.name_of(side).to_owned()),
+                });
+            }
             if is_first {
                 run.found_at_start = state.books().created();
             }

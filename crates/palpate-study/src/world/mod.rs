@@ -125,6 +125,23 @@ pub struct WorldMethodReport {
     pub crowded_samples: usize,
     /// Samples at which the fastest contact or joint asked for more sub-steps than a tick has: it swings within a few periods.
     pub too_fast_samples: usize,
+    /// How often a tool or body went through a solid and came out of its far side.
+    pub went_through: usize,
+    /// The first time; none if none did.
+    pub first_through: Option<ThroughReport>,
+}
+
+/// A tool or body that went through a solid.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct ThroughReport {
+    /// When it was found on the far side.
+    pub time_s: f64,
+    /// Name of the one that went,
+    pub first: String,
+    /// and of the solid.
+    pub second: String,
 }
 
 /// A sample that the renderer refused, and why.
@@ -311,6 +328,15 @@ fn of_run(run: &WorldRun, of_devices: &[OfDevice<'_>]) -> WorldMethodReport {
         coarse_samples: run.coarse,
         crowded_samples: run.crowded,
         too_fast_samples: run.too_fast,
+        went_through: run.went_through,
+        first_through: run.first_through.as_ref().map(|through| {
+            let [first, second] = through.names.clone();
+            ThroughReport {
+                time_s: through.time,
+                first,
+                second,
+            }
+        }),
     }
 }
 

@@ -224,6 +224,20 @@ impl WorldReport {
                     counted(method.guarded_samples, "sample")
                 ));
             }
+            if let Some(through) = &method.first_through {
+                let more = match method.went_through {
+                    1 => String::new(),
+                    count => format!(", and {count} times in all"),
+                };
+                remarks.push(format!(
+                    "{}: \"{}\" went through \"{}\" and came out of its far side at {} s{more}. E does not show it where the ideal \
+                     does the same: a thicker or stiffer solid, or a mesh, which follows its surface, keeps it out.",
+                    method.method,
+                    through.first,
+                    through.second,
+                    digits(through.time_s)
+                ));
+            }
             let error = method.sum.map(|sum| sum.mean_force_error_percent);
             if method.too_fast_samples > 0 && method.method == "coupled" && error >= Some(1.0) {
                 remarks.push(format!(

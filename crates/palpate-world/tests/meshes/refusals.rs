@@ -106,7 +106,12 @@ fn a_mesh_that_moves_has_to_have_an_inertia_and_to_meet_what_it_can() {
     let mut vertices = part.vertices();
     let first = u32::try_from(vertices.len()).unwrap();
     let mut faces = part.faces().to_vec();
-    vertices.extend(hollow.vertices().iter().map(|[x, y, z]| [x + 0.015, *y, *z]));
+    vertices.extend(
+        hollow
+            .vertices()
+            .iter()
+            .map(|[x, y, z]| [x + 0.015, *y, *z]),
+    );
     faces.extend(hollow.faces().iter().map(|face| {
         let [a, b, c] = face.map(|corner| first + corner);
         [a, c, b]
