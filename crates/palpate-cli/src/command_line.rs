@@ -111,7 +111,7 @@ Examples:
   palpate simulate experiments/fig2.toml --method all --plot fig2.svg
   palpate simulate experiments/experiment2.toml --method virtual-damper --damping 4
   palpate simulate experiments/wall.toml --stiffness 5000 --delay 1 --json
-  palpate simulate experiments/fig2.toml --method all --jitter 0.002 --drop 0.05 --seed 7")]
+  palpate simulate experiments/fig2.toml --method all --jitter 0.002 --drop 0.05 --seeds 20")]
     Simulate(SimulateArguments),
     /// Compare methods on many scenes, in one table
     #[command(override_usage = "palpate compare <SCENE.toml>... [OPTIONS]")]

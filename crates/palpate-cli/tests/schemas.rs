@@ -32,6 +32,7 @@ fn every_report_is_as_its_schema_says() {
         "simulate fig2.toml --method all",
         "simulate wall.toml --jitter 0.0002 --drop 0.01 --delay 1",
         "simulate fig4.toml --method virtual-damper",
+        "simulate fig2.toml --jitter 0.0002 --seeds 3",
         "simulate world.toml --method all",
         &format!("render taps.csv {SETUP} --method basic,popc-ref,coupled --device-mass 0.2"),
         &format!("render taps.csv {SETUP} --method hfcr {hand}"),

@@ -66,6 +66,10 @@ pub struct SimulateArguments {
     /// What is not perfect about the loop.
     #[command(flatten)]
     pub timing: TimingFlags,
+    /// Number of seeds, from --seed on: the report has the median and the range of each value over the seeds
+    #[arg(long, value_name = "COUNT", default_value_t = 1, help_heading = "Loop",
+          value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub seeds: u32,
     /// Where results go.
     #[command(flatten)]
     pub results: Results,

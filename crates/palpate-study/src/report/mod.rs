@@ -10,6 +10,7 @@ mod parameters;
 mod receipt;
 mod recording;
 mod replayed;
+mod seeds;
 mod text;
 mod timing;
 
@@ -21,6 +22,7 @@ pub use parameters::of as parameters_of;
 pub use receipt::{plant_receipt, receipt};
 pub use recording::FromRecording;
 pub use replayed::{HandReport, Replayed};
+pub use seeds::OverSeeds;
 pub use timing::of as timing_of;
 
 use palpate::{Contact, Difficulty, LoopParams, Mass, Side};
@@ -30,6 +32,8 @@ use palpate_sim::run::{Reference, Run};
 use palpate_testbed::metrics::Rebound;
 use serde::Serialize;
 use serde_json::Value;
+
+use crate::suite::Spread;
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate report 1";
@@ -75,6 +79,12 @@ pub struct Report {
     /// What else is not perfect about the loop.
     #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
     pub timing: serde_json::Map<String, Value>,
+    /// Seed of the random numbers of jitter, drops and sensor noise, the first of several; none if nothing is random.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
+    /// Number of seeds, which follow each other, if there are several. Every value outside `over_seeds` is then of the first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seeds: Option<usize>,
     /// Lag and gain of the actuator, and what the renderer was told of delay, lag and gain, by key with the
     /// unit; empty where that is a delay of whole samples only.
     #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
@@ -96,6 +106,9 @@ pub struct Report {
     pub window_s: f64,
     /// FRE that no held force can be below `[%]`; none without contact.
     pub hold_floor_percent: Option<f64>,
+    /// How the hold floor is spread over several seeds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hold_floor_over_seeds: Option<Spread>,
     /// Collisions of the ideal in the window.
     pub ideal_collisions: usize,
     /// Error of the ideal's impulses relative to the largest; 0 where it is exact.
@@ -168,6 +181,9 @@ pub struct MethodReport {
     pub rendered_collisions: usize,
     /// One entry for each collision of the ideal that ends in the window.
     pub collisions: Vec<CollisionReport>,
+    /// How its values are spread over several seeds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub over_seeds: Option<OverSeeds>,
 }
 
 /// A collision of the ideal, and the rendered one beside it.
@@ -213,6 +229,10 @@ pub struct Subject<'a> {
     pub delay: Delay,
     /// What else is not perfect about the loop.
     pub timing: Timing,
+    /// Standard deviation of the sensor's noise `[m]`.
+    pub sensor_noise: f64,
+    /// Seed of the random numbers; none if nothing is random.
+    pub seed: Option<u64>,
 }
 
 impl<'a> Subject<'a> {
@@ -226,6 +246,8 @@ impl<'a> Subject<'a> {
             device_mass: Some(scene.device.mass()),
             delay: scene.delay,
             timing: scene.timing.clone(),
+            sensor_noise: scene.device.noise(),
+            seed: scene.random_seed(),
         }
     }
 
@@ -239,6 +261,8 @@ impl<'a> Subject<'a> {
             device_mass: setup.device_mass,
             delay: setup.delay(),
             timing: Timing::default(),
+            sensor_noise: 0.0,
+            seed: None,
         }
     }
 }
@@ -285,10 +309,12 @@ impl Report {
             recording: None,
             motion: None,
             timing: timing::of(subject.delay, &subject.timing),
+            seed: subject.seed,
+            seeds: None,
             actuator: serde_json::Map::new(),
             says_what_columns_are: true,
             delay_fraction: subject.delay.fraction(),
-            timing_in_words: timing::in_words(subject.delay, &subject.timing),
+            timing_in_words: timing::in_words(subject),
             samples: runs.first().map_or(0, |run| run.ticks.len()),
             window_periods,
             window_s: window_periods as f64 * period,
@@ -296,6 +322,7 @@ impl Report {
                 .iter()
                 .find_map(|run| run.force.fidelity)
                 .map(|fidelity| fidelity.hold_floor),
+            hold_floor_over_seeds: None,
             ideal_collisions: profile.collisions().len(),
             ideal_error: reference.error,
             ideal_leaves_box_at_s: reference.leaves_box_at,
@@ -410,6 +437,7 @@ impl MethodReport {
                     }
                 })
                 .collect(),
+            over_seeds: None,
         }
     }
 }

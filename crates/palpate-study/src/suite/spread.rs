@@ -94,6 +94,16 @@ impl Spread {
         })
     }
 
+    /// The spread of each value times a positive factor.
+    #[must_use]
+    pub fn times(self, factor: f64) -> Self {
+        Self {
+            median: factor * self.median,
+            least: factor * self.least,
+            largest: factor * self.largest,
+        }
+    }
+
     /// The median with the range: `68.2 (45.1-70.3)`.
     #[must_use]
     pub fn in_short(&self, decimals: usize) -> String {

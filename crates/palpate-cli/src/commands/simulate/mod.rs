@@ -46,16 +46,26 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         };
         device.force_at = place;
     }
+    let further = further_seeds(arguments, &scene)?;
     let outputs = arguments.results.check(&arguments.scene)?;
     let failure = |method, error| explain((flags, &arguments.timing), &file, method, error);
-    let progress = Progress::new(methods.len());
-    progress.begin("ideal");
-    let bench = Bench::new(&scene).map_err(|error| failure(scene.method, error))?;
-    let mut runs = Vec::with_capacity(methods.len());
-    for &method in &methods {
-        progress.begin(method.name());
-        runs.push(bench.run(method).map_err(|error| failure(method, error))?);
-        progress.advance();
+    let progress = Progress::new(methods.len() * (1 + further.len()));
+    let run_all = |scene| {
+        progress.begin("ideal");
+        let bench = Bench::new(scene).map_err(|error| failure(scene.method, error))?;
+        let mut runs = Vec::with_capacity(methods.len());
+        for &method in &methods {
+            progress.begin(method.name());
+            runs.push(bench.run(method).map_err(|error| failure(method, error))?);
+            progress.advance();
+        }
+        Ok::<_, Failure>((bench, runs))
+    };
+    let (bench, runs) = run_all(&scene)?;
+    let mut of_further = Vec::with_capacity(further.len());
+    for scene in &further {
+        let (bench, runs) = run_all(scene)?;
+        of_further.push(Report::new(&Subject::of(scene), bench.reference(), &runs));
     }
     let subject = Subject::of(&scene);
     let mut receipt = receipt(&subject, scene.object, scene.virtual_force, &runs);
@@ -66,6 +76,9 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     receipt.push(("scene".into(), arguments.scene.display().to_string()));
     let mut report = Report::new(&subject, bench.reference(), &runs);
     report.actuated(actuator);
+    if !of_further.is_empty() {
+        report.spread_over(&of_further);
+    }
     deliver(
         (&arguments.results, &outputs),
         report,
@@ -83,6 +96,42 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         },
         progress,
     )
+}
+
+/// The scene with each seed after its own, as far as `--seeds` asks for them.
+fn further_seeds(arguments: &SimulateArguments, scene: &Scene) -> Result<Vec<Scene>, Failure> {
+    let count = arguments.seeds;
+    if count == 1 {
+        return Ok(Vec::new());
+    }
+    let refused = |why: String| Err(Failure::Arguments(format!("--seeds {count}: {why}")));
+    let Some(first) = scene.random_seed() else {
+        return refused(
+            "nothing is random in this scene, which has no jitter, drops by probability or sensor noise, so every seed \
+             gives the same numbers; leave it out"
+                .into(),
+        );
+    };
+    let results = &arguments.results;
+    for (flag, is_given) in [
+        ("--out", results.out.is_some()),
+        ("--plot", results.picture.plot.is_some()),
+    ] {
+        if is_given {
+            return refused(format!(
+                "{flag} writes the ticks of one seed; leave out --seeds and choose one by --seed"
+            ));
+        }
+    }
+    let Some(after) = first.checked_add(u64::from(count)) else {
+        return refused(format!("from seed {first} on, the last is beyond 2^64"));
+    };
+    let with_seed = |seed| {
+        let mut scene = scene.clone();
+        scene.timing.seed = seed;
+        scene
+    };
+    Ok((first + 1..after).map(with_seed).collect())
 }
 
 /// A scene file of any format.

@@ -24,6 +24,13 @@ const FLAGS: [&str; 6] = [
 
 /// Simulates a world by the methods that were named, or by its own.
 pub fn run(arguments: &SimulateArguments, path: &Path, file: &WorldFile) -> Result<(), Failure> {
+    if arguments.seeds > 1 {
+        return Err(Failure::Arguments(format!(
+            "--seeds {}: nothing is random in a world, which has no jitter, drops or sensor noise, so every seed gives the \
+             same numbers; leave it out",
+            arguments.seeds
+        )));
+    }
     worlds::only(&arguments.given, &FLAGS, path)?;
     let flags = &arguments.flags;
     let file = &worlds::guarded(flags, file);
