@@ -45,7 +45,7 @@ fn every_report_is_as_its_schema_says() {
         "sweep fig2.toml --over damping --values 0.01 --method hfcr --heights",
         "suite --plants 2 --method basic,coupled",
         "suite --set desk --plants 1 --method coupled",
-        "suite --set worlds --plants 2",
+        "suite --set worlds --plants 1 --seeds 2",
         "suite --set worlds-free --plants 2",
         "compare world.toml",
         "tune world.toml --method god-object --plot tune-world.svg",

@@ -240,6 +240,21 @@ fn several_seeds_give_medians_with_their_range() {
         &["--write-scenes"],
     );
     folder.fail("suite --seeds 0", 2, &["--seeds"]);
+
+    // Of worlds, too.
+    let of = |arguments: &str| folder.json(&format!("suite --set worlds --plants 1 {arguments}"));
+    let basic = |report: &Value| report["loops"][0]["methods"][0].clone();
+    let [first, second] = [1, 2].map(|seed| {
+        let report = of(&format!("--seed {seed}"));
+        assert!(report.get("seeds").is_none() && basic(&report).get("over_seeds").is_none());
+        number(&basic(&report), "median_percent")
+    });
+    let both = of("--seeds 2");
+    assert_eq!(both["seeds"], 2);
+    let spread = &basic(&both)["over_seeds"]["median_percent"];
+    assert_eq!(number(spread, "least"), first.min(second));
+    assert_eq!(number(spread, "largest"), first.max(second));
+    assert!(first != second);
 }
 
 #[test]

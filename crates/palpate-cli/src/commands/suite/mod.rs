@@ -63,7 +63,7 @@ pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
 
 impl SuiteArguments {
     /// The seeds of the draws.
-    fn seed_range(&self) -> Result<Range<u64>, Failure> {
+    pub fn seed_range(&self) -> Result<Range<u64>, Failure> {
         let after = self.seed.checked_add(u64::from(self.seeds));
         let after = after.ok_or_else(|| {
             Failure::Arguments(format!(
