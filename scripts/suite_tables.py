@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Prints the tables of docs/suite.md for the sets with real actuators, from the program itself.
 
-    cargo build --release && python3 scripts/suite_tables.py [--plants 200] [--seed 1] [--seeds 7]
+    cargo build --release && python3 scripts/suite_tables.py [--plants 200] [--seed 1] [--seeds 7] [--sets desk,real]
 
 A cell is E in percent: median / 90 % / largest; with several seeds the median and the range over the seeds of the first two.
 """
@@ -39,8 +39,9 @@ def main():
     parser.add_argument("--plants", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--seeds", type=int, default=1)
+    parser.add_argument("--sets", default="paper,desk,real,steps")
     arguments = parser.parse_args()
-    for name in ("paper", "desk", "real", "steps"):
+    for name in arguments.sets.split(","):
         found = report(arguments.program, name, arguments.plants, arguments.seed, arguments.seeds)
         columns = found["columns"]
         print(f"| `{name}` | " + " | ".join(column["name"] for column in columns) + " |")

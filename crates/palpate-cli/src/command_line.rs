@@ -379,8 +379,9 @@ supervisor and guardian; 5 s unless --duration says otherwise. The force comes o
 the wall at 0, or into what the --scene has. The recording stays beside the page.
 
 What can be rendered is a coarse map with the mass, period, delay, lag, gain, friction and sensor of this \
-device. It takes a minute on a free processor, more on a busy one; on a terminal a line shows the part of the work \
-and the time. The page says what was computed, and its resolution.")]
+device. On a terminal a bar shows the part of the work, the steps that are done and the time; elsewhere a line on standard \
+error does, after 30 s and whenever the time has doubled. The page says what was computed, its resolution, and how long \
+it took.")]
     #[command(after_help = "\
 Examples:
   palpate report tap.mcap --out device.html

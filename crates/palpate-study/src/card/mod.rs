@@ -92,6 +92,15 @@ pub struct Sources<'a> {
     pub made: String,
 }
 
+/// How far the work on a card is.
+#[derive(Clone, Copy, Debug)]
+pub enum CardProgress<'a> {
+    /// A part begins.
+    Part(&'a str),
+    /// A step is done, of the number that [`Card::steps`] says.
+    Step,
+}
+
 /// Why there is no card.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -119,11 +128,21 @@ pub enum CardError {
 }
 
 impl Card {
-    /// Makes the card; `begins` hears of each part of the work.
+    /// Number of [steps](CardProgress::Step) of the work, if the device's mass and period are known.
+    #[must_use]
+    pub fn steps(methods: usize) -> usize {
+        methods * ReachCard::lines()
+    }
+
+    /// Makes the card; `progress` hears of the parts and steps of the work.
     ///
     /// # Errors
     /// A recording that cannot be read, recordings of several devices, and numbers that no map takes.
-    pub fn of(sources: &Sources<'_>, begins: impl Fn(&str)) -> Result<Self, CardError> {
+    pub fn of(
+        sources: &Sources<'_>,
+        progress: impl Fn(CardProgress<'_>) + Sync,
+    ) -> Result<Self, CardError> {
+        let begins = |part| progress(CardProgress::Part(part));
         begins("reading");
         let mut read = Vec::new();
         for recording in sources.recordings {
@@ -162,7 +181,8 @@ impl Card {
             }
         }
         begins("what can be rendered");
-        let reach = ReachCard::of(&device, stiffness, sources.methods)?;
+        let step = || progress(CardProgress::Step);
+        let reach = ReachCard::of(&device, stiffness, sources.methods, step)?;
         let mut card = Self {
             format: FORMAT,
             palpate_version: env!("CARGO_PKG_VERSION").to_owned(),

@@ -102,11 +102,18 @@ struct Limits {
 }
 
 impl ReachCard {
-    /// With the numbers of `device`; none where its mass or its period is not known.
+    /// Lines of contacts of a method: the wall, the object, then the masses of the figure.
+    pub(super) fn lines() -> usize {
+        2 + steps(MASSES, MASSES_PER_DECADE).len()
+    }
+
+    /// With the numbers of `device`; none where its mass or its period is not known. `done` is called after each line of
+    /// each method.
     pub(super) fn of(
         device: &DeviceCard,
         stiffness: f64,
         methods: &[MethodName],
+        done: impl Fn() + Sync,
     ) -> Result<Option<Self>, BounceError> {
         let (Some(mass), Some(period)) = (device.value("device_mass_kg"), device.value("period_s"))
         else {
@@ -168,8 +175,7 @@ impl ReachCard {
             .iter()
             .map(|share| share * mass)
             .collect();
-        // The wall, the object, then the masses of the figure.
-        let lines = 2 + masses.len();
+        let lines = Self::lines();
         let tasks: Vec<(MethodName, usize)> = methods
             .iter()
             .flat_map(|method| (0..lines).map(|line| (*method, line)))
@@ -184,7 +190,9 @@ impl ReachCard {
                     of: if line == 1 { &lighter } else { &stiffer },
                     halvings: if line < 2 { HALVINGS } else { 0 },
                 };
-                line.limits(|bounce, ask_good| judge(bounce, method, ask_good))
+                let limits = line.limits(|bounce, ask_good| judge(bounce, method, ask_good));
+                done();
+                limits
             })
             .collect::<Result<_, _>>()?;
         let of_methods = methods.iter().zip(found.chunks(lines)).map(|(method, of)| {
