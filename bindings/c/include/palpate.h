@@ -646,7 +646,7 @@ typedef struct palpate_loop_params {
    */
   size_t struct_size;
   /*
-   Nominal time T between samples [s], greater than 0. It has no default.
+   Nominal time T between samples [s], greater than 0: 0.001 is 1 ms. It has no default.
    */
   double period;
   /*
@@ -1002,7 +1002,7 @@ typedef struct palpate_local_params {
    */
   size_t struct_size;
   /*
-   Nominal time from sample to sample of the loop, above 0 [s]. It has no default.
+   Nominal time from sample to sample of the loop, above 0 [s]: 0.001 is 1 ms. It has no default.
    */
   double period;
   /*
@@ -1421,7 +1421,7 @@ typedef struct palpate_scene_params {
    */
   size_t struct_size;
   /*
-   Nominal time from sample to sample, above 0 [s]. It has no default.
+   Nominal time from sample to sample, above 0 [s]: 0.001 is 1 ms. It has no default.
    */
   double period;
   /*

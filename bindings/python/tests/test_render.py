@@ -163,6 +163,17 @@ def test_a_period_in_milliseconds_is_questioned() -> None:
         palpate.Renderer(stiffness=400.0, mass=0.1, period=1.0, device_mass=0.25)
     with pytest.warns(UserWarning, match="period is 1 s"):
         palpate.render([0.0, 0.1, 2.0], [0.0, 0.0, 0.0], stiffness=400.0, mass=0.1, period=1.0, method="basic", time_unit="s")
+    with pytest.warns(UserWarning, match="period is 1 s"):
+        palpate.advise(period=1.0, device_mass=0.25, stiffness=0.1, method="basic")
+    with pytest.warns(UserWarning, match="period_s is 1 s"):
+        palpate.Scene(
+            "slow",
+            object={"mass_kg": 0.1, "stiffness_n_per_m": 0.4},
+            device={"kind": "point-mass", "mass_kg": 0.25},
+            hand={"kind": "constant-force", "force_n": 1.0},
+            loop={"period_s": 1.0},
+            measure={"duration_s": 1.0},
+        )
 
 
 def test_wrong_arguments_are_named() -> None:

@@ -9,13 +9,13 @@ use palpate_record::unit::{LengthUnit, TimeUnit};
 use palpate_rt::WorldAxis;
 use palpate_scene::method::{MethodName, method_named};
 use palpate_scene::world::WorldScene;
-use palpate_scene::{GuardMode, HandForceAt};
+use palpate_scene::{GuardMode, HandForceAt, period_question};
 use palpate_study::suite::Set;
 use palpate_study::sweep::Quantity;
 use palpate_study::world::suite::WorldSet;
 use palpate_testbed::hold::DelayedHold;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, tell};
 
 /// The methods a command is to run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -99,6 +99,15 @@ pub fn methods(text: &str) -> Result<Methods, String> {
 pub fn number(text: &str) -> Result<f64, String> {
     text.parse()
         .map_err(|_| "a number is needed, such as 0.01 or 1e-2".into())
+}
+
+/// A period `[s]`; one that is likely to be in milliseconds is questioned on standard error.
+pub fn period(text: &str) -> Result<f64, String> {
+    let period = number(text)?;
+    if let Some(question) = period_question("--period", "--period 0.001", period) {
+        tell(format_args!("warning: {question}"));
+    }
+    Ok(period)
 }
 
 /// A whole number from 0 on.

@@ -229,6 +229,47 @@ fn an_intention_that_no_hand_has_is_doubted() {
 }
 
 #[test]
+fn a_period_that_is_likely_to_be_in_milliseconds_is_questioned() {
+    let folder = folder();
+    folder.write("scene.toml", common::experiment_text("fig2"));
+    let slow = common::experiment_text("fig2").replace("period_s = 0.01", "period_s = 1");
+    folder.write("slow.toml", slow);
+    let world = common::experiment_text("worlds/paddle");
+    assert!(world.contains("period_s = 0.001"));
+    folder.write(
+        "world.toml",
+        world.replace("period_s = 0.001", "period_s = 1"),
+    );
+    let asked = "is 1 s, a loop of 1 Hz; is it in milliseconds? A period of 1 ms is";
+    for (command, name, usual) in [
+        (
+            "simulate scene.toml --period 1",
+            "--period",
+            "--period 0.001",
+        ),
+        ("simulate slow.toml", "loop.period_s", "period_s = 0.001"),
+        ("simulate world.toml", "loop.period_s", "period_s = 0.001"),
+        (
+            "advise --device-mass 0.2 --period 1 --stiffness 0.1",
+            "--period",
+            "--period 0.001",
+        ),
+        ("report --period 1 --json", "--period", "--period 0.001"),
+        (
+            "pipe --stiffness 1 --mass 1 --period 1",
+            "--period",
+            "--period 0.001",
+        ),
+    ] {
+        let answer = folder.palpate(command);
+        let question = format!("{name} {asked} {usual}\n");
+        assert!(answer.stderr.contains(&question), "{command}: {answer:?}");
+    }
+    let usual = folder.palpate("simulate scene.toml --period 0.02");
+    assert_eq!(usual.stderr, "");
+}
+
+#[test]
 fn a_recording_that_starts_inside_the_object_is_told() {
     let folder = folder();
     let answer = folder.palpate(&format!(

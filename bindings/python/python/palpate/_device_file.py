@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _palpate
-from ._fixed import Fixed
+from ._fixed import Fixed, question_period
 from ._report import Fields, Figure, Report
 from ._scene import SceneLike, _scene
 
@@ -233,6 +233,7 @@ def report(
         motion = (str(calibration), Path(calibration).read_text(encoding="utf-8"))
     elif isinstance(device_file, Calibration):
         motion = ("the calibration", device_file.to_report())
+    question_period(period)
     sources = {
         "recordings": several,
         "device_file": named_text(device_file),

@@ -5,8 +5,7 @@ from __future__ import annotations
 import warnings
 from typing import Any, ClassVar
 
-LONGEST_PERIOD = 0.25
-"""Period above which the unit is likely to be another one [s]."""
+from . import _palpate
 
 
 class Fixed:
@@ -48,8 +47,7 @@ def _parameters(kind: type) -> tuple[str, ...]:
 
 def question_period(period: Any, name: str = "period", stacklevel: int = 3) -> None:
     """Warns of a period that no haptic loop has: its unit is likely to be milliseconds."""
-    if isinstance(period, (int, float)) and LONGEST_PERIOD < period < float("inf"):
-        warnings.warn(
-            f"{name} is {period:g} s, a loop of {1 / period:.3g} Hz; is it in milliseconds? A period of 1 ms is {name}=0.001",
-            stacklevel=stacklevel,
-        )
+    if isinstance(period, (int, float)):
+        question = _palpate.period_question(name, f"{name}=0.001", period)
+        if question is not None:
+            warnings.warn(question, stacklevel=stacklevel)

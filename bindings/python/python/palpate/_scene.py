@@ -7,7 +7,7 @@ import os
 from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Sequence, Union, overload
 
 from . import _palpate
-from ._fixed import Fixed
+from ._fixed import Fixed, question_period
 from ._report import Report, Runs, WorldRuns
 from ._values import Situation
 
@@ -80,7 +80,9 @@ class Scene(Fixed, _palpate.Scene):
 
     @classmethod
     def _of(cls, text: str, name: str | None, folder: str | os.PathLike[str]) -> Scene:
-        return super().__new__(cls, text, name, folder)
+        made = super().__new__(cls, text, name, folder)
+        question_period(_palpate.from_toml(text)["loop"]["period_s"], "period_s", 4)
+        return made
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Scene:

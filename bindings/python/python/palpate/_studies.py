@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _palpate
 from ._arrays import numbers
 from ._device_file import DeviceFile, named_text
+from ._fixed import question_period
 from ._report import Fields, Report
 from ._scene import SceneLike, _scene, _scenes
 from ._table import Table, of_records
@@ -249,6 +250,7 @@ def advise(
         ValueError: A value that is not allowed, or a device file that cannot be read as one.
         OSError: A device file that is not there.
     """
+    question_period(period)
     given = {
         "period": period,
         "device_mass": device_mass,

@@ -6,7 +6,7 @@ use palpate_scene::GuardMode;
 
 use super::actuation::ActuationFlags;
 use super::setting_flags::{SettingFlags, method_help};
-use crate::values::{AnyMethods, any_methods, guard, limit, number, side, whole};
+use crate::values::{AnyMethods, any_methods, guard, limit, number, period, side, whole};
 
 /// What is not perfect about the loop of a scene.
 #[derive(Args, Debug, Default)]
@@ -88,7 +88,7 @@ pub struct Flags {
     #[arg(
         long,
         value_name = "s",
-        value_parser = number,
+        value_parser = period,
         allow_hyphen_values = true,
         help_heading = "Loop"
     )]

@@ -140,11 +140,16 @@ impl Folder {
 }
 
 impl Answer {
-    /// Checks a failure: its exit code, that it says every one of `words`, and nothing else.
+    /// Checks a failure: its exit code, that it says every one of `words`, and nothing else but warnings before it.
     pub fn failed(&self, what: &str, code: i32, words: &[&str]) {
         assert_eq!(self.code, code, "{what}: {self:?}");
         assert_eq!(self.stdout, "", "{what}");
-        assert!(self.stderr.starts_with("error: "), "{what}: {self:?}");
+        let first = self.stderr.lines();
+        let first = first
+            .skip_while(|line| line.starts_with("warning: "))
+            .next();
+        let is_error = first.is_some_and(|line| line.starts_with("error: "));
+        assert!(is_error, "{what}: {self:?}");
         for word in words {
             assert!(
                 self.stderr.contains(word),

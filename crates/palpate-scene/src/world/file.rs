@@ -21,7 +21,7 @@ use super::place::WorldPlaces;
 use super::shape::{RawShape, unit};
 use super::{Coupling, WorldActuator, WorldDevice, WorldRender, WorldScene, WorldTiming};
 use crate::fault::{SceneError, SceneErrors, Span};
-use crate::recover;
+use crate::{period_question, recover};
 
 /// The version of scene files that say a world.
 pub(crate) const WORLD_FORMAT: i64 = 2;
@@ -201,7 +201,7 @@ impl WorldFile {
     }
 
     /// A line on each mesh that was read from a file of its own: its size, and what was left out of it. One on a world
-    /// without contacts or bodies.
+    /// without contacts or bodies, and on a period that is likely to be in milliseconds.
     #[must_use]
     pub fn notes(&self) -> &[String] {
         &self.notes
@@ -219,7 +219,7 @@ impl WorldFile {
 pub(super) struct Reading {
     pub(super) places: WorldPlaces,
     faults: Vec<(Span, String)>,
-    /// What is said of meshes, and of a world without contacts or bodies.
+    /// What is said of meshes, of a world without contacts or bodies, and of its period.
     notes: Vec<String>,
     /// Where files of meshes are looked for.
     folder: PathBuf,
@@ -245,6 +245,8 @@ impl Reading {
         self.places
             .take(WorldPart::Loop, Field::Period, raw.r#loop.period_s.clone());
         let period = self.number("period_s", raw.r#loop.period_s.clone(), Range::Positive);
+        let question = period_question("loop.period_s", "period_s = 0.001", period);
+        self.notes.extend(question);
         let timed = [
             &raw.told.delay_s,
             &raw.told.lag_s,

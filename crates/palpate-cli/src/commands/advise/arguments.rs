@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueHint};
 
 use crate::arguments::{Overwriting, PlotFlags};
-use crate::values::{Methods, methods, number, periods};
+use crate::values::{Methods, methods, number, period, periods};
 
 /// Arguments of `advise`.
 #[derive(Args, Debug)]
@@ -15,7 +15,7 @@ pub struct AdviseArguments {
           required_unless_present = "device_file", help_heading = "Device")]
     pub device_mass: Option<f64>,
     /// Period T of the loop [s]
-    #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
+    #[arg(long, value_name = "s", value_parser = period, allow_hyphen_values = true,
           help_heading = "Device")]
     pub period: f64,
     /// Quantum of the device's position sensor [m] [default: that of --device-file, or 0]

@@ -11,6 +11,7 @@ use palpate_scene::method::MethodName;
 use palpate_scene::world::WorldFile;
 use palpate_scene::{
     Intention, Measure, Scene, SceneError, SceneFile, SceneParameter, SetupError, beside,
+    period_question,
 };
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_testbed::reference::ReferenceError;
@@ -153,7 +154,7 @@ pub(super) fn read_any(path: &Path) -> Result<AnyScene, Failure> {
         return Ok(AnyScene::World(Box::new(file)));
     }
     let file = SceneFile::parse_with(&name, &text, &mut beside(path)).map_err(Failure::inputs)?;
-    tell_if_not_a_hand(&name, &file.scene);
+    tell_doubts(&name, &file.scene);
     Ok(AnyScene::Contact(Box::new(file)))
 }
 
@@ -161,7 +162,7 @@ pub(super) fn read_scene(path: &Path) -> Result<SceneFile, Failure> {
     let name = path.display().to_string();
     let text = read_text(path)?;
     let file = SceneFile::parse_with(&name, &text, &mut beside(path)).map_err(Failure::inputs)?;
-    tell_if_not_a_hand(&name, &file.scene);
+    tell_doubts(&name, &file.scene);
     Ok(file)
 }
 
@@ -183,8 +184,12 @@ fn read_text(path: &Path) -> Result<String, Failure> {
 /// Samples from which on an intention counts as recorded: a path of fewer points is written by hand, and they may be far apart.
 const LEAST_RECORDED: usize = 20;
 
-/// Warns of an intention that no hand has.
-fn tell_if_not_a_hand(name: &str, scene: &Scene) {
+/// Warns of a period that no haptic loop has, and of an intention that no hand has.
+fn tell_doubts(name: &str, scene: &Scene) {
+    let period = scene.loop_params.period;
+    if let Some(question) = period_question("loop.period_s", "period_s = 0.001", period) {
+        tell(format_args!("warning: {name}: {question}"));
+    }
     let Some(Intention::Recorded(path)) = scene.device.grip().map(|grip| &grip.intention) else {
         return;
     };
