@@ -187,6 +187,8 @@ def map(
     told_period: float = 1.0,
     delay: float = 0.0,
     lag: float = 0.0,
+    delay_deviation: float = 0.0,
+    lag_deviation: float = 0.0,
     forces: str = "balanced",
 ) -> Map:
     """Computes what each method can render, over stiffness and mass of the object, as `palpate map` does.
@@ -200,6 +202,8 @@ def map(
         told_period: Period that the renderer is told, over the true one.
         delay: Time from a sample to the beginning of its force [periods].
         lag: Time constant of the actuator [periods].
+        delay_deviation: Standard deviation of the delay in the renderer's model [periods].
+        lag_deviation: Standard deviation of the lag in the renderer's model [periods].
         forces: What drives device and object together: `"balanced"` or `"weight"`.
 
     Returns:
@@ -225,6 +229,8 @@ def advise(
     encoder_quantum: float | None = None,
     delay: float | None = None,
     lag: float | None = None,
+    delay_deviation: float | None = None,
+    lag_deviation: float | None = None,
     device_file: DeviceFile | None = None,
 ) -> Report:
     """Says what can be rendered on a device, and by which method, as `palpate advise` does.
@@ -240,6 +246,8 @@ def advise(
         encoder_quantum: Quantum of the position sensor [m]; `None`: that of `device_file`, or 0.
         delay: Time from a sample to the beginning of its force [periods]; `None`: that of `device_file`, or 0.
         lag: Time constant of the actuator [s]; `None`: that of `device_file`, or 0.
+        delay_deviation: Standard deviation of the delay [periods]; `None`: that of `device_file`, or 0.
+        lag_deviation: Standard deviation of the lag [s]; `None`: that of `device_file`, or 0.
         device_file: A device file of `palpate calibrate`, or a `palpate.Calibration`.
 
     Returns:
@@ -261,6 +269,8 @@ def advise(
         "encoder_quantum": encoder_quantum,
         "delay": delay,
         "lag": lag,
+        "delay_deviation": delay_deviation,
+        "lag_deviation": lag_deviation,
         "device_file": named_text(device_file),
     }
     return Report._of(_palpate.advise(method, given), (_palpate.advice_figure, (method, given)))

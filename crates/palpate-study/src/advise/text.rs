@@ -231,6 +231,17 @@ impl Advice {
         if device.lag_s > 0.0 {
             delay.push_str(&format!(", lag of {} s", device.lag_s));
         }
+        for (what, deviation, unit) in [
+            ("delay", device.delay_deviation_s, " s"),
+            ("lag", device.lag_deviation_s, " s"),
+            ("gain", 100.0 * device.gain_deviation, " %"),
+            ("sensor", device.sensor_noise_m, " m"),
+        ] {
+            if deviation > 0.0 {
+                let deviation = digits(deviation);
+                delay.push_str(&format!(", {what} known to {deviation}{unit}"));
+            }
+        }
         if let Some(stiffest) = device.stiffest_by_resonance_n_per_m {
             delay.push_str(&format!(
                 ", a resonance that allows {} N/m",

@@ -3,7 +3,7 @@
 use super::file_name;
 use palpate_record::recording::{Flags, Recording, Row};
 use palpate_scene::method::MethodName;
-use palpate_scene::{Scene, SceneFile};
+use palpate_scene::{Scene, SceneFile, Told};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
 use palpate_sim::run::{Reference, Run};
@@ -141,7 +141,11 @@ impl ContactCard {
     ///
     /// # Errors
     /// Why there is none.
-    pub(super) fn simulated(device: &DeviceCard, stiffness: f64) -> Result<Self, String> {
+    pub(super) fn simulated(
+        device: &DeviceCard,
+        deviations: &Told,
+        stiffness: f64,
+    ) -> Result<Self, String> {
         let value = |key| device.value(key);
         let number = |key, otherwise: f64| value(key).unwrap_or(otherwise);
         let (Some(mass), Some(period)) = (value("device_mass_kg"), value("period_s")) else {
@@ -186,7 +190,8 @@ method = "coupled"
             duration(mass, stiffness, hand, period),
         );
         let file = SceneFile::parse("the simulated contact", &text);
-        let scene = file.map_err(|error| error.to_string())?.scene;
+        let mut scene = file.map_err(|error| error.to_string())?.scene;
+        scene.told = *deviations;
         let method = MethodName::Coupled;
         let bench = Bench::new(&scene).map_err(|error| error.to_string())?;
         let run = bench.run(method).map_err(|error| error.to_string())?;

@@ -15,6 +15,7 @@ mod timing;
 
 use palpate_calibrate::Calibration;
 use palpate_record::recording::{Recording, RecordingError};
+use palpate_scene::Told;
 use palpate_scene::method::MethodName;
 use serde::Serialize;
 
@@ -26,7 +27,9 @@ pub use device::{DeviceCard, NumberCard};
 pub use reach::{MethodReachCard, ReachCard};
 pub use timing::{Distribution, Histogram, TimingCard};
 
+use crate::calibrated;
 use crate::map::BounceError;
+use crate::recording;
 use ticks::Ticks;
 
 /// Name and version of the JSON report.
@@ -162,6 +165,7 @@ impl Card {
             .stiffness
             .or(device.stiffness_of_scene)
             .unwrap_or(USUAL_STIFFNESS);
+        let deviations = deviations(sources);
         begins("a contact");
         let mut no_contact = Vec::new();
         let mut contact = None;
@@ -175,14 +179,14 @@ impl Card {
             }
         }
         if contact.is_none() {
-            match ContactCard::simulated(&device, stiffness) {
+            match ContactCard::simulated(&device, &deviations, stiffness) {
                 Ok(found) => contact = Some(found),
                 Err(why) => no_contact.push(why),
             }
         }
         begins("what can be rendered");
         let step = || progress(CardProgress::Step);
-        let reach = ReachCard::of(&device, stiffness, sources.methods, step)?;
+        let reach = ReachCard::of(&device, &deviations, stiffness, sources.methods, step)?;
         let mut card = Self {
             format: FORMAT,
             palpate_version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -211,6 +215,23 @@ impl Card {
         self.checks
             .iter()
             .filter(|check| check.outcome == Outcome::Warning)
+    }
+}
+
+/// Deviations of the renderer's model: those of the device file, else those of the first recording.
+fn deviations(sources: &Sources<'_>) -> Told {
+    if let Some((_, calibration)) = sources.device_file {
+        return calibrated::deviations(calibration, |_| true);
+    }
+    let told = sources.recordings.first().map(recording::report::told);
+    let told = told.unwrap_or_default();
+    let value = |key: &str| told.get(key).copied();
+    let gain = value("gain").unwrap_or(1.0);
+    Told {
+        delay_deviation: value("delay_deviation_s"),
+        lag_deviation: value("lag_deviation_s"),
+        gain_deviation: value("gain_deviation").map(|deviation| deviation / gain),
+        ..Told::default()
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use palpate_scene::Told;
 use palpate_scene::method::MethodName;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use serde::Serialize;
@@ -37,6 +38,10 @@ pub struct ReachCard {
     pub delay_s: f64,
     /// Lag of its motor `[s]`.
     pub lag_s: f64,
+    /// Standard deviation of the delay in the renderer's model `[s]`.
+    pub delay_deviation_s: f64,
+    /// Standard deviation of the lag in the renderer's model `[s]`.
+    pub lag_deviation_s: f64,
     /// Viscous friction `[N s/m]`.
     pub viscous_friction_n_s_per_m: f64,
     /// Quantum of its position sensor `[m]`.
@@ -111,6 +116,7 @@ impl ReachCard {
     /// each method.
     pub(super) fn of(
         device: &DeviceCard,
+        deviations: &Told,
         stiffness: f64,
         methods: &[MethodName],
         done: impl Fn() + Sync,
@@ -148,6 +154,7 @@ impl ReachCard {
             told_period: 1.0,
             delay: delay / period,
             lag,
+            told: *deviations,
         };
         let per_kappa = mass / (period * period);
         let heaviest = stiffness * period * period;
@@ -214,6 +221,8 @@ impl ReachCard {
             period_s: period,
             delay_s: delay,
             lag_s: lag,
+            delay_deviation_s: deviations.delay_deviation.unwrap_or(0.0),
+            lag_deviation_s: deviations.lag_deviation.unwrap_or(0.0),
             viscous_friction_n_s_per_m: viscous,
             sensor_quantum_m: quantum,
             assumed,
