@@ -60,6 +60,12 @@ pub struct UnderWay<S> {
     felt_by_model: S,
 }
 
+/// Changes of the force over an interval up to this part of its mean are those of a contact at rest, whose timing is not in
+/// doubt.
+const AT_REST: f64 = 0.3;
+/// Largest timing deviation that does not count at rest `[periods]`. A larger one can make a contact at rest swing.
+const TIMING_AT_REST: f64 = 0.1;
+
 /// Most commands that can act in one interval or have yet to.
 const MOST_COMMANDS: usize = LARGEST_DELAY + 2;
 
@@ -90,6 +96,8 @@ pub struct Actuator<S> {
     lag: S,
     gain: S,
     timing_deviation: S,
+    /// Part of it that does not count at rest `[s]`.
+    timing_at_rest: S,
     gain_deviation: S,
 }
 
@@ -107,6 +115,7 @@ impl<S: Scalar> Actuator<S> {
             lag: actuation.lag,
             gain: actuation.gain,
             timing_deviation: actuation.timing_deviation(),
+            timing_at_rest: S::from_f64(TIMING_AT_REST) * period,
             gain_deviation: actuation.gain_deviation,
         }
     }
@@ -195,8 +204,12 @@ impl<S: Scalar> Actuator<S> {
         if is_as_intended {
             sum.intended = sum.held.mean;
         }
-        let timing = self.timing_deviation * variation;
-        let gain = self.gain_deviation * sum.held.mean.abs() * h;
+        // The changes of a force at rest are small against the force. Noise in proportion to them would slow the observer
+        // down, and a hand that is followed late drives the swing.
+        let at_rest = S::from_f64(AT_REST) * sum.held.mean.abs();
+        let certain = self.timing_deviation.min(self.timing_at_rest) * at_rest;
+        let timing = (self.timing_deviation * variation - certain).max(S::ZERO);
+        let gain = self.gain_deviation * (variation - at_rest).max(S::ZERO) * h;
         if timing > S::ZERO || gain > S::ZERO {
             sum.held.impulse_deviation = (timing * timing + gain * gain).sqrt();
         }
