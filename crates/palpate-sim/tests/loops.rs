@@ -137,7 +137,8 @@ fn yields_to(contact: &Contact<f64>, loop_params: &LoopParams<f64>, method: Meth
 impl Books {
     /// `largest`: force to which the contact yields `[N]`.
     fn of(contact: &Contact<f64>, largest: f64, virtual_force: f64, run: &Run) -> Self {
-        let force = |tick: &Tick| (contact.stiffness * tick.output.penetration.max(0.0)).min(largest);
+        let force =
+            |tick: &Tick| (contact.stiffness * tick.output.penetration.max(0.0)).min(largest);
         let stored = |tick: &Tick| {
             let beyond = (tick.output.penetration - largest / contact.stiffness).max(0.0);
             let kinetic = match contact.object_mass {

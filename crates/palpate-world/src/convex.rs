@@ -131,22 +131,16 @@ pub(crate) fn hull(
     }
 }
 
-/// The same, or the solid of the first `most` corners if it would have more: those that stand out most.
+/// The solid of the `most` corners that stand out most.
 ///
 /// # Errors
 /// The points lie in a plane.
-pub(crate) fn nearest_hull(
+pub(crate) fn coarse_hull(
     points: &[Vector3],
-    within: f64,
     most: usize,
 ) -> Result<(Vec<Vector3>, Vec<Polygon>), NoHull> {
-    match hull(points, within, most) {
-        Err(NoHull::TooMany) => {
-            let (corners, faces, _) = built(points, within, most)?;
-            Ok((corners, faces))
-        }
-        other => other,
-    }
+    let (corners, faces, _) = built(points, 0.0, most)?;
+    Ok((corners, faces))
 }
 
 /// Corners and faces, and whether `most` points were enough.

@@ -5,7 +5,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::body::rotation;
-use crate::convex::{NoHull, Polygon, hull, nearest_hull};
+use crate::convex::{NoHull, Polygon, coarse_hull, hull};
 use crate::pairs::MOST_POINTS;
 use crate::rigid::{Rotation, Vector3};
 use crate::{MassProperties, Mesh, MeshError, Vector};
@@ -33,7 +33,7 @@ pub enum HullError {
     /// More corners than are taken.
     #[error(
         "the hull has more than {0} corners, and at most {0} are taken; give fewer points, let it leave out points that are further \
-         outside, or take the {0} corners that stand out most, as a scene does without `within_m`"
+         outside, or take the corners that stand out most, as a scene does without `within_m`"
     )]
     TooMany(usize),
     /// A tolerance that is no length.
@@ -141,6 +141,8 @@ const NEARLY_A_LINE: f64 = 1e-6;
 impl Hull {
     /// Most corners of a hull.
     pub const MOST_CORNERS: usize = MOST_POINTS;
+    /// Corners of a simplified hull: they leave room for other contacts among the points of a world.
+    pub const SIMPLIFIED_CORNERS: usize = 48;
 
     /// The least convex solid around `points` `[m]`.
     ///
@@ -151,13 +153,18 @@ impl Hull {
     }
 
     /// The least convex solid around `points` `[m]` or, if it has more than [`MOST_CORNERS`](Self::MOST_CORNERS) corners, the one of
-    /// the corners that stand out most: [`left_out`](Self::left_out) is the largest distance of a point outside of it.
+    /// the [`SIMPLIFIED_CORNERS`](Self::SIMPLIFIED_CORNERS) that stand out most: [`left_out`](Self::left_out) is the largest distance
+    /// of a point outside of it.
     ///
     /// # Errors
     /// The points lie in a plane.
     pub fn simplified(points: &[Vector]) -> Result<Self, HullError> {
         Self::of(points, |places| {
-            Corners::nearest_around(places).map_err(|why| HullError::of(why, Self::MOST_CORNERS))
+            match Corners::around(places, 0.0) {
+                Err(NoHull::TooMany) => Corners::of_most(places, Self::SIMPLIFIED_CORNERS),
+                other => other,
+            }
+            .map_err(|why| HullError::of(why, Self::MOST_CORNERS))
         })
     }
 
@@ -263,9 +270,9 @@ impl Corners {
         Ok(Self::of_faces(hull(points, within, MOST_POINTS)?))
     }
 
-    /// Of points; of a solid of too many corners, those that stand out most.
-    pub fn nearest_around(points: &[Vector3]) -> Result<Self, NoHull> {
-        Ok(Self::of_faces(nearest_hull(points, 0.0, MOST_POINTS)?))
+    /// Of points; of their solid, so many corners that stand out most.
+    pub fn of_most(points: &[Vector3], most: usize) -> Result<Self, NoHull> {
+        Ok(Self::of_faces(coarse_hull(points, most)?))
     }
 
     fn of_faces((places, faces): (Vec<Vector3>, Vec<Polygon>)) -> Self {

@@ -101,6 +101,9 @@ impl Scale {
     }
 }
 
+/// Points outside of a hull are spoken of from this distance on: nearer ones are round-off of a file `[m]`.
+const SAID: f64 = 1e-6;
+
 /// A mesh, and what a user may want to know of it.
 pub(super) struct ReadMesh {
     pub shape: Shape,
@@ -229,11 +232,12 @@ impl RawHull {
         let mut words = vec![format!(
             "a hull of {corners} corners and {faces} faces, {size}"
         )];
-        // What was asked for by `within_m` needs no words; where it was not, more corners would have been needed.
-        let is_coarser = self.within_m.is_none() && hull.corners().len() == Hull::MOST_CORNERS;
-        if is_coarser && hull.left_out() > 0.0 {
+        // What was asked for by `within_m` needs no words.
+        if self.within_m.is_none() && corners == Hull::SIMPLIFIED_CORNERS && hull.left_out() > SAID
+        {
             words.push(format!(
-                "points that are up to {:.3} mm outside were left out, since a hull has at most {} corners",
+                "points that are up to {:.3} mm outside were left out, since more corners than {} would be needed; give within_m \
+                 for others",
                 1e3 * hull.left_out(),
                 Hull::MOST_CORNERS
             ));

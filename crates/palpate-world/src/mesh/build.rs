@@ -84,7 +84,10 @@ pub enum MeshError {
         triangles: usize,
     },
     /// A closed surface around nothing.
-    #[error("the mesh is closed and encloses a volume of {0} m^3; it has to enclose one above 0")]
+    #[error(
+        "the mesh is closed and encloses a volume of {0} m^3, and it has to enclose one above 0; of a sheet that is given from both \
+         sides, remove the triangles of one side (an open mesh is touched from the front of its triangles), or give it a thickness"
+    )]
     NoVolume(f64),
 }
 

@@ -12,6 +12,8 @@ use crate::rigid::Vector3;
 const MOST_AT_EDGE: usize = 64;
 /// Two faces at an edge lie on each other if the angle between them is below this `[rad]`.
 const SAME_ANGLE: f64 = 1e-6;
+/// Volume over the area to the power of 3/2 up to which a closed part is a sheet.
+const EMPTY: f64 = 1e-9;
 
 /// Triangles by their corners' numbers, and the vertices.
 pub(super) struct Triangles {
@@ -37,6 +39,8 @@ struct Parts {
 struct Part {
     is_closed: bool,
     triangles: usize,
+    /// Twice its area `[m^2]`.
+    area: f64,
     /// Signed volume of a closed part, below 0 if it is inside out or a cavity `[m^3]`.
     volume: f64,
 }
@@ -172,6 +176,7 @@ impl Triangles {
             let mut found = Part {
                 is_closed: true,
                 triangles: 0,
+                area: 0.0,
                 volume: 0.0,
             };
             part[first] = each.len();
@@ -180,6 +185,7 @@ impl Triangles {
                 found.triangles += 1;
                 let corners = self.faces[triangle].map(|corner| self.vertices[corner as usize]);
                 let [a, b, c] = corners.map(|corner| corner - tip);
+                found.area += (b - a).cross(&(c - a)).norm();
                 found.volume += a.dot(&b.cross(&c)) / 6.0;
                 for &other in &neighbours[triangle] {
                     if other == NONE {
@@ -246,9 +252,13 @@ impl Triangles {
 
     /// Leaves closed parts without a volume out.
     fn drop_empty_parts(&mut self, parts: &mut Parts) -> Result<(), MeshError> {
-        let is_empty = |part: &Part| part.is_closed && part.volume == 0.0;
+        let is_empty = |part: &Part| {
+            let smallest = EMPTY * part.area * part.area.sqrt();
+            part.is_closed && part.volume.abs() <= smallest
+        };
         if parts.each.iter().all(is_empty) {
-            return Err(MeshError::NoVolume(0.0));
+            let volume = parts.each.iter().map(|part| part.volume).sum();
+            return Err(MeshError::NoVolume(volume));
         }
         if parts.each.iter().any(is_empty) {
             let part = std::mem::take(&mut parts.part);
