@@ -458,7 +458,7 @@ ARM = (
 )
 
 
-def arm(integrator: str, damping: float, actuators: str = "", h: float = 0.001, flag: str = "enable") -> tuple[Any, Any]:
+def arm(integrator: str, damping: float | str, actuators: str = "", h: float = 0.001, flag: str = "enable") -> tuple[Any, Any]:
     model = mujoco.MjModel.from_xml_string(
         f'<mujoco><option timestep="{h}" integrator="{integrator}" gravity="0 0 -9.81"><flag eulerdamp="{flag}"/></option>'
         f"<worldbody>{ARM.format(damping=damping)}</worldbody>{actuators}</mujoco>"
@@ -474,10 +474,14 @@ SERVO = (
 )
 
 
+POLYNOMIAL = [("0 0.001 0.0001", "")] if hasattr(mujoco.MjModel, "dof_dampingpoly") else []
+"""Damping that grows with the speed, from MuJoCo 4 on."""
+
+
 @pytest.mark.parametrize("integrator", ["Euler", "implicitfast", "implicit"])
-@pytest.mark.parametrize("damping, actuators", [(0.0, ""), (0.5, ""), (0.0, SERVO), (0.5, SERVO)])
+@pytest.mark.parametrize("damping, actuators", [(0.0, ""), (0.5, ""), (0.0, SERVO), (0.5, SERVO), *POLYNOMIAL])
 @pytest.mark.parametrize("flag", ["enable", "disable"])
-def test_a_step_answers_to_a_wrench_as_foreseen_by_any_integrator(integrator: str, damping: float, actuators: str, flag: str) -> None:
+def test_a_step_answers_to_a_wrench_as_foreseen_by_any_integrator(integrator: str, damping: float | str, actuators: str, flag: str) -> None:
     """The velocity after the step is the row's: velocity + h (acceleration + mobility wrench)."""
     model, data = arm(integrator, damping, actuators, flag=flag)
     data.ctrl[:] = 0.2

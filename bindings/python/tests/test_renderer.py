@@ -251,6 +251,14 @@ def test_a_parameter_is_not_set_in_silence() -> None:
             setattr(renderer, name, 1.0)
     with pytest.raises(AttributeError, match=r"force_limit is a parameter, which cannot be set on a Renderer: make another one by"):
         renderer.force_limit = 1.0  # type: ignore[attr-defined]
+    for change in (
+        lambda of: of.__setitem__("force_limit", 1.0),
+        lambda of: of.update(force_limit=1.0),
+        lambda of: of.pop("force_limit"),
+    ):
+        with pytest.raises(TypeError, match=r"change nothing: make another one by Renderer\("):
+            change(renderer.parameters)
+    assert {**renderer.parameters, "force_limit": 1.0} != renderer.parameters == dict(renderer.parameters)
     world = palpate.World(
         loop={"period_s": 0.001},
         devices=[{"name": "tool", "mass_kg": 0.2, "tool": {"sphere": {"radius_m": 0.01}}}],

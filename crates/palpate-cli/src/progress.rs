@@ -33,7 +33,7 @@ impl Progress {
                 bar.enable_steady_tick(Duration::from_millis(100));
             })
         } else {
-            Self::in_lines(steps, FIRST_LINE, |line| tell(line))
+            Self::in_lines(steps, FIRST_LINE, tell)
         }
     }
 

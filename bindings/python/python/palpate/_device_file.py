@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _palpate
-from ._fixed import Fixed, question_period
+from ._fixed import Fixed, FixedParameters, question_period
 from ._report import Fields, Figure, Report
 from ._scene import SceneLike, _scene
 
@@ -45,7 +45,7 @@ class Excitation(Fixed, _palpate.Excitation):
     """
 
     parameters: dict[str, Any]
-    """The arguments that it was made with."""
+    """The arguments that it was made with. They cannot be set."""
 
     def __new__(
         cls,
@@ -58,7 +58,7 @@ class Excitation(Fixed, _palpate.Excitation):
         seed: int = 1,
     ) -> Excitation:
         made = super().__new__(cls, period, largest_force, duration, excursion, tremor, seed)
-        made.parameters = {
+        given = {
             "period": period,
             "largest_force": largest_force,
             "duration": duration,
@@ -66,6 +66,7 @@ class Excitation(Fixed, _palpate.Excitation):
             "tremor": tremor,
             "seed": seed,
         }
+        made.parameters = FixedParameters(given, "make another Excitation(**{**excitation.parameters, NAME: VALUE})")
         return made
 
     @property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Dict, Mapping
 
 from . import _palpate
 
@@ -29,6 +29,29 @@ class Fixed:
                 what = "a parameter, which cannot be set on" if is_parameter else "nothing that can be set on"
                 raise AttributeError(f"{name} is {what} a {type(self).__name__}: {self._way}")
         super().__setattr__(name, value)
+
+
+class FixedParameters(Dict[str, Any]):
+    """Parameters that something was made with. They are read, copied and pickled as a dictionary; to change one is an error."""
+
+    _way: str
+
+    def __init__(self, parameters: Mapping[str, Any], way: str) -> None:
+        super().__init__(parameters)
+        self._way = way
+
+    def _refuse(self, *_: Any, **__: Any) -> Any:
+        raise TypeError(f"these parameters are those that it was made with and change nothing: {self._way}")
+
+    __setitem__ = __delitem__ = __ior__ = _refuse
+    clear = pop = popitem = setdefault = update = _refuse
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (dict, (dict(self),))
+
+    def copy(self) -> dict[str, Any]:
+        """A dictionary of its own, which may be changed."""
+        return dict(self)
 
 
 def _is_ours(kind: type) -> bool:

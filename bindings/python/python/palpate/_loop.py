@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _palpate
-from ._fixed import Fixed
+from ._fixed import Fixed, FixedParameters
 from ._arrays import row
 from ._methods import METHODS
 from ._recording import BODIES, DEVICES, RECORDED, Event
@@ -386,7 +386,7 @@ class Loop(Fixed, _palpate.Loop):
     @property
     def parameters(self) -> dict[str, Any]:
         """What is rendered now, as arguments of `palpate.Renderer`; of a world none."""
-        return dict(self._parameters)
+        return FixedParameters(self._parameters, "change them by loop.change(NAME=VALUE)")
 
     @property
     def status(self) -> LoopStatus:

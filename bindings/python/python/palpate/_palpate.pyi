@@ -36,6 +36,7 @@ __all__ = [
     "map_part",
     "methods",
     "read_recording",
+    "period_question",
     "read_scene",
     "read_trace",
     "recorded_columns",

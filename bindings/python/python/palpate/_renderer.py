@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, ClassVar, NoReturn
 
 from . import _palpate
-from ._fixed import Fixed, question_period
+from ._fixed import Fixed, FixedParameters, question_period
 
 
 class Renderer(Fixed, _palpate.Renderer):
@@ -53,7 +53,7 @@ class Renderer(Fixed, _palpate.Renderer):
 
     _way: ClassVar[str] = "make another one by Renderer(**{**renderer.parameters, NAME: VALUE})"
     parameters: dict[str, Any]
-    """The arguments that this renderer was made with: `Renderer(**parameters)` makes it anew."""
+    """The arguments that this renderer was made with: `Renderer(**parameters)` makes it anew. They cannot be set."""
 
     def __new__(
         cls,
@@ -90,7 +90,7 @@ class Renderer(Fixed, _palpate.Renderer):
             given.pop(other, None)
         question_period(period)
         made = super().__new__(cls, method, given, soft_start, settings)
-        made.parameters = {"method": method, **given, "soft_start": soft_start, **settings}
+        made.parameters = FixedParameters({"method": method, **given, "soft_start": soft_start, **settings}, cls._way)
         return made
 
     def __reduce__(self) -> NoReturn:

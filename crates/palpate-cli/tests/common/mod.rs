@@ -144,10 +144,8 @@ impl Answer {
     pub fn failed(&self, what: &str, code: i32, words: &[&str]) {
         assert_eq!(self.code, code, "{what}: {self:?}");
         assert_eq!(self.stdout, "", "{what}");
-        let first = self.stderr.lines();
-        let first = first
-            .skip_while(|line| line.starts_with("warning: "))
-            .next();
+        let mut lines = self.stderr.lines();
+        let first = lines.find(|line| !line.starts_with("warning: "));
         let is_error = first.is_some_and(|line| line.starts_with("error: "));
         assert!(is_error, "{what}: {self:?}");
         for word in words {

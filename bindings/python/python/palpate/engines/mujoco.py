@@ -341,7 +341,7 @@ class _Implicit:
         self.gained, self._rates = data.qacc, None
         kind = int(model.opt.integrator)
         is_implicit = kind in (_INTEGRATOR.mjINT_IMPLICIT, _INTEGRATOR.mjINT_IMPLICITFAST)
-        damps = bool(model.dof_damping.any()) and not model.opt.disableflags & _EULERDAMP
+        damps = any(one.any() for one in self._dampings) and not model.opt.disableflags & _EULERDAMP
         if model.nv == 0 or not (is_implicit or (kind == _INTEGRATOR.mjINT_EULER and damps)):
             return
         if self._after is None:
@@ -358,8 +358,20 @@ class _Implicit:
                 self._rates = np.tril(self._rates) + np.tril(self._rates, -1).T
         else:
             mujoco.mj_Euler(model, after)
-            self._rates = np.diag(-model.dof_damping)
+            linear, further = self._dampings
+            speeds = np.abs(data.qvel)
+            rates = linear.copy()
+            for power in range(further.shape[1]):
+                rates += (power + 2) * further[:, power] * speeds ** (power + 1)
+            self._rates = np.diag(-rates)
         self.gained = (after.qvel - data.qvel) / model.opt.timestep
+
+    @property
+    def _dampings(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Damping of joints: the factor of the speed, and, for each joint, the factors of its further powers."""
+        linear = self._model.dof_damping
+        # Before MuJoCo 4 damping was linear.
+        return linear, getattr(self._model, "dof_dampingpoly", np.zeros((len(linear), 0)))
 
     def solve(self, answers: NDArray[np.float64], forces: NDArray[np.float64]) -> None:
         """Accelerations over the step of generalised forces, a row for each."""
