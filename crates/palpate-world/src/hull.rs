@@ -152,19 +152,15 @@ impl Hull {
         Self::within(points, 0.0)
     }
 
-    /// The least convex solid around `points` `[m]` or, if it has more than [`MOST_CORNERS`](Self::MOST_CORNERS) corners, the one of
-    /// the [`SIMPLIFIED_CORNERS`](Self::SIMPLIFIED_CORNERS) that stand out most: [`left_out`](Self::left_out) is the largest distance
-    /// of a point outside of it.
+    /// A convex solid whose corners are the [`SIMPLIFIED_CORNERS`](Self::SIMPLIFIED_CORNERS) of `points` `[m]` that stand out most, or
+    /// fewer if there are fewer corners: [`left_out`](Self::left_out) is the largest distance of a point outside of it.
     ///
     /// # Errors
     /// The points lie in a plane.
     pub fn simplified(points: &[Vector]) -> Result<Self, HullError> {
         Self::of(points, |places| {
-            match Corners::around(places, 0.0) {
-                Err(NoHull::TooMany) => Corners::of_most(places, Self::SIMPLIFIED_CORNERS),
-                other => other,
-            }
-            .map_err(|why| HullError::of(why, Self::MOST_CORNERS))
+            Corners::of_most(places, Self::SIMPLIFIED_CORNERS)
+                .map_err(|why| HullError::of(why, Self::MOST_CORNERS))
         })
     }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use palpate_files::bounded::MESH;
 use palpate_testbed::world::mesh::gallery;
-use palpate_world::{Hull, Mesh, Shape, Vector};
+use palpate_world::{Hull, HullError, Mesh, Shape, Vector};
 use serde::Deserialize;
 
 use super::mesh_contact::{RawDistanceGrid, RawShell};
@@ -100,9 +100,6 @@ impl Scale {
         Ok(factors)
     }
 }
-
-/// Points outside of a hull are spoken of from this distance on: nearer ones are round-off of a file `[m]`.
-const SAID: f64 = 1e-6;
 
 /// A mesh, and what a user may want to know of it.
 pub(super) struct ReadMesh {
@@ -209,20 +206,29 @@ pub(super) struct RawHull {
 impl RawHull {
     /// The hull; files are looked for in `folder`.
     pub fn read(&self, folder: &Path) -> Result<ReadMesh, String> {
-        let around = |points: &[Vector]| match self.within_m {
+        // What was asked for by `within_m` needs no words.
+        let mut left_out = None;
+        let mut around = |points: &[Vector]| match self.within_m {
             Some(within) => Hull::within(points, within),
-            None => Hull::simplified(points),
+            None => match Hull::around(points) {
+                Err(HullError::TooMany(_)) => {
+                    let hull = Hull::simplified(points)?;
+                    left_out = Some(hull.left_out());
+                    Ok(hull)
+                }
+                other => other,
+            },
         };
         if self.file.is_none() && (self.unit.is_some() || self.scale.is_some()) {
             return Err("unit and scale are of a hull's file, and there is none".into());
         }
-        let of_numbers = |points: &[Vector]| around(points).map_err(|error| error.to_string());
+        let mut of_numbers = |points: &[Vector]| around(points).map_err(|error| error.to_string());
         let (hull, file) = match (&self.points_m, self.prism, &self.file) {
             (Some(points), None, None) => (of_numbers(points)?, None),
             (None, Some(prism), None) => (of_numbers(&prism.corners()?)?, None),
             (None, None, Some(file)) => {
                 let ((points, _), note) = in_metres(&folder.join(file), self.unit, self.scale)?;
-                let hull = around(&points).map_err(|error| format!("{file}: {error}"))?;
+                let hull = of_numbers(&points).map_err(|why| format!("{file}: {why}"))?;
                 (hull, Some((file, note)))
             }
             _ => return Err("a hull needs one of points_m, prism and file".into()),
@@ -232,13 +238,11 @@ impl RawHull {
         let mut words = vec![format!(
             "a hull of {corners} corners and {faces} faces, {size}"
         )];
-        // What was asked for by `within_m` needs no words.
-        if self.within_m.is_none() && corners == Hull::SIMPLIFIED_CORNERS && hull.left_out() > SAID
-        {
+        if let Some(left_out) = left_out {
             words.push(format!(
                 "points that are up to {:.3} mm outside were left out, since more corners than {} would be needed; give within_m \
                  for others",
-                1e3 * hull.left_out(),
+                1e3 * left_out,
                 Hull::MOST_CORNERS
             ));
         }
@@ -455,10 +459,11 @@ fn facing(mesh: &Mesh) -> String {
             [0, 1, 2].map(|k| b[k] - a[k]),
             [0, 1, 2].map(|k| c[k] - a[k]),
         );
-        for k in 0..3 {
+        let area = [0, 1, 2].map(|k| {
             let (next, last) = ((k + 1) % 3, (k + 2) % 3);
-            sum[k] += p[next] * q[last] - p[last] * q[next];
-        }
+            p[next] * q[last] - p[last] * q[next]
+        });
+        sum = [0, 1, 2].map(|k| sum[k] + area[k]);
     }
     let [x, y, z] = super::shape::unit(sum).map(|part| if part.abs() < 5e-3 { 0.0 } else { part });
     format!("({x:.2}, {y:.2}, {z:.2})")

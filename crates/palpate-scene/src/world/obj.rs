@@ -56,7 +56,7 @@ pub(super) fn triangles(bytes: &[u8]) -> Result<Triangles, String> {
             .map(|&corner| {
                 *numbers.entry(corner).or_insert_with(|| {
                     vertices.push(places[corner]);
-                    (vertices.len() - 1) as u32
+                    u32::try_from(vertices.len() - 1).unwrap_or(u32::MAX)
                 })
             })
             .collect();

@@ -147,7 +147,7 @@ impl Triangles {
         for (one, up) in ups.iter().enumerate() {
             for (other, down) in downs.iter().enumerate() {
                 let angle = (angle(up) - angle(down)).rem_euclid(TAU);
-                let is_same = angle < SAME_ANGLE || angle > TAU - SAME_ANGLE;
+                let is_same = !(SAME_ANGLE..=TAU - SAME_ANGLE).contains(&angle);
                 between.push((if is_same { TAU } else { angle }, one, other));
             }
         }
