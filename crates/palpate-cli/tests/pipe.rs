@@ -347,10 +347,7 @@ fn end_of_a_late_device(flags: &str) -> String {
 #[test]
 fn the_end_says_which_lateness_was_learned() {
     let end = end_of_a_late_device("--delay-deviation 0.3");
-    assert!(
-        end.contains("; learned: commands begin 0.50"),
-        "{end}"
-    );
+    assert!(end.contains("; learned: commands begin 0.50"), "{end}");
     let json = parse(&end_of_a_late_device("--delay-deviation 0.3 --json"));
     let learned = number(&json, "learned_lateness_s");
     assert!((learned - 5e-4).abs() < 5e-6, "{learned}");
