@@ -143,58 +143,102 @@ pub(crate) fn coarse_hull(
     Ok((corners, faces))
 }
 
+/// The same by triangles, which are exactly convex; some may be thin.
+///
+/// # Errors
+/// Those of [`hull`].
+pub(crate) fn triangles(
+    points: &[Vector3],
+    within: f64,
+    most: usize,
+) -> Result<(Vec<Vector3>, Vec<Polygon>), NoHull> {
+    let wrapped = Wrapped::around(points, within, 2 * most + 8)?;
+    let faces = wrapped.facets.iter().map(|facet| Polygon {
+        corners: facet.corners.into(),
+        normal: facet.normal,
+        offset: facet.offset,
+    });
+    let (corners, faces) = renumbered(points, faces.collect());
+    if wrapped.is_whole && corners.len() <= most {
+        Ok((corners, faces))
+    } else {
+        Err(NoHull::TooMany)
+    }
+}
+
 /// Corners and faces, and whether `most` points were enough.
 fn built(
     points: &[Vector3],
     within: f64,
     most: usize,
 ) -> Result<(Vec<Vector3>, Vec<Polygon>, bool), NoHull> {
-    let first = points.first().ok_or(NoHull::Flat)?;
-    let size = points.iter().map(|point| (point - first).norm());
-    let flat = FLAT * size.fold(0.0, f64::max);
-    let within = within.max(flat);
-    let mut facets = start(points, flat).ok_or(NoHull::Flat)?;
-    for number in 0..points.len() {
-        give(points, number, &mut facets, within);
-    }
-    let mut count = 4;
-    let mut is_whole = true;
-    loop {
-        let furthest = facets.iter().filter_map(|facet| facet.furthest);
-        let Some((_, next)) = furthest.max_by(|a, b| a.0.total_cmp(&b.0)) else {
-            break;
-        };
-        if count == most {
-            is_whole = false;
-            break;
-        }
-        count += 1;
-        let is_visible = |facet: &Facet| facet.volume_before(points, &points[next]) > 0.0;
-        let (visible, mut kept): (Vec<_>, Vec<_>) = facets.into_iter().partition(is_visible);
-        let edges: HashSet<_> = visible.iter().flat_map(Facet::edges).collect();
-        let mut fresh = Vec::new();
-        // In the order of the facets: a set has none.
-        for (from, to) in visible.iter().flat_map(Facet::edges) {
-            if !edges.contains(&(to, from)) {
-                fresh.push(Facet::of(points, [from, to, next]));
-            }
-        }
-        for number in visible.into_iter().flat_map(|facet| facet.outside) {
-            // It may be outside of one that was kept by more than of the new one beside it.
-            if number != next && !give(points, number, &mut fresh, within) {
-                give(points, number, &mut kept, within);
-            }
-        }
-        kept.append(&mut fresh);
-        facets = kept;
-    }
+    let wrapped = Wrapped::around(points, within, most)?;
     let faces = ONE_FACE.iter().find_map(|times| {
-        let tolerance = times * flat;
-        let faces = polygons(&facets, points, tolerance)?;
-        is_solid(points, &faces, tolerance + flat).then_some(faces)
+        let tolerance = times * wrapped.flat;
+        let faces = polygons(&wrapped.facets, points, tolerance)?;
+        is_solid(points, &faces, tolerance + wrapped.flat).then_some(faces)
     });
     let (corners, faces) = renumbered(points, faces.ok_or(NoHull::Broken)?);
-    Ok((corners, faces, is_whole))
+    Ok((corners, faces, wrapped.is_whole))
+}
+
+/// A closed convex surface of facets around points.
+struct Wrapped {
+    facets: Vec<Facet>,
+    /// Whether no point is further outside than was allowed.
+    is_whole: bool,
+    /// Points nearer to a plane than this lie in it `[m]`.
+    flat: f64,
+}
+
+impl Wrapped {
+    /// With at most `most` of the points, from which it may leave those out that are outside by no more than `within` `[m]`.
+    fn around(points: &[Vector3], within: f64, most: usize) -> Result<Self, NoHull> {
+        let first = points.first().ok_or(NoHull::Flat)?;
+        let size = points.iter().map(|point| (point - first).norm());
+        let flat = FLAT * size.fold(0.0, f64::max);
+        let within = within.max(flat);
+        let mut facets = start(points, flat).ok_or(NoHull::Flat)?;
+        for number in 0..points.len() {
+            give(points, number, &mut facets, within);
+        }
+        let mut count = 4;
+        let mut is_whole = true;
+        loop {
+            let furthest = facets.iter().filter_map(|facet| facet.furthest);
+            let Some((_, next)) = furthest.max_by(|a, b| a.0.total_cmp(&b.0)) else {
+                break;
+            };
+            if count == most {
+                is_whole = false;
+                break;
+            }
+            count += 1;
+            let is_visible = |facet: &Facet| facet.volume_before(points, &points[next]) > 0.0;
+            let (visible, mut kept): (Vec<_>, Vec<_>) = facets.into_iter().partition(is_visible);
+            let edges: HashSet<_> = visible.iter().flat_map(Facet::edges).collect();
+            let mut fresh = Vec::new();
+            // In the order of the facets: a set has none.
+            for (from, to) in visible.iter().flat_map(Facet::edges) {
+                if !edges.contains(&(to, from)) {
+                    fresh.push(Facet::of(points, [from, to, next]));
+                }
+            }
+            for number in visible.into_iter().flat_map(|facet| facet.outside) {
+                // It may be outside of one that was kept by more than of the new one beside it.
+                if number != next && !give(points, number, &mut fresh, within) {
+                    give(points, number, &mut kept, within);
+                }
+            }
+            kept.append(&mut fresh);
+            facets = kept;
+        }
+        Ok(Self {
+            facets,
+            is_whole,
+            flat,
+        })
+    }
 }
 
 /// Whether faces close, and no corner is further in front of one than a tolerance `[m]`.

@@ -1,7 +1,7 @@
 //! Spheres that leave a solid through another side than they entered it.
 //!
 //! The force on a sphere whose centre is inside a solid is away from the nearest face, which a force can push it past: it then goes on
-//! through the far side. Meshes follow the surface and have no such side.
+//! through the far side. Meshes and hulls follow their surface, and a sphere stays where it entered them.
 
 use crate::WorldRenderer;
 use crate::pairs::Point;

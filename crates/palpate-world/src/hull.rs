@@ -5,7 +5,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::body::rotation;
-use crate::convex::{NoHull, Polygon, coarse_hull, hull};
+use crate::convex::{NoHull, Polygon, coarse_hull, hull, triangles};
 use crate::pairs::MOST_POINTS;
 use crate::rigid::{Rotation, Vector3};
 use crate::{MassProperties, Mesh, MeshError, Vector};
@@ -80,9 +80,17 @@ impl Mesh {
         let places = places_of(points)?;
         let size = places.iter().map(Vector3::amax).fold(0.0, f64::max);
         let most = Self::MOST_CONVEX_CORNERS;
-        let (corners, faces) = hull(&places, SINGLE_PRECISION * size, most)
-            .map_err(|reason| HullError::of(reason, most))?;
-        surface(&corners, &faces)
+        let within = SINGLE_PRECISION * size;
+        let refused = |reason| HullError::of(reason, most);
+        let (corners, faces) = triangles(&places, within, most).map_err(refused)?;
+        match surface(&corners, &faces) {
+            Ok(mesh) if mesh.is_closed() => Ok(mesh),
+            // Triangles without an area are missing: faces of several corners have none.
+            _ => {
+                let (corners, faces) = hull(&places, within, most).map_err(refused)?;
+                surface(&corners, &faces)
+            }
+        }
     }
 }
 

@@ -231,7 +231,7 @@ impl WorldReport {
                 };
                 remarks.push(format!(
                     "{}: \"{}\" went through \"{}\" and came out of its far side at {} s{more}. E does not show it where the ideal \
-                     does the same: a thicker or stiffer solid, or a mesh, which follows its surface, keeps it out.",
+                     does the same: a thicker or stiffer solid, or a hull or mesh, which follow their surface, keep it out.",
                     method.method,
                     through.first,
                     through.second,
