@@ -406,34 +406,27 @@ fn a_delay_that_changes_and_a_slow_transmission_are_not_taken_for_certain() {
             Err(other) => panic!("{at} s, {later}: {other}"),
             Ok(found) => {
                 let off = deviations(&found, Quantity::DelayPlusLag, plant.delay * 1e-3);
-                println!("{at} s, {later}: {off} deviations");
                 assert!(off < 3.0, "{at} s, {later}: {off}");
             }
         }
     }
-    for hertz in [25.0] {
-        let plant = PlantParams {
-            second_mass: 0.1,
-            transmission_stiffness: (std::f64::consts::TAU * hertz).powi(2) / 20.0,
-            transmission_damping: 0.2,
-            hand_damping: 1.0,
-            hand_stiffness: 60.0,
-            ..PlantParams::bare(1e-3, 0.1)
-        };
-        match calibrated(&plant, 8.0) {
-            Err(other) => println!("{hertz} Hz: {other}"),
-            Ok(found) => {
-                let mass = found.value(Quantity::DeviceMass).unwrap();
-                let deviation = found.standard_deviation(Quantity::DeviceMass).unwrap();
-                let resonance = found.value(Quantity::Resonance);
-                println!("{hertz} Hz: {mass} kg +- {deviation}, {resonance:?} Hz");
-                assert!(
-                    (mass - 0.2).abs() < 3.0 * deviation,
-                    "{hertz} Hz: {mass} kg +- {deviation}"
-                );
-                let off = deviations(&found, Quantity::DelayPlusLag, plant.delay * 1e-3);
-                assert!(off < 3.5, "{hertz} Hz: {off}");
-            }
-        }
+    // A transmission of 25 Hz is declined, or found with deviations that say so.
+    let plant = PlantParams {
+        second_mass: 0.1,
+        transmission_stiffness: (std::f64::consts::TAU * 25.0).powi(2) / 20.0,
+        transmission_damping: 0.2,
+        hand_damping: 1.0,
+        hand_stiffness: 60.0,
+        ..PlantParams::bare(1e-3, 0.1)
+    };
+    if let Ok(found) = calibrated(&plant, 8.0) {
+        let mass = found.value(Quantity::DeviceMass).unwrap();
+        let deviation = found.standard_deviation(Quantity::DeviceMass).unwrap();
+        assert!(
+            (mass - 0.2).abs() < 3.0 * deviation,
+            "{mass} kg +- {deviation}"
+        );
+        let off = deviations(&found, Quantity::DelayPlusLag, plant.delay * 1e-3);
+        assert!(off < 3.5, "{off}");
     }
 }

@@ -1,4 +1,5 @@
 //! A hand presses steadily on a wall or an object: what a limit or a deviation of the model leaves of the rest.
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // numbers of samples
 
 use palpate::{Actuation, Contact, CoupledParams, LoopParams, ObjectState, Renderer, Sample};
 
