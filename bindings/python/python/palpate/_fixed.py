@@ -30,6 +30,11 @@ class Fixed:
                 raise AttributeError(f"{name} is {what} a {type(self).__name__}: {self._way}")
         super().__setattr__(name, value)
 
+    def _found(self, **values: Any) -> None:
+        """Sets attributes that the object itself has found out."""
+        for name, value in values.items():
+            super().__setattr__(name, value)
+
 
 class FixedParameters(Dict[str, Any]):
     """Parameters that something was made with. They are read, copied and pickled as a dictionary; to change one is an error."""

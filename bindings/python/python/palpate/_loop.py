@@ -249,7 +249,7 @@ class Loop(Fixed, _palpate.Loop):
         Raises:
             RuntimeError: A loop that was started before.
         """
-        self.granted = [Granted(*answer) for answer in super().start()]
+        self._found(granted=[Granted(*answer) for answer in super().start()])
         self._started = True
         _RUNNING.add(self)
         return self.granted
@@ -266,7 +266,7 @@ class Loop(Fixed, _palpate.Loop):
         (ending, failure, trip, device), counts, (lateness, duration), recorded = super().stop()
         made, lost = (None, None) if recorded is None else recorded
         report = LoopReport(ending, failure, trip, *counts, Spread(*lateness), Spread(*duration), made, lost, device)
-        self.report = report
+        self._found(report=report)
         if failure is not None and not self._said:
             self._said = True
             raise LoopError(failure)
@@ -286,8 +286,7 @@ class Loop(Fixed, _palpate.Loop):
         """
         words, bodies, devices = self.take(wait)
         ticks = words.view(RECORDED)
-        self.bodies = bodies.view(BODIES)
-        self.devices = devices.view(DEVICES)
+        self._found(bodies=bodies.view(BODIES), devices=devices.view(DEVICES))
         if len(ticks) == 0:
             self._say_why(wait)
         return ticks
