@@ -76,7 +76,7 @@ const SHARE_OF_RADIUS: f64 = 0.02;
 const MOST_TIMES: f64 = 2.0;
 /// and at least this share of it where there are many.
 const LEAST_SHARE: f64 = 0.2;
-/// Most triangles that are looked at to find the nearest ones.
+/// Most triangles that are kept while the nearest ones are looked for.
 const MOST_SEEN: usize = 1024;
 
 impl Gathered {
@@ -147,13 +147,15 @@ impl Gathered {
     #[inline(never)]
     fn gather(&mut self, mesh: &Mesh, centre: &Vector3, radius: f64) {
         let way = WAY + SHARE_OF_RADIUS * radius;
+        let least_way = LEAST_SHARE * way;
         let mut most = self.times * way;
-        let (mut count, mut is_all) = self.see(mesh, centre, radius + most);
-        if !is_all && self.times > 1.0 {
+        let mut seen = self.see(mesh, centre, radius + most, radius + least_way);
+        if !seen.had_room && self.times > 1.0 {
             most = way;
-            (count, is_all) = self.see(mesh, centre, radius + most);
+            seen = self.see(mesh, centre, radius + most, radius + least_way);
         }
-        self.times = if !is_all {
+        let count = seen.count;
+        self.times = if !seen.had_room {
             1.0
         } else if count > MOST_TRIANGLES {
             (0.5 * self.times).max(1.0)
@@ -165,13 +167,12 @@ impl Gathered {
         self.place = *centre;
         self.way = most;
         self.count = count.min(MOST_TRIANGLES);
-        self.left_out = u32::from(!is_all);
+        self.left_out = seen.too_many;
         if count > MOST_TRIANGLES {
-            let by_distance = |a: &Near, b: &Near| a.distance.total_cmp(&b.distance);
             let found = &mut self.near[..count];
             let (_, first_out, out) = found.select_nth_unstable_by(MOST_TRIANGLES, by_distance);
             // All that are nearer than the first that does not fit are there.
-            self.way = (first_out.distance - radius).clamp(LEAST_SHARE * way, most);
+            self.way = (first_out.distance - radius).clamp(least_way, most);
             let within = radius + self.way;
             let is_within = |it: &&Near| it.distance < within;
             let left_out = std::iter::once(&*first_out).chain(&*out).filter(is_within);
@@ -193,28 +194,53 @@ impl Gathered {
         }
     }
 
-    /// Puts the triangles that are within `reach` of a place `[m]` into `near`. How many there are, and whether all had room.
-    fn see(&mut self, mesh: &Mesh, place: &Vector3, reach: f64) -> (usize, bool) {
+    /// Puts the triangles that are within `reach` of a place `[m]` into `near`: all, or the nearest ones where there is no room.
+    /// Of those without room, the ones that are looked at and within `least` `[m]` are counted.
+    fn see(&mut self, mesh: &Mesh, place: &Vector3, reach: f64, least: f64) -> Seen {
         let near = &mut self.near;
-        let mut count = 0;
-        let is_all = mesh.tree.within(place, reach, |number| {
+        let mut reach = reach;
+        let mut seen = Seen {
+            count: 0,
+            had_room: true,
+            too_many: 0,
+        };
+        mesh.tree.nearest(place, |number| {
             let (nearest, _) = triangle::nearest(mesh.corners(number), place);
             let distance = (place - nearest).norm();
-            if distance > reach {
-                return true;
+            if distance <= reach && seen.count == near.len() {
+                // From here on only nearer ones than these are looked for.
+                let (_, furthest, out) = near.select_nth_unstable_by(MOST_TRIANGLES, by_distance);
+                reach = furthest.distance;
+                let is_counted = |it: &&Near| it.distance < least;
+                seen.too_many += size(out.iter().filter(is_counted).count());
+                (seen.count, seen.had_room) = (MOST_TRIANGLES + 1, false);
             }
-            let has_room = count < near.len();
-            if has_room {
-                near[count] = Near {
+            if distance <= reach {
+                near[seen.count] = Near {
                     triangle: number,
                     distance,
                 };
-                count += 1;
+                seen.count += 1;
+            } else if !seen.had_room && distance < least {
+                seen.too_many += 1;
             }
-            has_room
+            reach * reach
         });
-        (count, is_all)
+        seen
     }
+}
+
+/// What [`Gathered::see`] has found.
+struct Seen {
+    count: usize,
+    /// Whether all had room.
+    had_room: bool,
+    /// Those without room that were near.
+    too_many: u32,
+}
+
+fn by_distance(a: &Near, b: &Near) -> std::cmp::Ordering {
+    a.distance.total_cmp(&b.distance)
 }
 
 /// How far a centre has to go at least until its distance may have a minimum inside of a triangle, on one of its edges or at one of
@@ -404,8 +430,11 @@ mod tests {
         let centre = Vector3::new(1e-5, 2e-5, 4.6e-4);
         let mut gathered = Gathered::none(faces.len());
         let way = WAY + SHARE_OF_RADIUS * radius;
-        let (_, is_all) = gathered.see(&mesh, &centre, radius + MOST_TIMES * way);
-        assert!(!is_all, "the mesh has too few triangles for this test");
+        let seen = gathered.see(&mesh, &centre, radius + MOST_TIMES * way, 0.0);
+        assert!(
+            !seen.had_room,
+            "the mesh has too few triangles for this test"
+        );
         let moved = centre + Vector3::new(0.6, 0.0, -0.8) * (0.9 * LEAST_SHARE * way);
         let mut touched = 0;
         for place in [centre, moved] {
@@ -421,5 +450,47 @@ mod tests {
             }
         }
         assert!(touched > 100, "{touched}");
+    }
+
+    /// At the pole of a ball of meridians more triangles are in reach than there is room for: the nearest ones are kept.
+    #[test]
+    fn of_too_many_triangles_the_nearest_are_kept() {
+        let (rings, radius) = (200_u32, 0.04);
+        let at = |ring: u32, meridian: u32| {
+            let [polar, around] =
+                [1.0, 2.0].map(|turns| turns * std::f64::consts::PI / f64::from(rings));
+            let (sin, cos) = (polar * f64::from(ring)).sin_cos();
+            let (y, x) = (around * f64::from(meridian)).sin_cos();
+            [radius * sin * x, radius * sin * y, radius * cos]
+        };
+        let vertices: Vec<_> = (0..=rings)
+            .flat_map(|ring| (0..rings).map(move |meridian| at(ring, meridian)))
+            .collect();
+        let squares = (0..rings)
+            .flat_map(|i| (0..rings).map(move |j| [i * rings + j, i * rings + (j + 1) % rings]));
+        let faces: Vec<_> = squares
+            .flat_map(|[a, b]| [[a, a + rings, b + rings], [a, b + rings, b]])
+            .collect();
+        let mesh = Mesh::new(&vertices, &faces).unwrap();
+        assert!(mesh.is_closed());
+        let mut gathered = Gathered::none(mesh.faces.len());
+        let mut was_too_many = 0;
+        for step in 0..40_u32 {
+            let tilt = 2e-3 * (f64::from(step) - 20.0);
+            let centre = Vector3::new(tilt.sin(), 1e-4, tilt.cos()) * (radius + 0.002);
+            let about = gathered.about(&mesh, &centre, 0.003);
+            let all = (0..size(mesh.faces.len())).map(|triangle| {
+                let nearest = triangle::nearest_point(mesh.corners(triangle), &centre);
+                (centre - nearest).norm()
+            });
+            let least = all.fold(f64::INFINITY, f64::min);
+            let of_near = about.near.iter().map(|near| {
+                let nearest = triangle::nearest_point(mesh.corners(near.triangle), &centre);
+                (centre - nearest).norm()
+            });
+            assert_eq!(of_near.fold(f64::INFINITY, f64::min), least, "{tilt}");
+            was_too_many += u32::from(about.left_out > 0);
+        }
+        assert!(was_too_many > 10, "{was_too_many}");
     }
 }
