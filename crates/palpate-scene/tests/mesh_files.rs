@@ -152,7 +152,7 @@ fn what_is_wrong_with_a_mesh_file_is_said_with_its_name() {
     }
     for (name, expected) in [
         ("bad.stl", ""),
-        ("nan.stl", "is not three finite numbers"),
+        ("nan.stl", "which is no finite number"),
         ("turned.obj", "triangles 0 and"),
         ("corner.obj", ""),
         ("short.stl", ""),
@@ -185,7 +185,7 @@ fn keys_of_a_mesh_are_checked() {
         ),
         (
             "file = \"part.stl\", unit = \"mm\", scale = 0.0",
-            "scale is 0, and has to be above 0",
+            "scale has 0, and each factor has to be finite and not 0",
         ),
         ("unit = \"mm\"", "a mesh needs one of file"),
         (
@@ -298,8 +298,9 @@ fn open_meshes_and_flat_triangles_are_noted() {
     assert_eq!(
         file.notes(),
         [
-            "part, plate.obj: 2 triangles, 10.0000 x 10.0000 x 0.0000 mm; 1 that have no area or are there twice were left \
-          out; it has open edges, so that it is touched from the front of its triangles only"
+            "part, plate.obj: 2 triangles, 10.0000 x 10.0000 x 0.0000 mm; 1 that have no area, are there \
+             twice or lie between touching parts were left out; it has open edges, so that it is touched from the front of its \
+             triangles only, which on average faces (0.00, 0.00, 1.00); turned = true turns it round"
         ]
     );
     let inline = "{ mesh = { vertices_m = [[0, 0, 0], [1, 0, 0], [1, 1, 0]], faces = [[0, 1, 2], [0, 1, 1]] } }";
@@ -308,8 +309,9 @@ fn open_meshes_and_flat_triangles_are_noted() {
     assert_eq!(
         file.notes(),
         [
-            "part, its mesh: 1 that have no area or are there twice were left out; it has open edges, so that it is \
-          touched from the front of its triangles only"
+            "part, its mesh: 1 that have no area, are there twice or lie between touching parts were left out; it has open \
+             edges, so that it is touched from the front of its triangles only, which on average faces (0.00, 0.00, 1.00); \
+             turned = true turns it round"
         ]
     );
 }
@@ -476,4 +478,81 @@ fn a_distance_grid_that_cannot_be_made_is_refused() {
                 distance_grid = { spacing_m = 0.01 } } }";
     let said = read(folder, open).map(|_| ()).unwrap_err().join("; ");
     assert!(said.contains("the mesh has open edges"), "{said}");
+}
+
+#[test]
+fn polygons_of_an_obj_file_keep_their_notches_and_ignore_weights() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let ell = [[0, 0], [3, 0], [3, 1], [1, 1], [1, 3], [0, 3]];
+    for (first, more) in (0..6).flat_map(|first| ["", " 2", " 0.2 0.4 0.6 1"].map(|m| (first, m))) {
+        let mut text = String::new();
+        for z in [0, 1] {
+            for [x, y] in ell {
+                text += &format!("v {x} {y} {z}{more}\n");
+            }
+        }
+        let turn = |k: usize| (first + k) % 6 + 1;
+        let top: Vec<_> = (0..6).map(|k| (turn(k) + 6).to_string()).collect();
+        let bottom: Vec<_> = (0..6).rev().map(|k| turn(k).to_string()).collect();
+        text += &format!("f {} \\\n{}\n", top[..3].join(" "), top[3..].join(" "));
+        text += &format!("f {}\n", bottom.join(" "));
+        for k in 0..6 {
+            let (a, b) = (k + 1, (k + 1) % 6 + 1);
+            text += &format!("f {a} {b} {} {}\n", b + 6, a + 6);
+        }
+        fs::write(folder.join("ell.obj"), text).unwrap();
+        let file = read(folder, "{ mesh = { file = \"ell.obj\", unit = \"m\" } }").unwrap();
+        let mesh = mesh(&file);
+        assert!(mesh.is_closed() && (mesh.volume() - 5.0).abs() < 1e-9);
+        // A folded cap has a larger surface than an even one.
+        let area = |face: &[u32; 3]| {
+            let [a, b, c] = face.map(|k| mesh.vertices()[k as usize]);
+            let (p, q) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
+            (p[0] * q[1] - p[1] * q[0]).abs() / 2.0
+        };
+        assert!((mesh.faces().iter().map(area).sum::<f64>() - 10.0).abs() < 1e-9);
+    }
+    let crossed = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0.5 2 0\nf 1 2 3 4 5\n";
+    fs::write(folder.join("crossed.obj"), crossed).unwrap();
+    let said = read(
+        folder,
+        "{ mesh = { file = \"crossed.obj\", unit = \"m\" } }",
+    )
+    .map(|_| ());
+    assert!(said.unwrap_err()[0].contains("line 6: the outline of a face crosses itself"));
+    let zero = obj().replacen("f 1//1", "f 0//1", 1);
+    fs::write(folder.join("zero.obj"), zero).unwrap();
+    let said = read(folder, "{ mesh = { file = \"zero.obj\", unit = \"m\" } }").map(|_| ());
+    assert!(said.unwrap_err()[0].contains("counted from 1"));
+}
+
+#[test]
+fn a_mesh_is_scaled_by_axis_mirrored_and_turned() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("part.stl"), ascii_stl()).unwrap();
+    let sheet = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    fs::write(folder.join("sheet.obj"), sheet).unwrap();
+    let with = |file: &str, keys: &str| {
+        let keys = format!("{{ mesh = {{ file = \"{file}\", unit = \"mm\", {keys} }} }}");
+        read(folder, &keys)
+    };
+    let volume = |keys: &str| mesh(&with("part.stl", keys).unwrap()).volume();
+    let whole = volume("scale = 1");
+    for keys in ["scale = [-1, 1, 1]", "scale = -1", "scale = [1, -2, 0.5]"] {
+        assert!((volume(keys) - whole).abs() < 1e-12 * whole, "{keys}");
+    }
+    let normal_z = |keys: &str| {
+        let file = with("sheet.obj", keys).unwrap();
+        let mesh = mesh(&file);
+        let [a, b, c] = mesh.faces()[0].map(|corner| mesh.vertices()[corner as usize]);
+        ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).signum()
+    };
+    assert_eq!(normal_z("scale = 1"), 1.0);
+    // A mirror keeps the front of what it shows, and turns the way about it.
+    assert_eq!(normal_z("scale = [-1, 1, 1]"), 1.0);
+    assert_eq!(normal_z("turned = true"), -1.0);
+    let said = with("part.stl", "turned = true").map(|_| ()).unwrap_err();
+    assert!(said[0].contains("turned is of an open mesh"), "{said:?}");
 }

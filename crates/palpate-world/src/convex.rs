@@ -1,14 +1,22 @@
 //! The convex hull of points, by the Quickhull algorithm (Barber, Dobkin and Huhdanpaa, 1996).
 //!
-//! The point that is furthest outside of all is taken next, so that a hull that stops early is near to the whole one.
-//! What comes out is checked: it is closed, and no point lies outside of it by more than was allowed.
+//! The point that is furthest outside is added next, so a hull that stops early is close to the whole one. The side of a facet
+//! that a point is on is decided by an exact predicate (Shewchuk, 1997): the facets stay a closed convex surface whatever the
+//! round-off of the points. Facets that lie in a plane but for that round-off are one face: [`polygons`].
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
+use robust::{Coord3D, orient3d};
+
+use crate::coplanar::polygons;
 use crate::rigid::Vector3;
 
-/// Points nearer to a plane than this share of the size of all lie in it.
-const FLAT: f64 = 1e-9;
+/// Points nearer to a plane than this share of the size of all lie in it: numbers of files have six or seven digits.
+const FLAT: f64 = 1e-6;
+/// Facets whose corners are nearer to a plane than so many times that are one face. The first that gives a closed solid counts.
+const ONE_FACE: [f64; 4] = [6.0, 2.0, 20.0, 0.0];
+/// Twice the area of a facet over the square of its longest side below which its normal is not relied on.
+const SLIVER: f64 = 1e-7;
 
 /// A flat face: its corners, which run counter-clockwise when they are seen from outside, and its plane.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,38 +32,69 @@ pub(crate) struct Polygon {
 /// Why there is no hull.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum NoHull {
-    /// All points lie in a plane.
+    /// All points lie in a plane, or nearly so.
     Flat,
     /// It would have more corners than asked for.
     TooMany,
-    /// Round-off has broken it: the points nearly lie in a plane.
+    /// No closed surface has come out.
     Broken,
 }
 
 /// A triangle of the hull that is being built, and the points that lie outside of its plane.
-struct Facet {
-    corners: [usize; 3],
-    normal: Vector3,
+pub(crate) struct Facet {
+    pub corners: [usize; 3],
+    pub normal: Vector3,
+    /// Twice its area `[m^2]`.
+    pub area: f64,
     offset: f64,
+    is_sliver: bool,
     outside: Vec<usize>,
     /// The furthest of them, and how far it is.
     furthest: Option<(f64, usize)>,
 }
 
 impl Facet {
-    fn of(points: &[Vector3], corners: [usize; 3]) -> Option<Self> {
+    fn of(points: &[Vector3], corners: [usize; 3]) -> Self {
         let [a, b, c] = corners.map(|corner| points[corner]);
-        let normal = (b - a).cross(&(c - a)).try_normalize(0.0)?;
-        Some(Self {
+        let cross = (b - a).cross(&(c - a));
+        let sides = [b - a, c - b, a - c].map(|side| side.norm_squared());
+        let area = cross.norm();
+        // Of a facet so thin that the product vanishes any direction will do: the exact predicate decides.
+        let normal = cross.try_normalize(0.0).unwrap_or_else(Vector3::x);
+        Self {
             corners,
             offset: normal.dot(&a),
             normal,
+            area,
+            is_sliver: area <= SLIVER * sides.into_iter().fold(0.0, f64::max),
             outside: Vec::new(),
             furthest: None,
-        })
+        }
     }
 
-    fn height(&self, point: &Vector3) -> f64 {
+    /// Six times the volume of the facet and a point in front of it, below 0 behind it; the sign is exact.
+    fn volume_before(&self, points: &[Vector3], point: &Vector3) -> f64 {
+        let coord = |place: &Vector3| Coord3D {
+            x: place.x,
+            y: place.y,
+            z: place.z,
+        };
+        let [a, b, c] = self.corners.map(|corner| coord(&points[corner]));
+        -orient3d(a, b, c, coord(point))
+    }
+
+    /// How far a point is in front of the plane; of a sliver at least so far `[m]`.
+    fn height(&self, points: &[Vector3], point: &Vector3) -> f64 {
+        if self.is_sliver {
+            let [a, b, c] = self.corners.map(|corner| points[corner]);
+            let rounded = 4.0 * f64::EPSILON * (b - a).norm() * (c - a).norm();
+            let volume = self.volume_before(points, point);
+            return if volume > 0.0 {
+                volume / (self.area + rounded)
+            } else {
+                0.0
+            };
+        }
         self.normal.dot(point) - self.offset
     }
 
@@ -66,73 +105,157 @@ impl Facet {
         }
     }
 
-    fn edges(&self) -> [(usize, usize); 3] {
+    pub fn edges(&self) -> [(usize, usize); 3] {
         let [a, b, c] = self.corners;
         [(a, b), (b, c), (c, a)]
     }
 }
 
-/// Corners and faces of the least convex solid from which no point is further outside than `within` `[m]`, with at most
-/// `most` corners.
+/// Corners and faces of a convex solid whose corners are some of the `points`.
+///
+/// No point is further outside than `within` `[m]`, or than round-off of the points.
+///
+/// # Errors
+/// Among others that it would have more than `most` corners.
 pub(crate) fn hull(
     points: &[Vector3],
     within: f64,
     most: usize,
 ) -> Result<(Vec<Vector3>, Vec<Polygon>), NoHull> {
-    let first = points.first().ok_or(NoHull::Flat)?;
-    let size = points.iter().map(|point| (point - first).norm());
-    let flat = FLAT * size.fold(0.0, f64::max);
-    let within = within.max(flat);
-    let mut facets = start(points, flat).ok_or(NoHull::Flat)?;
-    for number in 0..points.len() {
-        give(points, number, &mut facets, within);
-    }
-    let mut count = 4;
-    loop {
-        let furthest = facets.iter().filter_map(|facet| facet.furthest);
-        let Some((_, next)) = furthest.max_by(|a, b| a.0.total_cmp(&b.0)) else {
-            break;
-        };
-        count += 1;
-        // A point may turn out not to be a corner; there are few of those.
-        if count > 2 * most + 8 {
-            return Err(NoHull::TooMany);
-        }
-        let is_visible = |facet: &Facet| facet.height(&points[next]) > flat;
-        let (visible, mut kept): (Vec<_>, Vec<_>) = facets.into_iter().partition(is_visible);
-        let edges: HashSet<_> = visible.iter().flat_map(Facet::edges).collect();
-        let mut fresh = Vec::new();
-        // In the order of the facets: a set has none.
-        for (from, to) in visible.iter().flat_map(Facet::edges) {
-            if !edges.contains(&(to, from)) {
-                fresh.push(Facet::of(points, [from, to, next]).ok_or(NoHull::Broken)?);
-            }
-        }
-        for number in visible.into_iter().flat_map(|facet| facet.outside) {
-            if number != next {
-                give(points, number, &mut fresh, within);
-            }
-        }
-        kept.append(&mut fresh);
-        facets = kept;
-    }
-    let faces = polygons(&facets, points, flat).ok_or(NoHull::Broken)?;
-    let (corners, faces) = renumbered(points, faces);
-    if corners.len() > most {
-        return Err(NoHull::TooMany);
-    }
-    let is_inside = |point: &Vector3| {
-        let mut faces = faces.iter();
-        faces.all(|face| face.normal.dot(point) - face.offset <= within + 8.0 * flat)
-    };
-    // Euler's formula: a closed surface without holes has as many edges as corners and faces less two.
-    let edges: usize = faces.iter().map(|face| face.corners.len()).sum();
-    let is_closed = corners.len() + faces.len() == edges / 2 + 2 && edges.is_multiple_of(2);
-    if is_closed && points.iter().all(is_inside) {
+    // A point may turn out not to be a corner; there are few of those.
+    let (corners, faces, is_whole) = built(points, within, 2 * most + 8)?;
+    if is_whole && corners.len() <= most {
         Ok((corners, faces))
     } else {
-        Err(NoHull::Broken)
+        Err(NoHull::TooMany)
     }
+}
+
+/// The solid of the `most` corners that stand out most.
+///
+/// # Errors
+/// The points lie in a plane.
+pub(crate) fn coarse_hull(
+    points: &[Vector3],
+    most: usize,
+) -> Result<(Vec<Vector3>, Vec<Polygon>), NoHull> {
+    let (corners, faces, _) = built(points, 0.0, most)?;
+    Ok((corners, faces))
+}
+
+/// The same by triangles, which are exactly convex; some may be thin.
+///
+/// # Errors
+/// Those of [`hull`].
+pub(crate) fn triangles(
+    points: &[Vector3],
+    within: f64,
+    most: usize,
+) -> Result<(Vec<Vector3>, Vec<Polygon>), NoHull> {
+    let wrapped = Wrapped::around(points, within, 2 * most + 8)?;
+    let faces = wrapped.facets.iter().map(|facet| Polygon {
+        corners: facet.corners.into(),
+        normal: facet.normal,
+        offset: facet.offset,
+    });
+    let (corners, faces) = renumbered(points, faces.collect());
+    if wrapped.is_whole && corners.len() <= most {
+        Ok((corners, faces))
+    } else {
+        Err(NoHull::TooMany)
+    }
+}
+
+/// Corners and faces, and whether `most` points were enough.
+fn built(
+    points: &[Vector3],
+    within: f64,
+    most: usize,
+) -> Result<(Vec<Vector3>, Vec<Polygon>, bool), NoHull> {
+    let wrapped = Wrapped::around(points, within, most)?;
+    let faces = ONE_FACE.iter().find_map(|times| {
+        let tolerance = times * wrapped.flat;
+        let faces = polygons(&wrapped.facets, points, tolerance)?;
+        is_solid(points, &faces, tolerance + wrapped.flat).then_some(faces)
+    });
+    let (corners, faces) = renumbered(points, faces.ok_or(NoHull::Broken)?);
+    Ok((corners, faces, wrapped.is_whole))
+}
+
+/// A closed convex surface of facets around points.
+struct Wrapped {
+    facets: Vec<Facet>,
+    /// Whether no point is further outside than was allowed.
+    is_whole: bool,
+    /// Points nearer to a plane than this lie in it `[m]`.
+    flat: f64,
+}
+
+impl Wrapped {
+    /// With at most `most` of the points, from which it may leave those out that are outside by no more than `within` `[m]`.
+    fn around(points: &[Vector3], within: f64, most: usize) -> Result<Self, NoHull> {
+        let first = points.first().ok_or(NoHull::Flat)?;
+        let size = points.iter().map(|point| (point - first).norm());
+        let flat = FLAT * size.fold(0.0, f64::max);
+        let within = within.max(flat);
+        let mut facets = start(points, flat).ok_or(NoHull::Flat)?;
+        for number in 0..points.len() {
+            give(points, number, &mut facets, within);
+        }
+        let mut count = 4;
+        let mut is_whole = true;
+        loop {
+            let furthest = facets.iter().filter_map(|facet| facet.furthest);
+            let Some((_, next)) = furthest.max_by(|a, b| a.0.total_cmp(&b.0)) else {
+                break;
+            };
+            if count == most {
+                is_whole = false;
+                break;
+            }
+            count += 1;
+            let is_visible = |facet: &Facet| facet.volume_before(points, &points[next]) > 0.0;
+            let (visible, mut kept): (Vec<_>, Vec<_>) = facets.into_iter().partition(is_visible);
+            let edges: HashSet<_> = visible.iter().flat_map(Facet::edges).collect();
+            let mut fresh = Vec::new();
+            // In the order of the facets: a set has none.
+            for (from, to) in visible.iter().flat_map(Facet::edges) {
+                if !edges.contains(&(to, from)) {
+                    fresh.push(Facet::of(points, [from, to, next]));
+                }
+            }
+            for number in visible.into_iter().flat_map(|facet| facet.outside) {
+                // It may be outside of one that was kept by more than of the new one beside it.
+                if number != next && !give(points, number, &mut fresh, within) {
+                    give(points, number, &mut kept, within);
+                }
+            }
+            kept.append(&mut fresh);
+            facets = kept;
+        }
+        Ok(Self {
+            facets,
+            is_whole,
+            flat,
+        })
+    }
+}
+
+/// Whether faces close, and no corner is further in front of one than a tolerance `[m]`.
+fn is_solid(points: &[Vector3], faces: &[Polygon], tolerance: f64) -> bool {
+    let mut corners: Vec<usize> = faces.iter().flat_map(|face| face.corners.clone()).collect();
+    let sides = corners.len();
+    corners.sort_unstable();
+    corners.dedup();
+    // Euler's formula: a closed surface without holes has as many edges as corners and faces less two.
+    let closes = corners.len() + faces.len() == sides / 2 + 2 && sides.is_multiple_of(2);
+    let is_behind = |face: &Polygon| {
+        let mut heights = corners
+            .iter()
+            .map(|&corner| face.normal.dot(&points[corner]));
+        heights.all(|height| height - face.offset <= 4.0 * tolerance)
+    };
+    closes && faces.iter().all(is_behind)
 }
 
 /// A tetrahedron of points that are far from each other.
@@ -155,15 +278,15 @@ fn start(points: &[Vector3], flat: f64) -> Option<Vec<Facet>> {
         [second, third]
     };
     // The fourth is on the back of the first three.
-    [
+    let facets = [
         [first, a, b],
         [a, first, fourth],
         [b, a, fourth],
         [first, b, fourth],
     ]
-    .into_iter()
-    .map(|corners| Facet::of(points, corners))
-    .collect()
+    .map(|corners| Facet::of(points, corners));
+    let is_closed = facets[0].volume_before(points, &points[fourth]) < 0.0;
+    is_closed.then(|| facets.into())
 }
 
 fn by_axes(a: &Vector3, b: &Vector3) -> std::cmp::Ordering {
@@ -172,99 +295,21 @@ fn by_axes(a: &Vector3, b: &Vector3) -> std::cmp::Ordering {
         .unwrap_or(std::cmp::Ordering::Equal)
 }
 
-/// Gives a point to the facet from which it is furthest outside, if it is so by more than `within`.
-fn give(points: &[Vector3], number: usize, facets: &mut [Facet], within: f64) {
-    let height = |facet: &Facet| facet.height(&points[number]);
+/// Gives a point to the facet from which it is furthest outside, if it is so by more than `within`. Whether it is.
+fn give(points: &[Vector3], number: usize, facets: &mut [Facet], within: f64) -> bool {
+    let point = &points[number];
     let highest = facets
         .iter_mut()
-        .map(|facet| (height(facet), facet))
+        .map(|facet| (facet.height(points, point), facet))
         .max_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((height, facet)) = highest
         && height > within
+        && facet.volume_before(points, point) > 0.0
     {
         facet.take(number, height);
+        return true;
     }
-}
-
-/// Facets of one plane put together, their corners in order; `None` where that is no closed surface.
-fn polygons(facets: &[Facet], points: &[Vector3], flat: f64) -> Option<Vec<Polygon>> {
-    let mut owner = HashMap::new();
-    for (number, facet) in facets.iter().enumerate() {
-        for edge in facet.edges() {
-            if owner.insert(edge, number).is_some() {
-                return None;
-            }
-        }
-    }
-    let mut group = vec![usize::MAX; facets.len()];
-    let mut groups = 0;
-    for first in 0..facets.len() {
-        if group[first] != usize::MAX {
-            continue;
-        }
-        let plane = &facets[first];
-        let mut waiting = vec![first];
-        group[first] = groups;
-        while let Some(facet) = waiting.pop() {
-            for (from, to) in facets[facet].edges() {
-                let other = *owner.get(&(to, from))?;
-                let in_plane = |&corner: &usize| plane.height(&points[corner]).abs() <= 4.0 * flat;
-                if group[other] == usize::MAX && facets[other].corners.iter().all(in_plane) {
-                    group[other] = groups;
-                    waiting.push(other);
-                }
-            }
-        }
-        groups += 1;
-    }
-    // How many groups there are at each corner: one with two of them lies within an edge.
-    let mut at: HashMap<usize, Vec<usize>> = HashMap::new();
-    for (facet, group) in facets.iter().zip(&group) {
-        for corner in facet.corners {
-            let groups = at.entry(corner).or_default();
-            if !groups.contains(group) {
-                groups.push(*group);
-            }
-        }
-    }
-    (0..groups)
-        .map(|number| {
-            let of_group = || (0..facets.len()).filter(|&facet| group[facet] == number);
-            let mut next: HashMap<usize, usize> = HashMap::new();
-            for (from, to) in of_group().flat_map(|facet| facets[facet].edges()) {
-                if group[*owner.get(&(to, from))?] != number && next.insert(from, to).is_some() {
-                    return None;
-                }
-            }
-            let first = *next.keys().min()?;
-            let mut corners = vec![first];
-            let mut here = *next.get(&first)?;
-            while here != first {
-                corners.push(here);
-                here = *next.get(&here)?;
-                if corners.len() > next.len() {
-                    return None;
-                }
-            }
-            if corners.len() != next.len() {
-                return None;
-            }
-            corners.retain(|corner| at[corner].len() > 2);
-            let middle = points[*corners.first()?];
-            // Newell's formula: the areas of the triangles from one corner.
-            let area: Vector3 = corners
-                .windows(2)
-                .map(|pair| (points[pair[0]] - middle).cross(&(points[pair[1]] - middle)))
-                .sum();
-            let normal = area.try_normalize(0.0)?;
-            let heights = corners.iter().map(|&corner| normal.dot(&points[corner]));
-            Some(Polygon {
-                offset: heights.sum::<f64>() / corners.len() as f64,
-                normal,
-                corners,
-            })
-        })
-        .collect()
+    false
 }
 
 /// Only the points that are corners, and the faces by their numbers.
@@ -368,7 +413,8 @@ mod tests {
                 heights.fold(f64::NEG_INFINITY, f64::max)
             };
             let most = ball.iter().map(outside).fold(0.0, f64::max);
-            assert!(most <= within + 1e-7, "{most} {within}");
+            // The ball has a diameter of 2, and points within 6 FLAT of a face are of it.
+            assert!(most <= within + 2e-5, "{most} {within}");
         }
         assert!(last < 40, "{last}");
     }

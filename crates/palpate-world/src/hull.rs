@@ -5,7 +5,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::body::rotation;
-use crate::convex::{NoHull, Polygon, hull};
+use crate::convex::{NoHull, Polygon, coarse_hull, hull, triangles};
 use crate::pairs::MOST_POINTS;
 use crate::rigid::{Rotation, Vector3};
 use crate::{MassProperties, Mesh, MeshError, Vector};
@@ -16,6 +16,8 @@ pub struct Hull {
     corners: Arc<Corners>,
     /// The same surface by triangles.
     mesh: Arc<Mesh>,
+    /// Largest distance of a given point outside of it `[m]`.
+    left_out: f64,
 }
 
 /// Why some points have no hull.
@@ -30,8 +32,8 @@ pub enum HullError {
     Flat,
     /// More corners than are taken.
     #[error(
-        "the hull has more than {0} corners, and at most {0} are taken; give fewer points, or say by how much it may leave \
-         points out"
+        "the hull has more than {0} corners, and at most {0} are taken; give fewer points, let it leave out points that are further \
+         outside, or take the corners that stand out most, as a scene does without `within_m`"
     )]
     TooMany(usize),
     /// A tolerance that is no length.
@@ -78,9 +80,17 @@ impl Mesh {
         let places = places_of(points)?;
         let size = places.iter().map(Vector3::amax).fold(0.0, f64::max);
         let most = Self::MOST_CONVEX_CORNERS;
-        let (corners, faces) = hull(&places, SINGLE_PRECISION * size, most)
-            .map_err(|reason| HullError::of(reason, most))?;
-        surface(&corners, &faces)
+        let within = SINGLE_PRECISION * size;
+        let refused = |reason| HullError::of(reason, most);
+        let (corners, faces) = triangles(&places, within, most).map_err(refused)?;
+        match surface(&corners, &faces) {
+            Ok(mesh) if mesh.is_closed() => Ok(mesh),
+            // Triangles without an area are missing: faces of several corners have none.
+            _ => {
+                let (corners, faces) = hull(&places, within, most).map_err(refused)?;
+                surface(&corners, &faces)
+            }
+        }
     }
 }
 
@@ -95,18 +105,52 @@ fn places_of(points: &[Vector]) -> Result<Vec<Vector3>, HullError> {
 /// The surface of a convex solid, each face as triangles about its first corner.
 fn surface(corners: &[Vector3], faces: &[Polygon]) -> Result<Mesh, HullError> {
     let number = |corner: usize| u32::try_from(corner).unwrap_or(u32::MAX);
-    let triangles = faces.iter().flat_map(|face| {
-        let (first, others) = (face.corners[0], &face.corners[1..]);
-        others.windows(2).map(move |two| [first, two[0], two[1]])
-    });
+    let triangles = faces.iter().flat_map(|face| fan(corners, &face.corners));
     let triangles: Vec<_> = triangles.map(|corners| corners.map(number)).collect();
     let vertices: Vec<Vector> = corners.iter().map(|&corner| corner.into()).collect();
     Mesh::new(&vertices, &triangles).map_err(HullError::Surface)
 }
 
+/// Triangles of a convex polygon about its first corner, or, if corners lie nearly in a line with that one, about the best one.
+fn fan(places: &[Vector3], corners: &[usize]) -> Vec<[usize; 3]> {
+    let about = |first: usize| {
+        let ring = (0..corners.len()).map(|k| corners[(first + k) % corners.len()]);
+        let ring: Vec<usize> = ring.collect();
+        let others = ring[1..].windows(2);
+        others
+            .map(|two| [ring[0], two[0], two[1]])
+            .collect::<Vec<_>>()
+    };
+    // Twice the least area over the square of the longest side.
+    let worst = |triangles: &[[usize; 3]]| {
+        let each = triangles.iter().map(|triangle| {
+            let [a, b, c] = triangle.map(|corner| places[corner]);
+            let sides = [b - a, c - b, a - c].map(|side| side.norm_squared());
+            (b - a).cross(&(c - a)).norm() / sides.into_iter().fold(0.0, f64::max)
+        });
+        each.fold(f64::INFINITY, f64::min)
+    };
+    let first = about(0);
+    if worst(&first) > NEARLY_A_LINE {
+        return first;
+    }
+    (1..corners.len()).map(about).fold(first, |best, other| {
+        if worst(&other) > worst(&best) {
+            other
+        } else {
+            best
+        }
+    })
+}
+
+/// Triangles with less than this twice their area over the square of their longest side are avoided.
+const NEARLY_A_LINE: f64 = 1e-6;
+
 impl Hull {
     /// Most corners of a hull.
     pub const MOST_CORNERS: usize = MOST_POINTS;
+    /// Corners of a simplified hull: they leave room for other contacts among the points of a world.
+    pub const SIMPLIFIED_CORNERS: usize = 48;
 
     /// The least convex solid around `points` `[m]`.
     ///
@@ -116,23 +160,51 @@ impl Hull {
         Self::within(points, 0.0)
     }
 
-    /// A convex solid whose corners are some of `points` `[m]`, chosen so that no other of them is further outside than
+    /// A convex solid whose corners are the [`SIMPLIFIED_CORNERS`](Self::SIMPLIFIED_CORNERS) of `points` `[m]` that stand out most, or
+    /// fewer if there are fewer corners: [`left_out`](Self::left_out) is the largest distance of a point outside of it.
+    ///
+    /// # Errors
+    /// The points lie in a plane.
+    pub fn simplified(points: &[Vector]) -> Result<Self, HullError> {
+        Self::of(points, |places| {
+            Corners::of_most(places, Self::SIMPLIFIED_CORNERS)
+                .map_err(|why| HullError::of(why, Self::MOST_CORNERS))
+        })
+    }
+
+    /// A convex solid whose corners are some of `points` `[m]`, chosen so that no other of them is further outside of a face than
     /// `tolerance` `[m]`, at least 0.
     ///
     /// # Errors
-    /// Those of [`around`](Self::around), or a tolerance that is no such length.
+    /// The points lie in a plane, the solid has more than [`MOST_CORNERS`](Self::MOST_CORNERS) corners, or a tolerance that is no
+    /// such length.
     pub fn within(points: &[Vector], tolerance: f64) -> Result<Self, HullError> {
         if !(tolerance >= 0.0 && tolerance.is_finite()) {
             return Err(HullError::Within(tolerance));
         }
+        Self::of(points, |places| {
+            Corners::around(places, tolerance).map_err(|why| HullError::of(why, Self::MOST_CORNERS))
+        })
+    }
+
+    fn of(
+        points: &[Vector],
+        corners: impl Fn(&[Vector3]) -> Result<Corners, HullError>,
+    ) -> Result<Self, HullError> {
         let places = places_of(points)?;
-        let corners = Corners::around(&places, tolerance)
-            .map_err(|reason| HullError::of(reason, Self::MOST_CORNERS))?;
+        let corners = corners(&places)?;
         let mesh = surface(&corners.places, &corners.faces)?;
         Ok(Self {
+            left_out: corners.left_out(&places),
             corners: Arc::new(corners),
             mesh: Arc::new(mesh),
         })
+    }
+
+    /// Largest distance outside of it of a point that it was made from `[m]`: 0 but for round-off, if all corners are taken.
+    #[must_use]
+    pub fn left_out(&self) -> f64 {
+        self.left_out
     }
 
     /// Its corners `[m]`.
@@ -168,6 +240,7 @@ impl Hull {
         Self {
             corners: Arc::new(self.corners.seen_from(&centre, &axes)),
             mesh: self.mesh.seen_from(&centre, &axes),
+            left_out: self.left_out,
         }
     }
 
@@ -198,12 +271,30 @@ pub(crate) struct Edge {
 impl Corners {
     /// Of points, from which the solid may leave those out that are outside of it by no more than `within` `[m]`.
     pub fn around(points: &[Vector3], within: f64) -> Result<Self, NoHull> {
-        let (places, faces) = hull(points, within, MOST_POINTS)?;
-        Ok(Self {
+        Ok(Self::of_faces(hull(points, within, MOST_POINTS)?))
+    }
+
+    /// Of points; of their solid, so many corners that stand out most.
+    pub fn of_most(points: &[Vector3], most: usize) -> Result<Self, NoHull> {
+        Ok(Self::of_faces(coarse_hull(points, most)?))
+    }
+
+    fn of_faces((places, faces): (Vec<Vector3>, Vec<Polygon>)) -> Self {
+        Self {
             edges: edges(&places, &faces),
             places,
             faces,
-        })
+        }
+    }
+
+    /// Largest distance of one of the points outside of the solid `[m]`.
+    fn left_out(&self, points: &[Vector3]) -> f64 {
+        let outside = points.iter().filter(|point| {
+            let mut faces = self.faces.iter();
+            faces.any(|face| face.normal.dot(point) > face.offset)
+        });
+        let distances = outside.map(|point| self.nearest(point).distance);
+        distances.fold(0.0, f64::max)
     }
 
     /// Of a box of half these lengths, above 0 `[m]`: a corner's number has a bit for each axis.

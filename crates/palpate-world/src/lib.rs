@@ -13,6 +13,7 @@ mod change;
 mod commands;
 mod contact;
 mod convex;
+mod coplanar;
 pub mod engine;
 mod fault;
 mod guard;

@@ -302,7 +302,8 @@ fn no_corners(shape: &Candidate<'_>, other: &Candidate<'_>, reason: NoHull) -> W
     let why = match reason {
         NoHull::TooMany => format!(
             "the convex hull around it has more than {MOST_POINTS} corners, and it touches a half-space by these; give it \
-             a coarser shape, or leave the pair without a law"
+             a shell of points (`shell = {{ points = 60 }}` in its mesh), make it a hull (`hull` in place of `mesh`), or leave the \
+             pair without a law"
         ),
         NoHull::Flat | NoHull::Broken => {
             "all of it lies in a plane or nearly so, and has no convex hull by whose corners it could touch a half-space"

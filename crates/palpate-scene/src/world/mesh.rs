@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use palpate_files::bounded::MESH;
 use palpate_testbed::world::mesh::gallery;
-use palpate_world::{Hull, Mesh, Shape, Vector};
+use palpate_world::{Hull, HullError, Mesh, Shape, Vector};
 use serde::Deserialize;
 
 use super::mesh_contact::{RawDistanceGrid, RawShell};
-use super::stl;
+use super::{obj, stl};
 
 /// Most squares along an edge of the cube of a bumpy sphere: more have more triangles than a mesh may have.
 const MOST_CELLS: u32 = 288;
@@ -22,7 +22,8 @@ const MOST_CELLS: u32 = 288;
 pub(super) struct RawMesh {
     file: Option<String>,
     unit: Option<Unit>,
-    scale: Option<f64>,
+    scale: Option<Scale>,
+    turned: Option<bool>,
     vertices_m: Option<Vec<Vector>>,
     faces: Option<Vec<[u32; 3]>>,
     bumpy_sphere: Option<RawBumpySphere>,
@@ -76,6 +77,30 @@ impl Unit {
     }
 }
 
+/// Factors beside the unit: one for all axes, or one for each. Below 0 they mirror.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(untagged)]
+enum Scale {
+    All(f64),
+    Each(Vector),
+}
+
+impl Scale {
+    fn factors(scale: Option<Self>) -> Result<Vector, String> {
+        let factors = match scale {
+            None => [1.0; 3],
+            Some(Self::All(scale)) => [scale; 3],
+            Some(Self::Each(factors)) => factors,
+        };
+        if let Some(factor) = factors.iter().find(|x| **x == 0.0 || !x.is_finite()) {
+            return Err(format!(
+                "scale has {factor}, and each factor has to be finite and not 0; below 0 it mirrors"
+            ));
+        }
+        Ok(factors)
+    }
+}
+
 /// A mesh, and what a user may want to know of it.
 pub(super) struct ReadMesh {
     pub shape: Shape,
@@ -100,10 +125,9 @@ impl RawMesh {
         if self.file.is_none() && (self.unit.is_some() || self.scale.is_some()) {
             return Err("unit and scale are of a mesh's file, and there is none".into());
         }
-        let mut mesh = self.surface(folder)?;
-        let mut words = Vec::new();
+        let (mut mesh, mut words) = self.surface(folder)?;
         if self.file.is_some() {
-            words.push(extent_in_words(&mesh));
+            words.insert(0, extent_in_words(&mesh));
         }
         // A formula gives no triangle to leave out, and says itself whether it closes.
         if self.file.is_some() || self.vertices_m.is_some() {
@@ -126,25 +150,44 @@ impl RawMesh {
         })
     }
 
-    /// The triangles alone.
-    fn surface(&self, folder: &Path) -> Result<Mesh, String> {
-        let in_scene = |(vertices, faces): &gallery::Triangles| {
-            Mesh::new(vertices, faces).map_err(|error| error.to_string())
+    /// The triangles alone, and what is to be said of their file.
+    fn surface(&self, folder: &Path) -> Result<(Mesh, Vec<String>), String> {
+        let mut words = Vec::new();
+        let (vertices, mut faces) = if let Some(file) = &self.file {
+            let (triangles, note) = in_metres(&folder.join(file), self.unit, self.scale)?;
+            words.extend(note);
+            triangles
+        } else if let Some(bumpy) = &self.bumpy_sphere {
+            bumpy.triangles()?
+        } else if let Some(revolved) = &self.revolved {
+            revolved.triangles()?
+        } else {
+            match (&self.vertices_m, &self.faces) {
+                (Some(vertices), Some(faces)) => (vertices.clone(), faces.clone()),
+                _ => return Err("a mesh by its triangles needs both vertices_m and faces".into()),
+            }
         };
-        if let Some(file) = &self.file {
-            let (vertices, faces) = in_metres(&folder.join(file), self.unit, self.scale)?;
-            return Mesh::new(&vertices, &faces).map_err(|error| format!("{file}: {error}"));
+        let is_turned = self.turned.unwrap_or(false);
+        if is_turned {
+            turn(&mut faces);
         }
-        if let Some(bumpy) = &self.bumpy_sphere {
-            return in_scene(&bumpy.triangles()?);
+        let mesh = Mesh::new(&vertices, &faces).map_err(|error| match &self.file {
+            Some(file) => format!("{file}: {error}"),
+            None => error.to_string(),
+        })?;
+        if is_turned && mesh.is_closed() {
+            return Err(
+                "turned is of an open mesh: which side of a closed one is outside is found without it".into(),
+            );
         }
-        if let Some(revolved) = &self.revolved {
-            return in_scene(&revolved.triangles()?);
-        }
-        match (&self.vertices_m, &self.faces) {
-            (Some(vertices), Some(faces)) => in_scene(&(vertices.clone(), faces.clone())),
-            _ => Err("a mesh by its triangles needs both vertices_m and faces".into()),
-        }
+        Ok((mesh, words))
+    }
+}
+
+/// Turns triangles to their other side.
+fn turn(faces: &mut [[u32; 3]]) {
+    for face in faces {
+        face.swap(1, 2);
     }
 }
 
@@ -156,31 +199,60 @@ pub(super) struct RawHull {
     prism: Option<RawPrism>,
     file: Option<String>,
     unit: Option<Unit>,
-    scale: Option<f64>,
+    scale: Option<Scale>,
     within_m: Option<f64>,
 }
 
 impl RawHull {
     /// The hull; files are looked for in `folder`.
     pub fn read(&self, folder: &Path) -> Result<ReadMesh, String> {
-        let within = self.within_m.unwrap_or(0.0);
-        let around = |points: &[Vector]| Hull::within(points, within);
+        // What was asked for by `within_m` needs no words.
+        let mut left_out = None;
+        let mut around = |points: &[Vector]| match self.within_m {
+            Some(within) => Hull::within(points, within),
+            None => match Hull::around(points) {
+                Err(HullError::TooMany(_)) => {
+                    let hull = Hull::simplified(points)?;
+                    left_out = Some(hull.left_out());
+                    Ok(hull)
+                }
+                other => other,
+            },
+        };
         if self.file.is_none() && (self.unit.is_some() || self.scale.is_some()) {
             return Err("unit and scale are of a hull's file, and there is none".into());
         }
-        let of_numbers = |points: &[Vector]| around(points).map_err(|error| error.to_string());
-        let (hull, note) = match (&self.points_m, self.prism, &self.file) {
+        let mut of_numbers = |points: &[Vector]| around(points).map_err(|error| error.to_string());
+        let (hull, file) = match (&self.points_m, self.prism, &self.file) {
             (Some(points), None, None) => (of_numbers(points)?, None),
             (None, Some(prism), None) => (of_numbers(&prism.corners()?)?, None),
             (None, None, Some(file)) => {
-                let (points, _) = in_metres(&folder.join(file), self.unit, self.scale)?;
-                let hull = around(&points).map_err(|error| format!("{file}: {error}"))?;
-                let (corners, faces) = (hull.corners().len(), hull.faces().len());
-                let size = size_in_words(&hull.corners());
-                let note = format!("{file}: a hull of {corners} corners and {faces} faces, {size}");
-                (hull, Some(note))
+                let ((points, _), note) = in_metres(&folder.join(file), self.unit, self.scale)?;
+                let hull = of_numbers(&points).map_err(|why| format!("{file}: {why}"))?;
+                (hull, Some((file, note)))
             }
             _ => return Err("a hull needs one of points_m, prism and file".into()),
+        };
+        let (corners, faces) = (hull.corners().len(), hull.faces().len());
+        let size = size_in_words(&hull.corners());
+        let mut words = vec![format!(
+            "a hull of {corners} corners and {faces} faces, {size}"
+        )];
+        if let Some(left_out) = left_out {
+            words.push(format!(
+                "points that are up to {:.3} mm outside were left out, since more corners than {} would be needed; give within_m \
+                 for others",
+                1e3 * left_out,
+                Hull::MOST_CORNERS
+            ));
+        }
+        let note = match file {
+            Some((file, note)) => {
+                words.extend(note);
+                Some(format!("{file}: {}", words.join("; ")))
+            }
+            None if words.len() > 1 => Some(format!("its hull: {}", words.join("; "))),
+            None => None,
         };
         Ok(ReadMesh {
             shape: Shape::Hull(Arc::new(hull)),
@@ -225,25 +297,24 @@ impl RawPrism {
     }
 }
 
-/// Vertices `[m]` and triangles of a file whose numbers are in `unit`, times a `scale`.
+/// Vertices `[m]` and triangles of a file whose numbers are in `unit`, times a `scale`, and what is to be said of the file.
 fn in_metres(
     path: &Path,
     unit: Option<Unit>,
-    scale: Option<f64>,
-) -> Result<gallery::Triangles, String> {
+    scale: Option<Scale>,
+) -> Result<(gallery::Triangles, Option<String>), String> {
     let unit = unit.ok_or(
         "a mesh file does not say its unit: give unit = \"mm\", or one of \"m\", \"cm\", \"um\", \"in\"",
     )?;
-    let scale = scale.unwrap_or(1.0);
-    if !(scale > 0.0 && scale.is_finite()) {
-        return Err(format!("scale is {scale}, and has to be above 0"));
+    let factors = Scale::factors(scale)?;
+    let ((mut vertices, mut faces), note) = triangles(path)?;
+    for vertex in &mut vertices {
+        *vertex = [0, 1, 2].map(|axis| vertex[axis] * unit.length() * factors[axis]);
     }
-    let (vertices, faces) = triangles(path)?;
-    let length = unit.length() * scale;
-    let vertices = vertices
-        .iter()
-        .map(|vertex| vertex.map(|x| f64::from(x) * length));
-    Ok((vertices.collect(), faces))
+    if factors.iter().product::<f64>() < 0.0 {
+        turn(&mut faces);
+    }
+    Ok(((vertices, faces), note))
 }
 
 impl RawBumpySphere {
@@ -297,48 +368,29 @@ impl RawRevolved {
     }
 }
 
-/// Vertices in the file's unit, and triangles by the numbers of their corners.
-type Numbers = (Vec<[f32; 3]>, Vec<[u32; 3]>);
-
-/// What an STL or OBJ file has. Files that it names, such as of colours, are not read.
-fn triangles(path: &Path) -> Result<Numbers, String> {
-    let shown = path.display();
+/// Vertices in the file's unit, triangles, and what is to be said of an STL or OBJ file. Files that it names, such as of colours,
+/// are not read.
+fn triangles(path: &Path) -> Result<(gallery::Triangles, Option<String>), String> {
+    let at = |why: String| format!("{}: {why}", path.display());
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    let loader = mesh_loader::Loader::default();
-    let nothing_else = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
-    let scene = match extension.to_str() {
+    match extension.to_str() {
         Some("stl") => {
-            let bytes = bytes_of(path)?;
-            let stl = stl::checked(&bytes).map_err(|why| format!("{shown}: {why}"))?;
-            loader.load_stl_from_slice(&stl, path)
+            let file = stl::read(&bytes_of(path)?).map_err(at)?;
+            let corners = file.triangles.len() * 3;
+            let count = u32::try_from(corners)
+                .map_err(|_| at(format!("{corners} corners are too many")))?;
+            let faces = (0..count)
+                .step_by(3)
+                .map(|first| [first, first + 1, first + 2]);
+            Ok(((file.triangles.concat(), faces.collect()), file.note))
         }
-        Some("obj") => loader.load_obj_from_slice_with_reader(&bytes_of(path)?, path, nothing_else),
-        _ => {
-            return Err(format!(
-                "{shown}: a mesh is read from a file with the ending .stl or .obj"
-            ));
-        }
-    };
-    let scene = scene.map_err(|error| {
-        let said = error.to_string();
-        // The loader may say the path by itself.
-        if said.contains(&*shown.to_string()) {
-            said
-        } else {
-            format!("{shown}: {said}")
-        }
-    })?;
-    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
-    for mesh in scene.meshes {
-        let first = u32::try_from(vertices.len()).map_err(|_| format!("{shown}: too large"))?;
-        vertices.extend(mesh.vertices);
-        faces.extend(
-            mesh.faces
-                .iter()
-                .map(|face| face.map(|k| k.saturating_add(first))),
-        );
+        Some("obj") => obj::triangles(&bytes_of(path)?)
+            .map(|read| (read, None))
+            .map_err(at),
+        _ => Err(at(
+            "a mesh is read from a file with the ending .stl or .obj".into(),
+        )),
     }
-    Ok((vertices, faces))
 }
 
 fn bytes_of(path: &Path) -> Result<Vec<u8>, String> {
@@ -372,14 +424,47 @@ fn unusual(mesh: &Mesh) -> Vec<String> {
     let mut words = Vec::new();
     if mesh.dropped() > 0 {
         words.push(format!(
-            "{} that have no area or are there twice were left out",
+            "{} that have no area, are there twice or lie between touching parts were left out",
             mesh.dropped()
         ));
     }
-    if !mesh.is_closed() {
-        words.push(
-            "it has open edges, so that it is touched from the front of its triangles only".into(),
+    if mesh.turned() > 0 {
+        let (count, was) = (
+            mesh.turned(),
+            if mesh.turned() == 1 {
+                "part was"
+            } else {
+                "parts were"
+            },
         );
+        words.push(format!("{count} {was} inside out, turned"));
+    }
+    if !mesh.is_closed() {
+        words.push(format!(
+            "it has open edges, so that it is touched from the front of its triangles only, which on average faces {}; \
+             turned = true turns it round",
+            facing(mesh)
+        ));
     }
     words
+}
+
+/// The direction into which most of a mesh's area faces, in words.
+fn facing(mesh: &Mesh) -> String {
+    let vertices = mesh.vertices();
+    let mut sum = [0.0; 3];
+    for face in mesh.faces() {
+        let [a, b, c] = face.map(|corner| vertices[corner as usize]);
+        let (p, q) = (
+            [0, 1, 2].map(|k| b[k] - a[k]),
+            [0, 1, 2].map(|k| c[k] - a[k]),
+        );
+        let area = [0, 1, 2].map(|k| {
+            let (next, last) = ((k + 1) % 3, (k + 2) % 3);
+            p[next] * q[last] - p[last] * q[next]
+        });
+        sum = [0, 1, 2].map(|k| sum[k] + area[k]);
+    }
+    let [x, y, z] = super::shape::unit(sum).map(|part| if part.abs() < 5e-3 { 0.0 } else { part });
+    format!("({x:.2}, {y:.2}, {z:.2})")
 }

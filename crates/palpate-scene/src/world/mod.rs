@@ -8,6 +8,7 @@ mod mass_table;
 mod mesh;
 mod mesh_contact;
 mod numbers;
+mod obj;
 mod pair;
 mod per_axis;
 mod place;

@@ -5,6 +5,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::distance_grid::{DistanceGrid, InvalidGrid};
+use super::parts::Triangles;
 use super::point_shell::PointShell;
 use super::topology::Topology;
 use super::tree::{Bounds, Tree};
@@ -24,6 +25,7 @@ pub struct Mesh {
     pub(super) tree: Tree,
     is_closed: bool,
     dropped: usize,
+    pub(super) turned: usize,
     reach: f64,
     pub(super) grid: Option<Arc<DistanceGrid>>,
     pub(super) shell: Option<PointShell>,
@@ -56,9 +58,17 @@ pub enum MeshError {
     NotFinite(usize),
     /// A surface that parts in three.
     #[error(
-        "triangles {}, {} and {} share an edge; at most two may, or there is no inside", .0[0], .0[1], .0[2]
+        "triangles {}, {} and {} share an edge, and as many of its triangles have to run along it one way as the other: solids may \
+         touch there, but a sheet that stands on a surface has no inside; remove it, or give it a thickness",
+        .0[0], .0[1], .0[2]
     )]
     SharedEdge([usize; 3]),
+    /// A sheet whose two sides are given, at the same place.
+    #[error(
+        "triangles {} and {} are the two sides of one sheet, which has no inside; remove the triangles of one side (an open mesh is \
+         touched from the front of its triangles), or give the sheet a thickness", .0[0], .0[1]
+    )]
+    TwoSided([usize; 2]),
     /// Neighbours that face opposite ways.
     #[error(
         "triangles {} and {} share an edge and run along it the same way, so that one of them is inside out; turn the \
@@ -74,7 +84,10 @@ pub enum MeshError {
         triangles: usize,
     },
     /// A closed surface around nothing.
-    #[error("the mesh is closed and encloses a volume of {0} m^3; it has to enclose one above 0")]
+    #[error(
+        "the mesh is closed and encloses a volume of {0} m^3, and it has to enclose one above 0; of a sheet that is given from both \
+         sides, remove the triangles of one side (an open mesh is touched from the front of its triangles), or give it a thickness"
+    )]
     NoVolume(f64),
 }
 
@@ -92,8 +105,8 @@ impl fmt::Debug for Mesh {
 
 /// Twice the area of a triangle over the square of its longest side below which it is a line: it has no normal.
 const FLAT: f64 = 1e-10;
-/// Vertices are one if they are nearer to each other than this share of the largest coordinate: two units in the last
-/// place of single precision, in which such files are.
+/// Vertices are one if they are nearer to each other than this share of half the longest side of the box around them: two units in
+/// the last place of single precision, in which such files are.
 const SAME: f64 = 2.5e-7;
 
 impl Mesh {
@@ -104,8 +117,9 @@ impl Mesh {
 
     /// A mesh of `vertices` `[m]` and triangles, each by the numbers of its three corners from 0.
     ///
-    /// Vertices nearer to each other than 2.5e-7 of the largest coordinate are one. Triangles without an area, and those that are there twice, are dropped:
-    /// [`dropped`](Self::dropped). A closed mesh that is inside out is turned.
+    /// Vertices nearer to each other than 2.5e-7 of half the longest side of the box around them are one. Triangles without an
+    /// area, and those that are there twice, are dropped: [`dropped`](Self::dropped). So are the triangles between closed parts that
+    /// touch face to face. Closed parts that are inside out are turned, but for cavities: [`turned`](Self::turned).
     ///
     /// # Errors
     /// The first thing that is wrong with it.
@@ -143,23 +157,24 @@ impl Mesh {
         if kept.is_empty() {
             return Err(MeshError::Empty);
         }
-        let vertices = welded.places;
-        let mut topology = Topology::of(&vertices, &kept, &given)?;
-        let is_closed = topology.is_closed();
-        if is_closed {
-            let volume = volume(&vertices, &kept);
-            if volume == 0.0 {
-                return Err(MeshError::NoVolume(volume));
-            }
-            if volume < 0.0 {
-                for face in &mut kept {
-                    face.swap(1, 2);
-                }
-                topology = Topology::of(&vertices, &kept, &given)?;
-            }
-        }
+        let parts = Triangles {
+            vertices: welded.places,
+            faces: kept,
+            given,
+            turned: 0,
+        };
+        let Triangles {
+            vertices,
+            faces: kept,
+            given,
+            turned,
+        } = parts.into_parts()?;
+        let topology = Topology::of(&vertices, &kept, &given)?;
         let dropped = faces.len() - kept.len();
-        Ok(Self::of_parts(vertices, kept, topology, dropped))
+        Ok(Self {
+            turned,
+            ..Self::of_parts(vertices, kept, topology, dropped)
+        })
     }
 
     /// A mesh of parts that are checked.
@@ -181,6 +196,7 @@ impl Mesh {
             reach: vertices.iter().map(Vector3::norm).fold(0.0, f64::max),
             is_closed: topology.is_closed(),
             dropped,
+            turned: 0,
             faces,
             vertices,
             topology,
@@ -224,7 +240,7 @@ impl Mesh {
         self.shell.as_ref()
     }
 
-    /// Its vertices, each place once `[m]`.
+    /// Its vertices `[m]`: each place once, but for edges at which several solids touch.
     #[must_use]
     pub fn vertices(&self) -> Vec<Vector> {
         self.vertices.iter().map(|&vertex| vertex.into()).collect()
@@ -246,6 +262,12 @@ impl Mesh {
     #[must_use]
     pub fn dropped(&self) -> usize {
         self.dropped
+    }
+
+    /// How many of its closed parts were given inside out.
+    #[must_use]
+    pub fn turned(&self) -> usize {
+        self.turned
     }
 
     /// Volume that it encloses `[m^3]`; 0 for an open mesh.
@@ -298,10 +320,15 @@ const CELL: f64 = 32.0;
 
 impl Welded {
     fn new(vertices: &[Vector]) -> Self {
-        let largest = vertices
-            .iter()
-            .flatten()
-            .fold(0.0, |most, x| x.abs().max(most));
+        let half_side = |axis: usize| {
+            let along = || vertices.iter().map(|vertex| vertex[axis]);
+            let (least, most) = (
+                along().fold(f64::INFINITY, f64::min),
+                along().fold(f64::NEG_INFINITY, f64::max),
+            );
+            0.5 * (most - least)
+        };
+        let largest = (0..3).map(half_side).fold(0.0, f64::max);
         Self {
             places: Vec::with_capacity(vertices.len()),
             tolerance: SAME * largest,

@@ -67,6 +67,7 @@ impl Mesh {
         let topology = self.topology.turned(&orientation.inverse());
         let (faces, dropped) = (self.faces.clone(), self.dropped());
         let mut seen = Self::of_parts(vertices, faces, topology, dropped);
+        seen.turned = self.turned();
         let grid = self.grid.as_ref();
         seen.grid = grid.map(|grid| Arc::new(grid.seen_from(centre, orientation)));
         let shell = self.shell.as_ref();

@@ -7,6 +7,7 @@ mod gather;
 mod hollow;
 mod mass;
 mod nearest;
+mod parts;
 mod point_shell;
 mod spared;
 mod surface;

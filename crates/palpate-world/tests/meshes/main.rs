@@ -6,6 +6,7 @@ mod common;
 mod distance_grid;
 mod grids;
 mod moving;
+mod parts;
 mod refusals;
 mod sides;
 mod surfaces;

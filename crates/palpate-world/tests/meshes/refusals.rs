@@ -44,7 +44,7 @@ fn what_is_wrong_with_a_mesh_is_named() {
     vertices.push([0.5, 0.5, 1.0]);
     let message = refused(&vertices, &[[0, 1, 2], [0, 2, 3], [0, 2, 4]]);
     assert!(
-        message.contains("share an edge; at most two may"),
+        message.contains("triangles 0, 1 and 2 share an edge"),
         "{message}"
     );
     let many = vec![[0, 1, 2]; Mesh::MOST_TRIANGLES + 1];
@@ -101,12 +101,17 @@ fn a_mesh_that_moves_has_to_have_an_inertia_and_to_meet_what_it_can() {
     let said = faults(world(0.01, vec![free(beside(), None)], law))[0].to_string();
     assert!(said.contains("centre of mass at [0.002"), "{said}");
     assert!(made(world(0.01, vec![free(beside(), None).balanced()], law)).is_ok());
-    // A part beside it is inside out: a hollow where nothing is.
+    // A cavity that reaches out of the part: a hollow where nothing is.
     let (part, hollow) = (block([0.01; 3], 1), block([0.008; 3], 1));
     let mut vertices = part.vertices();
     let first = u32::try_from(vertices.len()).unwrap();
     let mut faces = part.faces().to_vec();
-    vertices.extend(hollow.vertices().iter().map(|[x, y, z]| [x + 0.05, *y, *z]));
+    vertices.extend(
+        hollow
+            .vertices()
+            .iter()
+            .map(|[x, y, z]| [x + 0.015, *y, *z]),
+    );
     faces.extend(hollow.faces().iter().map(|face| {
         let [a, b, c] = face.map(|corner| first + corner);
         [a, c, b]
@@ -175,6 +180,67 @@ fn what_is_wrong_with_the_points_of_a_hull_is_named() {
         })
         .collect();
     assert!(refused(&round, 0.0).contains("more than 64 corners, and at most 64 are taken"));
+    let simplified = Hull::simplified(&round).unwrap();
+    assert!(simplified.corners().len() <= Hull::SIMPLIFIED_CORNERS);
+    assert!(
+        simplified.left_out() > 0.01 && simplified.left_out() < 0.1,
+        "{simplified:?}"
+    );
+    // Its own corners are all there, and a point outside is as far out as it says.
+    let again = Hull::around(&simplified.corners()).unwrap();
+    assert_eq!(again.corners().len(), simplified.corners().len());
+    assert!(again.left_out() < 1e-5);
     let coarse = Hull::within(&round, 0.1).unwrap();
     assert!(coarse.corners().len() < 60, "{coarse:?}");
+}
+
+/// Plates, discs and chamfered boxes turned anyhow have corners that lie in a plane but for round-off.
+#[test]
+fn plates_discs_and_chamfered_boxes_have_hulls_however_they_are_turned() {
+    let turned = |points: &[Vector], turn: f64, rounding: f64| -> Vec<Vector> {
+        let ((s, c), (t, d)) = (turn.sin_cos(), (1.7 * turn).sin_cos());
+        let round = |x: f64| (x / rounding).round() * rounding;
+        let turn = |[x, y, z]: Vector| {
+            let (x, y) = (c * x - s * y, s * x + c * y);
+            [x, d * y - t * z, t * y + d * z]
+        };
+        points.iter().map(|&point| turn(point).map(round)).collect()
+    };
+    let disc = |sides: u32, radius: f64, height: f64| {
+        (0..sides).flat_map(move |k| {
+            let (y, x) = (std::f64::consts::TAU * f64::from(k) / f64::from(sides)).sin_cos();
+            [-height, height].map(|z| [radius * x, radius * y, z])
+        })
+    };
+    let grid = (0..21 * 21).map(|k| [k % 21, k / 21].map(|x| 0.005 * f64::from(x)));
+    let plate: Vec<Vector> = grid
+        .flat_map(|[x, y]| [[x, y, 0.0], [x, y, 0.002]])
+        .collect();
+    let chamfered = |k: u32| {
+        let at = |axis: u32| if k >> axis & 1 == 1 { 0.02 } else { -0.02 };
+        [
+            [0.018, 0.02, 0.02],
+            [0.02, 0.018, 0.02],
+            [0.02, 0.02, 0.018],
+        ]
+        .map(|by| {
+            let axis = [0, 1, 2];
+            axis.map(|n| at(n) * by[n as usize] / 0.02)
+        })
+    };
+    let solids: [(Vec<Vector>, usize, usize); 4] = [
+        (plate, 8, 6),
+        (disc(32, 0.03, 0.005).collect(), 64, 34),
+        (disc(20, 0.03, 0.0005).collect(), 40, 22),
+        ((0..8).flat_map(chamfered).collect(), 24, 14),
+    ];
+    for (points, corners, faces) in &solids {
+        for turn in 0..20_u32 {
+            for rounding in [1e-30, 1e-9, 1e-8] {
+                let hull = Hull::around(&turned(points, 0.3 * f64::from(turn), rounding)).unwrap();
+                assert_eq!(hull.corners().len(), *corners, "{turn} {rounding}");
+                assert_eq!(hull.faces().len(), *faces, "{turn} {rounding}");
+            }
+        }
+    }
 }
