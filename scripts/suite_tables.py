@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Prints the tables of docs/suite.md for the sets with real actuators, from the program itself.
 
-    cargo build --release && python3 scripts/suite_tables.py [--plants 200] [--seed 1]
+    cargo build --release && python3 scripts/suite_tables.py [--plants 200] [--seed 1] [--seeds 7] [--sets desk,real]
 
-A cell is E in percent: median / 90 % / largest.
+A cell is E in percent: median / 90 % / largest; with several seeds the median and the range over the seeds of the first two.
 """
 import argparse
 import json
@@ -11,13 +11,21 @@ import subprocess
 import sys
 
 
-def report(program, name, plants, seed):
-    command = [program, "suite", "--set", name, "--plants", str(plants), "--seed", str(seed), "--json"]
+def report(program, name, plants, seed, seeds):
+    command = [program, "suite", "--set", name, "--plants", str(plants), "--seed", str(seed)]
+    command += ["--seeds", str(seeds), "--json"]
     answer = subprocess.run(command, stdout=subprocess.PIPE, check=True)
     return json.loads(answer.stdout)
 
 
+def spread(found):
+    return f"{found['median']:.1f} ({found['least']:.1f}-{found['largest']:.1f})"
+
+
 def cell(found):
+    if "over_seeds" in found:
+        over = found["over_seeds"]
+        return f"{spread(over['median_percent'])} / {spread(over['quantile_90_percent'])}"
     error = found["mean_force_error_percent"]
     diverged = " !" if found["diverged"] else ""
     values = (error["median"], error["quantile_90"], error["largest"])
@@ -30,15 +38,21 @@ def main():
     parser.add_argument("--program", default="target/release/palpate")
     parser.add_argument("--plants", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seeds", type=int, default=1)
+    parser.add_argument("--sets", default="paper,desk,real,steps")
     arguments = parser.parse_args()
-    for name in ("desk", "real", "steps"):
-        found = report(arguments.program, name, arguments.plants, arguments.seed)
+    for name in arguments.sets.split(","):
+        found = report(arguments.program, name, arguments.plants, arguments.seed, arguments.seeds)
         columns = found["columns"]
         print(f"| `{name}` | " + " | ".join(column["name"] for column in columns) + " |")
         print("|---|" + "---:|" * len(columns))
-        for place, condition in enumerate(columns[0]["conditions"]):
-            cells = [cell(column["conditions"][place]) for column in columns]
-            print(f"| {condition['condition']} | " + " | ".join(cells) + " |")
+        key = "delays" if name == "paper" else "conditions"
+        for place, condition in enumerate(columns[0][key]):
+            cells = [cell(column[key][place]) for column in columns]
+            said = condition.get("condition")
+            if said is None:
+                said = f"delay {condition['delay_samples']}, model {condition['model_delay_samples']}"
+            print(f"| {said} | " + " | ".join(cells) + " |")
         print()
         sys.stdout.flush()
 

@@ -70,6 +70,8 @@ let wanted = read(location.hash);
 let ownFragment = null;
 /** Stopped by the button, or by itself; a tab that is hidden stands still, too. */
 let stopped = false;
+/** Whether it has stopped because something has flown off. */
+let hasFlown = false;
 let fit = false;
 
 const scenes = new Map();
@@ -89,7 +91,10 @@ const loop = new Loop({
   text: (message) => model.take(message),
   samples: (bytes) => model.takeSamples(readSamples(bytes, model.names.length), view.keepFromS),
   drawn: (drawn) => worlds.begin(drawn),
-  world: (now) => worlds.take(now),
+  world(now) {
+    worlds.take(now);
+    watchFarWorld();
+  },
   pace(report) {
     place("pace").textContent = paceInWords(report);
     const about = slow.about(report);
@@ -134,6 +139,10 @@ async function open(link) {
 async function openWorld(world, methods) {
   const source = await sceneNamed(world);
   show("world");
+  banners.show("flown", null);
+  if (hasFlown) {
+    goOn();
+  }
   worlds.chosen = { world, methods };
   tellLink(writtenWorld(world, methods));
   loop.ask({ type: "openWorld", world: source, methods });
@@ -192,6 +201,7 @@ function connection(kind, text) {
 }
 
 function goOn() {
+  hasFlown = false;
   stopped = false;
   loop.go();
   slow.forget();
@@ -277,6 +287,22 @@ function markPreset(settings) {
   }
 }
 
+/** The same of the bodies of a world. */
+function watchFarWorld() {
+  const far = worlds.far(FAR_M);
+  if (far && !stopped) {
+    flown(far);
+  }
+}
+
+/** Stops the loop, and says what is far away. */
+function flown({ method, what, at }) {
+  hold();
+  hasFlown = true;
+  const restart = { label: "Restart", act: () => place("restart").click() };
+  banners.show("flown", `The loop has stopped: the ${what} of ${method} is ${quantity(Math.abs(at), "m")} away.`, restart);
+}
+
 /** What has flown off comes back by a restart only: the loop stops, and says so. */
 function watchFar() {
   const { state } = model;
@@ -286,10 +312,7 @@ function watchFar() {
       .filter(({ at }) => Math.abs(at) > FAR_M),
   );
   if (far.length > 0 && !stopped) {
-    hold();
-    const [{ method, what, at }] = far;
-    const restart = { label: "Restart", act: () => place("restart").click() };
-    banners.show("flown", `The loop has stopped: the ${what} of ${method} is ${quantity(Math.abs(at), "m")} away.`, restart);
+    flown(far[0]);
   }
 }
 

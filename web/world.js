@@ -116,6 +116,20 @@ export class WorldView {
     }
   }
 
+  /** A body or a tool that is further away than `most` [m]; null if there is none. */
+  far(most) {
+    for (const { method, bodies, tools_m: tools } of this.now.lanes) {
+      const places = [...this.drawn.bodies.map(({ name }, i) => [name, bodies[i][0]]), ...this.drawn.tools.map(({ name }, i) => [name, tools[i]])];
+      for (const [what, place] of places) {
+        const at = Math.hypot(...place);
+        if (at > most) {
+          return { method, what, at };
+        }
+      }
+    }
+    return null;
+  }
+
   down(figure, event) {
     if (event.button !== 0 || !this.now) {
       return;

@@ -119,7 +119,7 @@ static int replay(const char *name, const palpate_contact_params *params) {
   loop.slew_limit = 3000.0;
   loop.guard = PALPATE_GUARD_LIMIT;
   loop.guard_speed = 1.0;
-  loop.guard_allowance = 4e-3;
+  loop.guard_allowance = 1e-3;
   if (palpate_contact_f32_place(memory, sizeof memory, params, &loop, &contact) != PALPATE_STATUS_OK) {
     say(palpate_last_error());
     say("\n");

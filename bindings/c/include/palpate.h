@@ -436,6 +436,11 @@ enum palpate_limit
    It was still coming back after a start or a fault; of worlds.
    */
   PALPATE_LIMIT_SOFT_START = 64,
+  /*
+   No limit but a safety stop: held forces have created energy, and all wrenches stay 0. Free the
+   world and make it again to go on; of worlds.
+   */
+  PALPATE_LIMIT_STOPPED = 128,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -641,7 +646,7 @@ typedef struct palpate_loop_params {
    */
   size_t struct_size;
   /*
-   Nominal time T between samples [s], greater than 0. It has no default.
+   Nominal time T between samples [s], greater than 0: 0.001 is 1 ms. It has no default.
    */
   double period;
   /*
@@ -997,7 +1002,7 @@ typedef struct palpate_local_params {
    */
   size_t struct_size;
   /*
-   Nominal time from sample to sample of the loop, above 0 [s]. It has no default.
+   Nominal time from sample to sample of the loop, above 0 [s]: 0.001 is 1 ms. It has no default.
    */
   double period;
   /*
@@ -1299,6 +1304,10 @@ typedef struct palpate_host_contact {
    */
   double friction_stiffness;
   /*
+   Damping of friction [N s/m]; 0: `damping` times `friction_stiffness` over `stiffness`; below 0: none.
+   */
+  double friction_damping;
+  /*
    Of a sphere of a body, its centre [m]. Not looked at for the tool.
    */
   double centre[3];
@@ -1412,7 +1421,7 @@ typedef struct palpate_scene_params {
    */
   size_t struct_size;
   /*
-   Nominal time from sample to sample, above 0 [s]. It has no default.
+   Nominal time from sample to sample, above 0 [s]: 0.001 is 1 ms. It has no default.
    */
   double period;
   /*
@@ -1601,6 +1610,10 @@ typedef struct palpate_contact_law {
    Stiffness of the bristle by which they rub [N/m]. 0, the default: `stiffness`.
    */
   double friction_stiffness;
+  /*
+   Damping of the bristle [N s/m]. 0, the default: `damping` times `friction_stiffness` over `stiffness`. Below 0: none.
+   */
+  double friction_damping;
 } palpate_contact_law;
 
 /*
@@ -2979,7 +2992,7 @@ static inline palpate_host_body palpate_host_body_fixed(double x, double y, doub
 
 /* No contact in this place of the array. */
 static inline palpate_host_contact palpate_host_contact_none(void) {
-  palpate_host_contact contact = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0.0, 0.0, 0.0,
+  palpate_host_contact contact = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
                                   {0.0, 0.0, 0.0}, 0.0, PALPATE_NO_BODY, PALPATE_NO_BODY};
   return contact;
 }

@@ -51,7 +51,7 @@ mod worlds {
     has!(DeviceParams, 96, 8, inertia at 56, turns at 88);
     has!(BodyParams, 168, 8, mass at 64, velocity at 96, force at 144);
     has!(Shape, 120, 8, radius at 16, normal at 56, points at 88, face_count at 112);
-    has!(Law, 40, 8, friction_stiffness at 32);
+    has!(Law, 48, 8, friction_stiffness at 32, friction_damping at 40);
     has!(JointParams, 128, 8, kind at 8, point at 16, stiffness at 64, limits at 112);
     has!(ContactState, 112, 8, touch at 24, point at 32, penetration at 104);
     has!(DeviceState, 168, 8, avatar at 64, velocity at 120);
@@ -59,7 +59,7 @@ mod worlds {
     has!(LocalOutput, 48, 8, fault at 16, refusal at 28, too_fast at 44);
     has!(Progress, 96, 8, position at 24, model_tick at 72, refusal at 88);
     const _: () = assert!(size_of::<HostBody>() == 440 && offset_of!(HostBody, mobility) == 152);
-    const _: () = assert!(size_of::<HostContact>() == 128 && offset_of!(HostContact, on) == 120);
+    const _: () = assert!(size_of::<HostContact>() == 136 && offset_of!(HostContact, on) == 128);
     const _: () = assert!(size_of::<BodyProgress>() == 72 && offset_of!(BodyProgress, copy) == 48);
     const _: () = assert!(size_of::<ModelRefusal>() == 4);
     const _: () = assert!(size_of::<Touch>() == 4);

@@ -30,7 +30,7 @@ pub enum GuardKind {
 pub struct LoopParams {
     /// Size of this struct; palpate_loop_params_default() sets it.
     pub struct_size: usize,
-    /// Nominal time T between samples [s], greater than 0. It has no default.
+    /// Nominal time T between samples [s], greater than 0: 0.001 is 1 ms. It has no default.
     pub period: f64,
     /// Longest time between two samples that is bridged [s]; a longer one is a fault. 0: 20 periods.
     pub largest_gap: f64,

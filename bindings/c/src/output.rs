@@ -90,6 +90,9 @@ pub enum Limit {
     Offset = 32,
     /// It was still coming back after a start or a fault; of worlds.
     SoftStart = 64,
+    /// No limit but a safety stop: held forces have created energy, and all wrenches stay 0. Free the
+    /// world and make it again to go on; of worlds.
+    Stopped = 128,
 }
 
 /// The answer to a sample, along the contact's axis. palpate_output_empty() makes one to be filled,

@@ -33,6 +33,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         device_mass: setup.device_mass,
         delay: Delay::NONE,
         timing: Timing::default(),
+        sensor_noise: 0.0,
+        seed: None,
     };
     let mut least = f64::INFINITY;
     for _ in 0..RUNS {

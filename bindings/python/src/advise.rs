@@ -30,6 +30,8 @@ pub struct AdviseArguments {
     encoder_quantum: Option<f64>,
     delay: Option<f64>,
     lag: Option<f64>,
+    delay_deviation: Option<f64>,
+    lag_deviation: Option<f64>,
     device_file: Option<NamedText>,
 }
 
@@ -135,6 +137,8 @@ fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> PyResult<B
         period: arguments.period,
         delay: arguments.delay,
         lag: arguments.lag,
+        delay_deviation: arguments.delay_deviation,
+        lag_deviation: arguments.lag_deviation,
         stiffness: arguments.stiffness,
         object_mass: arguments.mass,
     };
@@ -171,6 +175,18 @@ fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> PyResult<B
         ),
         ("delay", bounce.delay, PERIODS, " periods"),
         ("lag", bounce.lag, NOT_NEGATIVE, " s"),
+        (
+            "delay_deviation",
+            arguments.delay_deviation.unwrap_or(0.0),
+            NOT_NEGATIVE,
+            " periods",
+        ),
+        (
+            "lag_deviation",
+            arguments.lag_deviation.unwrap_or(0.0),
+            NOT_NEGATIVE,
+            " s",
+        ),
     ] {
         within(name, value, allowed, unit)?;
     }

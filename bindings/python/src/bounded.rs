@@ -11,6 +11,7 @@ pub fn names(limited: Limited, bounded: Bounded) -> Vec<&'static str> {
         (limited.offset, "offset"),
         (limited.guard, "guard"),
         (bounded.soft_start, "soft-start"),
+        (bounded.stopped, "safety-stop"),
     ];
     let names = acted.into_iter();
     names

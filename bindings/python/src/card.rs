@@ -1,10 +1,12 @@
 //! `report`: the card of a device as a page.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use palpate_record::recording::{Recording, RecordingError};
-use palpate_study::card::{CalibrationRun, Card, CardError, MOST_RECORDINGS, Sources, utc};
+use palpate_study::card::{
+    CalibrationRun, Card, CardError, MOST_RECORDINGS, Sources, file_name, utc,
+};
 use pyo3::exceptions::{PyOSError, PyTypeError};
 use pyo3::prelude::*;
 
@@ -65,13 +67,13 @@ pub fn report(
         None => None,
         Some(named) => {
             let file = parse(&named)?;
-            Some((named.0, file))
+            Some((file_name(Path::new(&named.0)), file))
         }
     };
     let calibration = match sources.calibration {
         None => None,
         Some((name, text)) => match CalibrationRun::parse(&text) {
-            Ok(run) => Some((name, run)),
+            Ok(run) => Some((file_name(Path::new(&name)), run)),
             Err(error) => return Err(refused(format!("{name}: {error}"))),
         },
     };

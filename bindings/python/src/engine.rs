@@ -37,6 +37,7 @@ pub struct Description {
     damping: f64,
     friction: f64,
     friction_stiffness: f64,
+    friction_damping: f64,
     end_velocity: bool,
     period: f64,
     device_mass: Vec<Vector>,
@@ -163,6 +164,7 @@ impl EngineContact {
             damping: given.damping,
             friction: given.friction,
             friction_stiffness: given.friction_stiffness,
+            friction_damping: given.friction_damping,
         };
         let bodies = given
             .bodies
@@ -194,6 +196,7 @@ impl EngineContact {
             .map_err(|faults| wrong(&faults))?;
         let limits = safety_params(force_limit, None, given.soft_start)?;
         let safety = WorldSafety::new(tools.len(), limits, given.period).map_err(refused)?;
+        let safety = safety.rendering(&renderer.in_loop().actuation);
         Ok(Self {
             state: renderer.start(),
             renderer,
@@ -276,6 +279,9 @@ impl EngineContact {
             elapsed,
             positions: &positions,
             refused: fault.is_some(),
+            created_energy: self
+                .renderer
+                .created_energy(&self.state, |_| self.safety.largest_wrench()[0]),
         };
         let limited = bounded::names(limited, self.safety.bound(&answered, &mut wrenches));
         let forces: Vec<_> = wrenches.iter().map(|wrench| wrench.force).collect();

@@ -62,13 +62,13 @@ mod _palpate {
     #[pymodule_export]
     use super::recording::{read_recording, recorded_columns};
     #[pymodule_export]
-    use super::render::{render, render_figure};
+    use super::render::{read_trace, render, render_figure};
     #[pymodule_export]
     use super::renderer::Renderer;
     #[pymodule_export]
     use super::replay::{replay, replay_figure};
     #[pymodule_export]
-    use super::scene::{PyScene, from_toml, read_scene, to_toml};
+    use super::scene::{PyScene, from_toml, period_question, read_scene, to_toml};
     #[pymodule_export]
     use super::simulate::{compare, simulate, simulate_figure};
     #[pymodule_export]

@@ -34,6 +34,8 @@ pub struct MapArguments {
     told_period: f64,
     delay: f64,
     lag: f64,
+    delay_deviation: f64,
+    lag_deviation: f64,
     forces: String,
 }
 
@@ -70,6 +72,18 @@ fn params(method: &Bound<'_, PyAny>, arguments: &MapArguments) -> PyResult<MapPa
         device,
         delay: within("delay", arguments.delay, PERIODS, " periods")?,
         lag: within("lag", arguments.lag, PERIODS, " periods")?,
+        delay_deviation: within(
+            "delay_deviation",
+            arguments.delay_deviation,
+            NOT_NEGATIVE,
+            " periods",
+        )?,
+        lag_deviation: within(
+            "lag_deviation",
+            arguments.lag_deviation,
+            NOT_NEGATIVE,
+            " periods",
+        )?,
         told_period: within("told_period", arguments.told_period, FACTOR, "")?,
         forces,
         ..defaults

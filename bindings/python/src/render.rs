@@ -3,10 +3,12 @@
 use numpy::{PyArray1, PyReadonlyArray1};
 use palpate::{MethodName, Settings};
 use palpate_plot::Devices;
-use palpate_record::unit::{HandMotion, LengthUnit};
+use palpate_record::trace::{Delimiter, Layout, Part, TraceError, Ways, read_part};
+use palpate_record::unit::{HandMotion, LengthUnit, Spacing, TimeUnit};
 use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
 use palpate_sim::run::Run;
-use palpate_study::report::{Replayed, Report, Subject, told_lines};
+use palpate_study::report::{RecordedMotion, Replayed, Report, Subject, told_lines};
+use pyo3::exceptions::{PyOSError, PyUserWarning};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -65,20 +67,24 @@ struct MotionToRender {
     times: Vec<f64>,
     positions: Vec<f64>,
     title: String,
+    left_out: usize,
 }
 
-/// A motion as Python gives it: times `[s]`, positions `[m]` or in `unit`, its name, and the unit.
+/// A motion as Python gives it: times `[s]` or in `time_unit`, positions `[m]` or in `unit`, its name, the two units, and how many
+/// samples were left out.
 type Given<'py> = (
     PyReadonlyArray1<'py, f64>,
     PyReadonlyArray1<'py, f64>,
     String,
     Option<String>,
+    Option<String>,
+    usize,
 );
 
 impl MotionToRender {
     /// Checks what was given.
     fn of(
-        (t, x, title, unit): &Given<'_>,
+        (t, x, title, unit, time_unit, left_out): &Given<'_>,
         method: &Bound<'_, PyAny>,
         parameters: &Bound<'_, PyDict>,
         settings_given: &Bound<'_, PyDict>,
@@ -88,13 +94,21 @@ impl MotionToRender {
         let setup = setup(parameters)?;
         let unit = unit.as_deref().map(length_unit).transpose()?;
         // Copies: while Python is let go, its arrays may change.
-        let times = t.as_array().to_vec();
+        let time_unit = time_unit.as_deref().map(time_unit_named).transpose()?;
+        let times = t.as_array();
+        let times: Vec<f64> = match time_unit {
+            None => times.to_vec(),
+            Some(unit) => times.iter().map(|time| unit.seconds(*time)).collect(),
+        };
         let positions = x.as_array();
         let positions = positions.iter();
         let positions: Vec<f64> = match unit {
             None | Some(LengthUnit::Metre) => positions.copied().collect(),
             Some(unit) => positions.map(|position| unit.metres(*position)).collect(),
         };
+        if time_unit.is_none() {
+            check_times(&times)?;
+        }
         if unit.is_none() {
             check_motion(&times, &positions)?;
         }
@@ -105,6 +119,7 @@ impl MotionToRender {
             times,
             positions,
             title: format!("{}: {title}", Replayed::Motion.title()),
+            left_out: *left_out,
         })
     }
 
@@ -136,6 +151,14 @@ pub fn render<'py>(
     settings_given: &Bound<'py, PyDict>,
 ) -> PyResult<RenderedInPython<'py>> {
     let motion = MotionToRender::of(&motion, method, parameters, settings_given)?;
+    let covers = RecordedMotion::new(
+        &motion.times,
+        motion.setup.loop_params.period,
+        motion.left_out,
+    );
+    if let Some(warning) = covers.warning() {
+        warn(py, &warning)?;
+    }
     let rendered = interruptible(py, move |stop| {
         motion.rendered(stop, |title, setup, replay, runs| {
             let subject = Subject::of_replay(title.to_owned(), setup);
@@ -143,6 +166,7 @@ pub fn render<'py>(
             let (samples, period) = (setup.delay().whole_samples(), setup.loop_params.period);
             report.actuated(told_lines(&setup.actuation, samples, period));
             report.replayed(Replayed::Motion);
+            report.moved(covers);
             let ideal = of_ideal(replay.reference());
             Rendered::of(&report, ideal, runs)
         })
@@ -177,6 +201,122 @@ fn length_unit(symbol: &str) -> PyResult<LengthUnit> {
         let units = LengthUnit::ALL.map(LengthUnit::symbol).join("\" or \"");
         refused(format!("unit is \"{symbol}\", but must be \"{units}\""))
     })
+}
+
+fn time_unit_named(symbol: &str) -> PyResult<TimeUnit> {
+    TimeUnit::of_symbol(symbol).ok_or_else(|| {
+        let units = TimeUnit::ALL.map(TimeUnit::symbol).join("\" or \"");
+        refused(format!(
+            "time_unit is \"{symbol}\", but must be \"{units}\""
+        ))
+    })
+}
+
+fn warn(py: Python<'_>, words: &str) -> PyResult<()> {
+    let words = std::ffi::CString::new(words)?;
+    PyErr::warn(py, &py.get_type::<PyUserWarning>(), &words, 2)
+}
+
+/// Refuses samples that are too far apart, or too near, where nobody has said the unit of their times.
+fn check_times(times: &[f64]) -> PyResult<()> {
+    match Spacing::implausible(times) {
+        None => Ok(()),
+        Some(spacing) => {
+            let take = spacing.likely_unit().map_or_else(
+                || "; ".to_owned(),
+                |unit| format!(" time_unit=\"{unit}\" takes it so, and "),
+            );
+            Err(refused(format!(
+                "{spacing}{take}time_unit=\"s\" says that seconds are right"
+            )))
+        }
+    }
+}
+
+/// How a table is laid out, as Python says it.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct TableLayout {
+    columns: Vec<(String, String)>,
+    unit: Option<String>,
+    time_unit: Option<String>,
+    delimiter: Option<String>,
+    decimal_comma: bool,
+    skip_missing: bool,
+    begin: Option<f64>,
+    end: Option<f64>,
+}
+
+/// Times and positions of a trace, the force that was held if the table has it, and how many samples were left out.
+type ReadTrace<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Option<Bound<'py, PyArray1<f64>>>,
+    usize,
+);
+
+/// Reads the table of a recorded motion.
+#[pyfunction]
+#[pyo3(signature = (path, layout))]
+pub fn read_trace<'py>(
+    py: Python<'py>,
+    path: std::path::PathBuf,
+    layout: TableLayout,
+) -> PyResult<ReadTrace<'py>> {
+    let name = path.display().to_string();
+    let delimiter = layout.delimiter.as_deref().map(|text| {
+        Delimiter::named(text).ok_or_else(|| {
+            refused(format!(
+                "delimiter is {text:?}, but must be \",\", \";\" or \"\\t\""
+            ))
+        })
+    });
+    let mut read_as = Layout::in_unit(layout.unit.as_deref().map(length_unit).transpose()?);
+    read_as.columns = layout.columns;
+    read_as.time_unit = layout
+        .time_unit
+        .as_deref()
+        .map(time_unit_named)
+        .transpose()?;
+    read_as.delimiter = delimiter.transpose()?;
+    read_as.decimal_comma = layout.decimal_comma;
+    read_as.skip_missing = layout.skip_missing;
+    read_as.ways = Ways::Arguments;
+    let part = Part {
+        from: layout.begin.unwrap_or(Part::WHOLE.from),
+        to: layout.end.unwrap_or(Part::WHOLE.to),
+        ..Part::WHOLE
+    };
+    let file = std::fs::File::open(&path)
+        .map_err(|error| PyOSError::new_err(format!("{name}: {error}")))?;
+    let held = read_part(file, &name, &part, &read_as).map_err(|error| match error {
+        TraceError::Unreadable { .. } => PyOSError::new_err(error.to_string()),
+        error => refused(error),
+    })?;
+    let trace = held.trace;
+    let named = |error: PyErr| refused(format!("{name}: {}", error.value(py)));
+    if read_as.time_unit.is_none() {
+        check_times(&trace.t_s).map_err(named)?;
+    }
+    if read_as.unit.is_none() {
+        check_motion(&trace.t_s, &trace.position_m).map_err(named)?;
+    }
+    if let Some(number) = held.notes.unended {
+        warn(
+            py,
+            &format!(
+                "{name}: the last line has no line end, so that its last number, {number}, may be cut off; end the file \
+                 with a line end if it is whole"
+            ),
+        )?;
+    }
+    let array = |numbers: Vec<f64>| PyArray1::from_vec(py, numbers);
+    Ok((
+        array(trace.t_s),
+        array(trace.position_m),
+        held.force_on_device_n.map(array),
+        held.notes.left_out,
+    ))
 }
 
 /// Refuses a motion that no hand has made, where nobody has said its unit.

@@ -38,6 +38,8 @@ struct Answer {
     /// What was to be commanded, after the soft start `[N]`.
     force_on_device: f64,
     softened: bool,
+    /// Whether created energy has stopped it.
+    stopped: bool,
 }
 
 #[pymethods]
@@ -85,11 +87,12 @@ impl Renderer {
             position: [coordinate, 0.0, 0.0],
             coordinate,
             wrench: Wrench::of_force([output.force_on_device, 0.0, 0.0]),
-            created_energy: 0.0,
+            created_energy: self.state.ledger().held_leak.accumulated,
             refused: !is_used,
             stalled: false,
         });
         output.limited.force |= verdict.bounded.force;
+        output.limited.slew |= verdict.bounded.slew;
         let [force_on_device, ..] = verdict.wrench.force;
         // A force of -0 that comes in softly is none.
         let force_on_device = force_on_device + 0.0;
@@ -98,6 +101,7 @@ impl Renderer {
             output,
             force_on_device,
             softened: verdict.bounded.soft_start,
+            stopped: verdict.bounded.stopped,
         });
         force_on_device
     }
@@ -136,12 +140,15 @@ impl Renderer {
             output,
             force_on_device,
             softened,
+            stopped,
         }) = &self.last
         else {
             return Ok(None);
         };
         let soft_start = softened.then_some("soft-start");
-        let limited: Vec<_> = limits(output.limited).chain(soft_start).collect();
+        let stop = stopped.then_some("safety-stop");
+        let limited = limits(output.limited).chain(soft_start).chain(stop);
+        let limited: Vec<_> = limited.collect();
         static OUTPUT: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
         let values = (
             *force_on_device,
@@ -235,7 +242,7 @@ pub fn rendering(
     Ok((setup, rendering))
 }
 
-/// The limits of `palpate pipe`: the largest force, and the time over which a force comes in.
+/// The limits of `palpate pipe`: the largest force, the time over which a force comes in, and the created energy.
 fn safety_of(setup: &ReplaySetup, soft_start: f64) -> PyResult<Safety> {
     let LoopParams {
         force_limit,
@@ -243,7 +250,10 @@ fn safety_of(setup: &ReplaySetup, soft_start: f64) -> PyResult<Safety> {
         ..
     } = setup.loop_params;
     let limits = safety_params(force_limit, None, soft_start)?;
-    Safety::new(limits, period).map_err(refused)
+    let known = setup.known_loop();
+    let slew_limit = known.slew_limit.unwrap_or(f64::INFINITY);
+    let safety = Safety::new(limits, period).map_err(refused)?;
+    Ok(safety.rendering(&known.actuation, slew_limit))
 }
 
 /// The same limits, with one of the torque.

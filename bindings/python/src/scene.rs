@@ -167,6 +167,12 @@ pub fn read_scene(path: PathBuf) -> PyResult<(String, String, PathBuf)> {
     Ok((text, name, folder))
 }
 
+/// The question whether a period is in milliseconds, if it is one that no haptic loop has.
+#[pyfunction]
+pub fn period_question(name: &str, usual: &str, period: f64) -> Option<String> {
+    palpate_scene::period_question(name, usual, period)
+}
+
 /// Tables of Python as the text of a scene file.
 #[pyfunction]
 pub fn to_toml(tables: &Bound<'_, PyDict>) -> PyResult<String> {

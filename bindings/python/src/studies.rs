@@ -117,7 +117,7 @@ pub fn heights(
             let found = threads
                 .install(|| over_heights(&scene, &columns, || stop.leave_if_raised()))
                 .map_err(|error| (place, scene.method, error))?;
-            reports.push(SceneReport::new(&scene.title, &columns, &found));
+            reports.push(SceneReport::new(&scene, &columns, &found));
         }
         let report = HeightsReport::new(told_mass_factor, reports);
         Ok((palpate_study::json(&report), report.to_string()))
@@ -167,7 +167,7 @@ pub fn sweep(
     let said = interruptible(py, move |stop| {
         let done = || stop.leave_if_raised();
         let found = threads.install(|| swept(&own, quantity, &values, &columns, heights, done))?;
-        let report = SweepReport::new(&own.title, quantity, &values, &columns, &found);
+        let report = SweepReport::new(&own, quantity, &values, &columns, &found);
         Ok((palpate_study::json(&report), report.to_string()))
     })?;
     said.map_err(|error: SweepError| refused(format!("{}: {error}", scene.get().name)))

@@ -48,15 +48,21 @@ impl Judging {
         })
     }
 
-    /// The report on all plants, and its figure.
-    fn report(&self, scores: &[Score]) -> PyResult<Shown> {
+    /// The report on all plants, those of each seed together, and its figure.
+    fn report(&self, of_seeds: &[Vec<Score>]) -> PyResult<Shown> {
         let (set, seed, columns) = (self.set, self.seed, &self.columns);
-        let report = SuiteReport::of_scores(set, seed, columns, scores);
+        let report = SuiteReport::of_seeds(set, seed, columns, of_seeds);
         let is_drawn = |number: &usize| {
             self.is_named || palpate_plot::SHOWN.contains(&columns[*number].method)
         };
         let shown: Vec<usize> = (0..columns.len()).filter(is_drawn).collect();
-        let figure = palpate_plot::suite(set, seed, columns, &shown, scores);
+        let figure = palpate_plot::suite(
+            set,
+            &(seed..seed + of_seeds.len() as u64),
+            columns,
+            &shown,
+            &of_seeds.concat(),
+        );
         let figure = drawn(&figure).map_err(refused)?;
         Ok((palpate_study::json(&report), report.to_string(), figure))
     }
@@ -81,17 +87,27 @@ pub fn run_suite(
     seed: u64,
     plants: usize,
     method: Option<&Bound<'_, PyAny>>,
+    seeds: u64,
 ) -> PyResult<Shown> {
     check_plants(plants)?;
+    if !(1..=1000).contains(&seeds) || seed.checked_add(seeds).is_none() {
+        return Err(refused(format!(
+            "seeds is {seeds}, but must be 1 to 1000, and seed + seeds below 2^64"
+        )));
+    }
     let judging = Judging::of(set, seed, method)?;
     let threads = threads()?;
     let (judging, judged) = interruptible(py, move |stop| {
         let look = || stop.leave_if_raised();
-        let judged =
-            threads.install(|| suite::run(judging.set, seed, plants, &judging.columns, look));
-        (judging, judged)
+        let of_seed = |seed| {
+            let judged = suite::run(judging.set, seed, plants, &judging.columns, look)?;
+            Ok::<_, suite::SuiteError>(suite::scores(&judged))
+        };
+        let scores: Result<Vec<_>, _> =
+            threads.install(|| (seed..seed + seeds).map(of_seed).collect());
+        (judging, scores)
     })?;
-    judging.report(&suite::scores(&judged.map_err(refused)?))
+    judging.report(&judged.map_err(refused)?)
 }
 
 /// Judges methods on the plants from `first` to before `end`, in this thread alone: a row for each score.
@@ -183,7 +199,7 @@ pub fn suite_of_parts(
             }
         })
         .collect();
-    Judging::of(set, seed, method)?.report(&scores)
+    Judging::of(set, seed, method)?.report(&[scores])
 }
 
 /// A pool of one thread: whoever makes parts has other processes for the other processors.

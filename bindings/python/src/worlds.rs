@@ -36,10 +36,11 @@ pub fn simulate_world<'py>(
     method: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Judged<'py>> {
     let scene = world.borrow().scene().clone();
+    let is_all = is_all(method);
     let methods = methods(&scene, &world.borrow().method, method)?;
     let renderers = renderers(&scene, methods).map_err(|faults| world.borrow().wrong(&faults))?;
     let judged = interruptible(py, move |stop| {
-        judge(WorldBench::new(&scene)?, &scene, &renderers, stop)
+        judge(WorldBench::new(&scene)?, &scene, (&renderers, is_all), stop)
     })?;
     let judged = judged.map_err(|error| refused(format!("{}: {error}", world.borrow().name)))?;
     judged.into_python(py)
@@ -61,13 +62,14 @@ pub fn replay_world<'py>(
     let gaps = recorded.gaps().map(|gaps| format!("{name}: {gaps}"));
     let RecordedWorld { file, path, .. } = recorded;
     let scene = file.scene.led();
+    let is_all = is_all(method);
     let methods = methods(&scene, &scene.render.method, method)?;
     let renderers = renderers(&scene, methods).map_err(|faults| wrong(&file, true, &faults))?;
     let (judged, warnings) = interruptible(py, move |stop| {
         let mut warnings: Vec<_> = gaps.into_iter().collect();
         warnings.extend(lacking(&recording));
         let judged = WorldBench::led(&scene, path)
-            .and_then(|bench| judge(bench, &scene, &renderers, stop))
+            .and_then(|bench| judge(bench, &scene, (&renderers, is_all), stop))
             .map_err(|error| refused(format!("{name}: {error}")))?;
         Ok::<_, PyErr>((judged, warnings))
     })??;
@@ -99,7 +101,7 @@ struct OfAWorld {
 fn judge(
     bench: WorldBench,
     scene: &WorldScene,
-    renderers: &[(String, WorldRenderer)],
+    (renderers, is_all): (&[(String, WorldRenderer)], bool),
     stop: &Stop,
 ) -> Result<OfAWorld, WorldBenchError> {
     let mut runs = Vec::with_capacity(renderers.len());
@@ -107,7 +109,10 @@ fn judge(
         stop.leave_if_raised();
         runs.push(bench.run(method, renderer)?);
     }
-    let report = WorldReport::new(scene, &bench, &runs);
+    let mut report = WorldReport::new(scene, &bench, &runs);
+    if is_all {
+        report.all_methods(scene);
+    }
     let grid = &bench.ideal().grid;
     let edges = (0..=grid.intervals()).map(|edge| grid.edge(edge)).collect();
     let ideal = bench.ideal().devices.iter().map(|device| {
@@ -144,6 +149,12 @@ fn of_devices<'py>(py: Python<'py>, forces: &[Vec<Vector>]) -> PyResult<Forces<'
     let of_device = |forces: &Vec<Vector>| forces.iter().map(|force| force.to_vec()).collect();
     let forces: Vec<Vec<Vec<f64>>> = forces.iter().map(of_device).collect();
     Ok(PyArray3::from_vec3(py, &forces)?)
+}
+
+/// Whether the methods are all that the world has settings for.
+fn is_all(given: Option<&Bound<'_, PyAny>>) -> bool {
+    let name = given.and_then(|given| given.extract::<String>().ok());
+    name.as_deref() == Some("all")
 }
 
 /// The names of the methods: those that are given, or the world's own. All are those for which it has every setting.

@@ -341,8 +341,8 @@ def test_tables_of_scenes_take_arrays_and_numbers_of_numpy() -> None:
             assert with_tables(make(plain)) == plain.tolist(), layout
     for make in (NARROW["float32"], NARROW["whole"]):
         assert with_tables(make(plain)) == make(plain).tolist()
-    one = palpate.World(loop={"period_s": np.float32(0.5)}, devices=[{"name": "a", "mass_kg": np.int8(1), "tool": {"sphere": {"radius_m": np.array(0.25)}}}])
-    assert one.to_dict()["loop"] == {"period_s": 0.5} and one.to_dict()["device"][0]["tool"] == {"sphere": {"radius_m": 0.25}}
+    one = palpate.World(loop={"period_s": np.float32(0.125)}, devices=[{"name": "a", "mass_kg": np.int8(1), "tool": {"sphere": {"radius_m": np.array(0.25)}}}])
+    assert one.to_dict()["loop"] == {"period_s": 0.125} and one.to_dict()["device"][0]["tool"] == {"sphere": {"radius_m": 0.25}}
     for wrong in (plain * 1j, np.array([None, 0, 0]), np.ma.array(plain, mask=[0, 1, 0])):
         with pytest.raises(TypeError, match=r"^scene\.device\.position_m is .*, but must be a number"):
             with_tables(wrong)

@@ -24,7 +24,7 @@ from pydrake.multibody.plant import (  # noqa: E402
     MultibodyPlant,
     MultibodyPlantConfig,
 )
-from pydrake.multibody.tree import RevoluteJoint, SpatialInertia, UnitInertia  # noqa: E402
+from pydrake.multibody.tree import PdControllerGains, RevoluteJoint, SpatialInertia, UnitInertia  # noqa: E402
 from pydrake.systems.analysis import Simulator  # noqa: E402
 from pydrake.systems.framework import DiagramBuilder  # noqa: E402
 
@@ -326,6 +326,52 @@ def test_a_tool_that_drake_knows_touches_everything_but_its_bodies() -> None:
     contact = Contact(made.simulator, made.plant, **law)
     contact.step([0, 0.01 + 0.03 + 0.009, 0])
     assert contact.contacts[0].penetration == pytest.approx(0.001, abs=1e-5)
+
+
+def test_drake_gets_its_own_contacts_of_a_tool_back_and_no_number_is_a_radius() -> None:
+    for number_of_steps in (0, 3):
+        made = Plant()
+        ball = made.ball()
+        finger = made.body("finger", SpatialInertia.SolidSphereWithMass(1.0, 0.01), ((0, 0, 0), Sphere(0.01)))
+        made.ready()
+        made.plant.SetFreeBodyPose(made.own, finger, RigidTransform([0, 0.035, 0]))
+        law: dict[str, Any] = {"bodies": [ball], "stiffness": 100.0, "device_mass": 0.2, **FREE}
+        with Contact(made.simulator, made.plant, tool="finger", **law) as contact:
+            for _ in range(number_of_steps):
+                contact.step([0, 0, 1])
+            np.testing.assert_array_equal(made.velocity(ball), np.zeros(6))
+        made.simulator.AdvanceTo(made.root.get_time() + 0.001)
+        assert made.velocity(ball)[1] < -1e-3
+        with pytest.raises(ValueError, match="closed"):
+            contact.sample([0, 0, 1])
+        with pytest.raises(ValueError, match="tool is 21, a whole number"):
+            Contact(made.simulator, made.plant, tool=21, **law)
+
+
+def test_a_servo_of_the_plant_answers_as_its_gains_say() -> None:
+    """The velocity after a step is the row's, also where the plant's own controller pushes."""
+    made = Plant()
+    arm = made.body("arm", SpatialInertia(0.1, [0.1, 0, 0], UnitInertia(0.001, 0.011, 0.011)), ((0.1, 0, 0), Sphere(0.02)))
+    joint = made.plant.AddJoint(RevoluteJoint("hinge", made.plant.world_frame(), arm.body_frame(), [0, 0, 1], 0.3))
+    made.plant.AddJointActuator("servo", joint).set_controller_gains(PdControllerGains(p=40.0, d=2.0))
+    made.ready()
+    made.plant.get_desired_state_input_port(arm.model_instance()).FixValue(made.own, [0.2, 0.0])
+    seen: list[tuple[Any, Any]] = []
+
+    class Seen(Contact):
+        def meet(self, h: float, bodies: Any) -> Any:
+            wrench = super().meet(h, bodies)
+            seen.append((bodies[0].copy(), wrench[0].copy()))
+            return wrench
+
+    contact = Seen(made.simulator, made.plant, tool=0.01, bodies=[arm], stiffness=500.0, device_mass=0.2, **FREE)
+    for number in range(200):
+        before = made.velocity(arm)[1]
+        contact.step([0.1, -0.0299 + 1e-4 * number, 0])
+        row, wrench = seen[-1]
+        foreseen = row[14] + row[19:55].reshape(6, 6)[1] @ wrench
+        assert (made.velocity(arm)[1] - before) / 0.001 == pytest.approx(foreseen, abs=2e-2)
+    assert wrench[1] > 0.1
 
 
 def test_what_else_stands_in_the_port_stays_and_several_contacts_share_it() -> None:

@@ -5,6 +5,7 @@ What is waited for is an event, for as long as a busy machine may need.
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import math
 import multiprocessing
@@ -16,7 +17,7 @@ import sys
 import threading
 import time
 from pathlib import Path
-from typing import Any, Callable
+from typing import Any, Callable, Iterator
 
 import numpy as np
 import palpate
@@ -186,7 +187,9 @@ def test_a_device_that_goes_ends_the_loop_which_says_so_once_its_ticks_are_read(
 
 def test_a_loop_that_stands_still_is_told_by_read() -> None:
     """A period of 1 s stands for a device that does not answer."""
-    with loop(pressing(), wall(period=1.0)) as running:
+    with pytest.warns(UserWarning, match="milliseconds"):
+        slow = wall(period=1.0)
+    with loop(pressing(), slow) as running:
         running.read(wait=PATIENCE)
         with pytest.raises(palpate.LoopError, match=r"stands still: no tick within 0\.2 s, the last one .* s ago"):
             while True:
@@ -371,9 +374,19 @@ def arm(port: Path) -> palpate.devices.TwoDiy:
     return palpate.devices.TwoDiy(port, start_pose=(130, 50), origin=(0.019, 0.11), normal=(0, 1))
 
 
+@contextlib.contextmanager
+def ended(process: subprocess.Popen[str]) -> Iterator[None]:
+    """Ends a program that a test which fails leaves behind."""
+    try:
+        yield
+    except BaseException:
+        process.kill()
+        raise
+
+
 def test_an_inverse3_behind_its_service(program: Program) -> None:
     command = [str(program.path), "emulate", "inverse3", "--port", "0", "--events-port", "0"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as emulator:
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as emulator, ended(emulator):
         assert emulator.stdout is not None
         url = emulator.stdout.readline().strip()
         # Where the cursor is when it is opened is 1 mm deep in the wall.

@@ -296,7 +296,7 @@ def test_what_a_tool_cannot_touch_is_said_by_its_name() -> None:
         ({"bodies": ["ghost"]}, "body 'ghost' has no geom that can collide"),
         ({"tool": "rubber"}, "geom 'rubber' has to belong to a mocap body"),
         ({"tool": "floor"}, "geom 'floor' is no sphere"),
-        ({"tool": -0.1}, 'tool "tool": radius is -0.1, and has to be at least 0'),
+        ({"tool": -0.1}, 'tool is -0.1, but must be a radius in metres from 0 to 1'),
         ({"period": 0.0015}, "period is 0.0015 s, but must be a whole number of the model's time steps of 0.001 s"),
         ({"stiffness": 0}, "stiffness is 0, and has to be above 0"),
         ({"device_mass": [0.1, 0.2]}, r"device_mass has the shape \(2,\)"),
@@ -449,3 +449,108 @@ def test_tools_of_one_name_numbers_that_are_none_and_data_of_another_model_are_r
             Contact(model, data, **{**good, **changed})
     with pytest.raises(ValueError, match="data is of another model"):
         Contact(model, load(BLOCK)[1], **good)
+
+
+ARM = (
+    '<body name="arm" pos="0 0 0.1"><joint name="a" axis="0 1 0" damping="{damping}"/><geom type="capsule" fromto="0 0 0 .2 0 0" size=".02" '
+    'mass=".05"/><body name="hand" pos=".2 0 0"><joint name="b" axis="0 1 0" damping="{damping}"/><geom name="palm" type="sphere" size=".03" '
+    'pos=".05 0 0" mass=".01"/></body></body>'
+)
+
+
+def arm(integrator: str, damping: float | str, actuators: str = "", h: float = 0.001, flag: str = "enable") -> tuple[Any, Any]:
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><option timestep="{h}" integrator="{integrator}" gravity="0 0 -9.81"><flag eulerdamp="{flag}"/></option>'
+        f"<worldbody>{ARM.format(damping=damping)}</worldbody>{actuators}</mujoco>"
+    )
+    data = mujoco.MjData(model)
+    data.qpos[:], data.qvel[:] = [0.3, -0.5], [2.0, -5.0]
+    return model, data
+
+
+SERVO = (
+    '<actuator><position joint="a" kp="20" kv="2"/><velocity joint="b" kv="0.5"/><general joint="b" gaintype="affine" gainprm="1 0 -0.3" '
+    'biastype="affine" biasprm="0 -3 -0.4"/></actuator>'
+)
+
+
+POLYNOMIAL = [("0 0.001 0.0001", "")] if hasattr(mujoco.MjModel, "dof_dampingpoly") else []
+"""Damping that grows with the speed, from MuJoCo 4 on."""
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "implicitfast", "implicit"])
+@pytest.mark.parametrize("damping, actuators", [(0.0, ""), (0.5, ""), (0.0, SERVO), (0.5, SERVO), *POLYNOMIAL])
+@pytest.mark.parametrize("flag", ["enable", "disable"])
+def test_a_step_answers_to_a_wrench_as_foreseen_by_any_integrator(integrator: str, damping: float | str, actuators: str, flag: str) -> None:
+    """The velocity after the step is the row's: velocity + h (acceleration + mobility wrench)."""
+    model, data = arm(integrator, damping, actuators, flag=flag)
+    data.ctrl[:] = 0.2
+    wrench = np.array([0.7, 0.0, -3.0, 0.0, 0.02, 0.0])
+    contact = told(model, data, wrench, "hand")
+    for _ in range(3):
+        contact.sample([0.0, 0.0, 1.0])
+        contact.push()
+        row = contact.seen[0]
+        mobility = row[19:55].reshape(6, 6)
+        jacobian, rate = np.zeros((6, 2)), np.zeros((6, 2))
+        number = model.body("hand").id
+        mujoco.mj_jacBodyCom(model, data, jacobian[:3], jacobian[3:], number)
+        mujoco.mj_jacDot(model, data, rate[:3], rate[3:], data.xipos[number], number)
+        before = data.qvel.copy()
+        mujoco.mj_step(model, data)
+        contact.pull()
+        found = jacobian @ (data.qvel - before) / model.opt.timestep + rate @ before
+        np.testing.assert_allclose(found, row[13:19] + mobility @ wrench, rtol=1e-7, atol=1e-6)
+
+
+def test_the_tool_is_a_radius_or_a_sphere_and_never_a_number_of_a_geom() -> None:
+    tip = '<body name="hand" mocap="true"><geom name="tip" type="sphere" size="0.01"/></body>'
+    model, data = load(BLOCK + tip)
+    law: dict[str, Any] = {"bodies": ["block"], "stiffness": 100.0, "device_mass": 0.2}
+    for wrong in (model.geom("tip").id, np.int32(1), True, 21.0, math.nan, None, [21]):
+        with pytest.raises(ValueError, match="must be a radius in metres from 0 to 1.*by its name"):
+            Contact(model, data, tool=wrong, **law)
+    with pytest.raises(ValueError, match="must be a radius or a geom"):
+        Contact(model, data, tool=model.body("hand"), **law)
+    with Contact(model, data, tool=model.geom("tip"), **law) as contact:
+        assert list(contact.devices) == ["tip"]
+    assert Contact(model, data, tool=0, **law).steps == 1
+
+
+def test_the_engine_gets_its_own_contacts_of_the_tool_back() -> None:
+    tip = '<body name="hand" mocap="true"><geom name="tip" type="sphere" size="0.01" contype="2" conaffinity="3"/></body>'
+    model, data = load(BLOCK + tip)
+    law: dict[str, Any] = {"tool": "tip", "bodies": ["block"], "stiffness": 100.0, "device_mass": 0.2}
+    geom = model.geom("tip")
+    bits = lambda: (int(geom.contype[0]), int(geom.conaffinity[0]))  # noqa: E731
+    with Contact(model, data, **law) as contact:
+        assert bits() == (0, 0)
+        other = Contact(model, data, **law)
+    assert bits() == (0, 0)
+    with pytest.raises(ValueError, match="closed"):
+        contact.sample([0.0, 0.0, 0.0])
+    other.close()
+    other.close()
+    assert bits() == (2, 3)
+    pushing = Contact(model, data, **law)
+    pushing.sample([1.0, 2.0, 3.0])
+    pushing.push()
+    pushing.close()
+    assert bits() == (2, 3) and not data.xfrc_applied.any()
+    gone = Contact(model, data, **law)
+    assert bits() == (0, 0)
+    del gone
+    assert bits() == (2, 3)
+
+
+def test_other_geoms_of_the_tools_body_are_warned_of() -> None:
+    hand = (
+        '<body name="hand" mocap="true"><geom name="tip" type="sphere" size="0.01"/><geom name="handle" type="capsule" size="0.01 0.05" '
+        '{bits}/></body>'
+    )
+    law: dict[str, Any] = {"tool": "tip", "bodies": ["block"], "stiffness": 100.0, "device_mass": 0.2}
+    model, data = load(BLOCK + hand.format(bits=""))
+    with pytest.warns(UserWarning, match="geom 'handle': on the tool's mocap body.*feels nothing"):
+        Contact(model, data, **law)
+    model, data = load(BLOCK + hand.format(bits='contype="0" conaffinity="0"'))
+    Contact(model, data, **law)

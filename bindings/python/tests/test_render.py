@@ -84,7 +84,8 @@ def test_arrays_of_any_layout_and_of_other_numbers_are_taken() -> None:
     single = palpate.render(t, x.astype(np.float32), **CONTACT, method="basic").ticks["basic"]
     double = palpate.render(t, x.astype(np.float32).astype(float), **CONTACT, method="basic").ticks["basic"]
     np.testing.assert_array_equal(single, double)
-    whole = palpate.render(np.arange(3), np.arange(3), stiffness=1, mass=1, period=1, unit="m", method="basic")
+    with pytest.warns(UserWarning, match="period is 1 s"):
+        whole = palpate.render(np.arange(3), np.arange(3), stiffness=1, mass=1, period=1, unit="m", time_unit="s", method="basic")
     assert len(whole.ticks["basic"]) == 3
     millimetres = palpate.render(t, 1000 * x, **CONTACT, method="basic", unit="mm").ticks["basic"]
     np.testing.assert_allclose(millimetres["device_position_m"], expected["device_position_m"], rtol=1e-14)
@@ -98,7 +99,7 @@ def test_arrays_of_any_layout_and_of_other_numbers_are_taken() -> None:
         (SWING[0], SWING[1][1:], "2000 times but 1999 positions"),
         ([0.0], [0.0], "a path needs at least two samples, not 1"),
         ([], [], "a path needs at least two samples, not 0"),
-        ([0.0, 1.0, 1.0], [0, 0, 0], "time 1 s at index 2 is not after 1 s"),
+        ([0.0, 0.01, 0.01], [0, 0, 0], "time 0.01 s at index 2 is not after 0.01 s"),
         ([0.0, 1.0, math.nan], [0, 0, 0], "time NaN s at index 2 is not finite"),
         ([0.0, 1.0, 2.0], [0, math.nan, 0], "position NaN m at index 1 is not finite"),
         (["a", "b"], [0, 0], "t is of type <U1, but must be of numbers"),
@@ -113,6 +114,66 @@ def test_what_is_no_motion_is_refused_with_the_reason(t: Any, x: Any, words: str
     with pytest.raises(ValueError) as raised:
         palpate.render(t, x, **CONTACT, method="basic")
     assert str(raised.value).startswith(words)
+
+
+def test_a_table_is_read_as_it_is_laid_out_and_rendered_as_its_arrays(tmp_path: Any) -> None:
+    t, x = SWING
+    table = tmp_path / "recorder.csv"
+    rows = [f"{1000 * time:.10g};a;{1000 * place:.17g}" for time, place in zip(t, x)]
+    table.write_text("\n".join(["time;note;X", *rows]).replace(".", ",") + "\n")
+    said: dict[str, Any] = {"columns": {"t": "time", "x": "X"}, "decimal_comma": True, "unit": "mm", "time_unit": "ms"}
+    read = palpate.read_trace(table, **said)
+    np.testing.assert_allclose(read.t, t, rtol=1e-12)
+    np.testing.assert_allclose(read.x, x, rtol=1e-15, atol=1e-17)
+    assert read.force is None and read.left_out == 0
+    for left, words in [
+        ("columns", r'columns=\{"t": NAME, "x": NAME\}'),
+        ("decimal_comma", "decimal_comma=True"),
+        ("unit", 'unit="mm"'),
+        ("time_unit", 'time_unit="ms"'),
+    ]:
+        with pytest.raises(ValueError, match=words):
+            palpate.read_trace(table, **{key: value for key, value in said.items() if key != left})
+    table.write_text("t_s,position_m\n0,0.01\n0.001,\n0.002,0.0")
+    with pytest.raises(ValueError, match="skip_missing=True"):
+        palpate.read_trace(table)
+    with pytest.warns(UserWarning, match="`?0.0`?, may be cut off"):
+        assert palpate.read_trace(table, skip_missing=True).left_out == 1
+
+
+def test_times_in_milliseconds_gaps_and_missing_values_are_not_taken_for_others() -> None:
+    t, x = SWING
+    with pytest.raises(ValueError, match='time_unit="ms"'):
+        palpate.render(1000 * t, x, **CONTACT)
+    whole = palpate.render(t, x, **CONTACT, method="basic")
+    in_ms = palpate.render(1000 * t, x, **CONTACT, method="basic", time_unit="ms")
+    np.testing.assert_allclose(in_ms.ticks["basic"]["device_position_m"], whole.ticks["basic"]["device_position_m"], rtol=1e-9, atol=1e-15)
+    holes = x.copy()
+    holes[300:400] = math.nan
+    with pytest.raises(ValueError, match="position NaN m at index 300 is not finite; skip_missing=True"):
+        palpate.render(t, holes, **CONTACT)
+    with pytest.warns(UserWarning, match="no sample was recorded for"):
+        run = palpate.render(t, holes, **CONTACT, method="basic", skip_missing=True)
+    assert run["motion"]["samples_left_out"] == 100
+    assert run["motion"]["longest_gap_s"] == pytest.approx(101 * (t[1] - t[0]))
+
+
+def test_a_period_in_milliseconds_is_questioned() -> None:
+    with pytest.warns(UserWarning, match="period is 1 s, a loop of 1 Hz; is it in milliseconds"):
+        palpate.Renderer(stiffness=400.0, mass=0.1, period=1.0, device_mass=0.25)
+    with pytest.warns(UserWarning, match="period is 1 s"):
+        palpate.render([0.0, 0.1, 2.0], [0.0, 0.0, 0.0], stiffness=400.0, mass=0.1, period=1.0, method="basic", time_unit="s")
+    with pytest.warns(UserWarning, match="period is 1 s"):
+        palpate.advise(period=1.0, device_mass=0.25, stiffness=0.1, method="basic")
+    with pytest.warns(UserWarning, match="period_s is 1 s"):
+        palpate.Scene(
+            "slow",
+            object={"mass_kg": 0.1, "stiffness_n_per_m": 0.4, "position_m": 0.01},
+            device={"kind": "point-mass", "mass_kg": 0.25},
+            hand={"kind": "constant-force", "force_n": 1.0},
+            loop={"period_s": 1.0},
+            measure={"duration_s": 1.0},
+        )
 
 
 def test_wrong_arguments_are_named() -> None:

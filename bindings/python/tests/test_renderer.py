@@ -242,3 +242,76 @@ def test_what_was_sent_and_a_number_that_is_too_large_are_refused_by_name() -> N
         excitation.report_sent(math.nan)
     with pytest.raises(ValueError, match="(?i)time is nan s, but must be finite"):
         excitation.step(0.0, time=math.nan)
+
+
+def test_a_parameter_is_not_set_in_silence() -> None:
+    renderer = palpate.Renderer(stiffness=400.0, mass=0.1, period=1e-3, device_mass=0.25)
+    for name in ("force_limit", "stiffness", "guard", "force_limitt", "output", "parameters"):
+        with pytest.raises(AttributeError):
+            setattr(renderer, name, 1.0)
+    with pytest.raises(AttributeError, match=r"force_limit is a parameter, which cannot be set on a Renderer: make another one by"):
+        renderer.force_limit = 1.0  # type: ignore[attr-defined]
+    for change in (
+        lambda of: of.__setitem__("force_limit", 1.0),
+        lambda of: of.update(force_limit=1.0),
+        lambda of: of.pop("force_limit"),
+    ):
+        with pytest.raises(TypeError, match=r"change nothing: make another one by Renderer\("):
+            change(renderer.parameters)
+    assert {**renderer.parameters, "force_limit": 1.0} != renderer.parameters == dict(renderer.parameters)
+    world = palpate.World(
+        loop={"period_s": 0.001},
+        devices=[{"name": "tool", "mass_kg": 0.2, "tool": {"sphere": {"radius_m": 0.01}}}],
+        bodies=[{"name": "ball", "mass_kg": 0.1, "position_m": [0, 0, 0.05], "shape": {"sphere": {"radius_m": 0.03}}}],
+        contacts=[{"between": ["tool", "ball"], "stiffness_n_per_m": 2000.0}],
+    )
+    with pytest.raises(AttributeError, match="torque_limit is a parameter.*world.replace"):
+        world.torque_limit = 1.0  # type: ignore[attr-defined]
+
+    class Logged(palpate.Renderer):
+        def __init__(self, **_: object) -> None:
+            self.log: list[float] = []
+
+    logged = Logged(stiffness=400.0, mass=0.1, period=1e-3, device_mass=0.25)
+    logged.log.append(logged.step(0.0))
+    with pytest.raises(AttributeError, match="delay is a parameter"):
+        logged.delay = 1.0  # type: ignore[attr-defined]
+
+
+def test_a_simulated_device_checks_what_it_is_made_of() -> None:
+    from palpate.engines import SimulatedDevice
+
+    made = {"mass": 0.2, "position": [0, 0, 0], "stiffness": 60, "damping": 1.5, "rest": [0, 0, 0.0], "hand_force": [0, 0, 1], "period": 1e-3}
+    device = SimulatedDevice(**made)  # type: ignore[arg-type]
+    device.hold([0, 0, -1.0])
+    np.testing.assert_array_equal(device.position, 0.0)
+    device.rest = [0, 0, 0.01]  # type: ignore[assignment]
+    device.hold([0.0, 0, 0])
+    assert device.position[2] > 0
+    for wrong, words in [
+        ({"mass": 0.0}, "mass is 0.0"),
+        ({"mass": [0.2, 0.2]}, "mass is"),
+        ({"mass": math.nan}, r"mass\[\] is nan"),
+        ({"position": [0, 0]}, r"position has the shape \(2,\)"),
+        ({"rest": [0, 0, math.inf]}, r"rest\[2\] is inf"),
+        ({"stiffness": -1.0}, "stiffness is -1.0, but must be finite and at least 0"),
+        ({"damping": math.nan}, "damping is nan"),
+        ({"period": 0.0}, "period is 0.0, but must be finite and above 0"),
+        ({"hand_force": 1.0}, r"hand_force has the shape \(\)"),
+    ]:
+        with pytest.raises(ValueError, match=words):
+            SimulatedDevice(**{**made, **wrong})  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"force\[0\] is nan"):
+        device.hold([math.nan, 0, 0])
+    with pytest.raises(ValueError, match="rest has the shape"):
+        device.rest = [1.0]  # type: ignore[assignment]
+    with pytest.raises(AttributeError, match="stiffness is a parameter"):
+        device.stiffness = 1.0  # type: ignore[attr-defined]
+
+
+def test_a_device_of_ones_own_says_what_is_possible() -> None:
+    class Mine(palpate.devices.Device):
+        pass
+
+    with pytest.raises(TypeError, match="Mine cannot be a device of a palpate.Loop: .*from your own loop"):
+        Mine()

@@ -25,6 +25,17 @@ test("every world of the gallery runs by both methods, and everything in it is a
   await leave();
 });
 
+test("a ball that has fallen off the paddle stops the loop, says so, and comes back by a restart", async () => {
+  const { open, leave } = await play("#world=paddle");
+  const words = /The loop has stopped: the \w+ of \w+ is 1\d(\.\d+)? m away/;
+  await open.until("it is said", (source) => new RegExp(source).test(document.querySelector("#banners").textContent), words.source);
+  const flown = await open.get(() => Math.max(...palpate.worlds.now.lanes.map(({ bodies }) => Math.hypot(...bodies[0][0]))));
+  assert.ok(flown > 10 && flown < 20, `${flown} m`);
+  await open.page.click("#restart");
+  await open.until("it begins anew", () => palpate.worlds.now?.t_s < 1 && document.querySelector("#banners").textContent === "");
+  await leave();
+});
+
 test("two hands pinch the cube and lift it", async () => {
   const { open, leave } = await play("#world=pinch");
   const lead = (left, right) =>

@@ -131,6 +131,13 @@ pub enum Stop {
         /// The most that is allowed `[m]`.
         allowed: f64,
     },
+    /// The position did not change under forces that move any device.
+    NoAnswer {
+        /// For how long `[s]`.
+        time: f64,
+        /// Largest force in that time `[N]`.
+        force: f64,
+    },
     /// The device was faster than any under these forces: a sensor that jumps, or a hand that pulls.
     Speed {
         /// The speed `[m/s]`.
@@ -158,6 +165,11 @@ impl fmt::Display for Stop {
                  are allowed",
                 mm(found),
                 mm(allowed)
+            ),
+            Self::NoAnswer { time, force } => write!(
+                f,
+                "the device did not follow the commands: the position did not change for {time:.2} s under forces of up to {force:.2} N: check the encoder and its cable, \
+                 that the motor is on, and that the largest force is well above the friction"
             ),
             Self::Speed { found, allowed } => write!(
                 f,
@@ -198,6 +210,7 @@ pub struct Excitation {
     /// Positions of the last [`SPEED_OVER`].
     recent: VecDeque<f64>,
     listened: Listened,
+    answer: Answer,
     /// Whether there was a sample.
     is_begun: bool,
     /// Whether the tremor has been judged.
@@ -224,6 +237,7 @@ impl Excitation {
             left: 0.0,
             recent: VecDeque::new(),
             listened: Listened::default(),
+            answer: Answer::default(),
             is_begun: false,
             is_heard: false,
         })
@@ -275,7 +289,9 @@ impl Excitation {
             self.braking()
         };
         // Not -0 while there is no force.
-        part * self.amplitude(index) + 0.0
+        let force = part * self.amplitude(index) + 0.0;
+        self.answer.push(&self.params, force);
+        force
     }
 
     /// Goes on over a period without a sample, in which the device keeps the last force.
@@ -330,7 +346,13 @@ impl Excitation {
         if self.count < begins {
             self.listened
                 .add(self.count as f64 * period, position - self.start);
-        } else if !self.is_heard {
+            self.answer.listen(position);
+            return None;
+        }
+        if let Some(stop) = self.answer.take(position) {
+            return Some(stop);
+        }
+        if !self.is_heard {
             self.is_heard = true;
             let found = self.listened.deviation();
             if found > tremor {
@@ -391,6 +413,77 @@ impl Excitation {
         self.left -= 1.0;
         self.sign
     }
+}
+
+/// Whether the position answers the force.
+///
+/// The least motion of a working device is that of the heaviest one under the largest friction. A sensor whose positions stay
+/// within what they had without any force, while that device would have gone far, is dead.
+#[derive(Clone, Copy, Debug, Default)]
+struct Answer {
+    /// Range of the positions without force `[m]`.
+    still: Option<[f64; 2]>,
+    /// Range since the last answer `[m]`.
+    seen: Option<[f64; 2]>,
+    /// Way of the heaviest device since then `[m]`.
+    expected: f64,
+    /// Time since then `[s]`.
+    time: f64,
+    /// Largest force since then `[N]`.
+    force: f64,
+}
+
+/// Way of the heaviest device without an answer `[m]`: twenty times the coarsest sensor's step.
+const LONGEST_WAY: f64 = 2e-3;
+/// Coulomb friction over the largest force, at most: calibration declines with more.
+const MOST_FRICTION: f64 = 0.6;
+/// Range without force up to which positions are those of a sensor's noise `[m]`; a larger one is that of a hand, which an answer
+/// need not exceed.
+const STILL: f64 = 5e-5;
+
+impl Answer {
+    fn listen(&mut self, position: f64) {
+        widen(&mut self.still, position);
+    }
+
+    /// Takes a position under force in; why the excitation stops, if it does.
+    fn take(&mut self, position: f64) -> Option<Stop> {
+        widen(&mut self.seen, position);
+        let range = |range: Option<[f64; 2]>| range.map_or(0.0, |[low, high]| high - low);
+        let still = Some(range(self.still)).filter(|still| *still <= STILL);
+        if range(self.seen) > still.unwrap_or(0.0) {
+            *self = Self {
+                still: self.still,
+                seen: Some([position; 2]),
+                ..Self::default()
+            };
+        }
+        (self.expected > LONGEST_WAY).then_some(Stop::NoAnswer {
+            time: self.time,
+            force: self.force,
+        })
+    }
+
+    /// A force was commanded for a period.
+    fn push(&mut self, params: &ExcitationParams, force: f64) {
+        let ExcitationParams {
+            period,
+            largest_force,
+            ..
+        } = *params;
+        let force = force.abs();
+        let moving = (force - MOST_FRICTION * largest_force).max(0.0);
+        let [shortest, longest] = [0, 1].map(|end| HOLD[end] + HOLD_PERIODS[end] * period);
+        // a t^2 / 2 in each hold of t.
+        self.expected += 0.5 * moving / HEAVIEST * 0.5 * (shortest + longest) * period;
+        self.time += if force > 0.0 { period } else { 0.0 };
+        self.force = self.force.max(force);
+    }
+}
+
+fn widen(range: &mut Option<[f64; 2]>, position: f64) {
+    let [low, high] = range.unwrap_or([position; 2]);
+    *range = Some([low.min(position), high.max(position)]);
 }
 
 /// The line through positions over time, and how far they are from it.

@@ -69,6 +69,8 @@ pub struct Fit {
     pub count: usize,
     /// Positions as the filter foresaw them, from the first sample on `[m]`.
     pub foreseen: Vec<f64>,
+    /// The problem at its solution.
+    pub solved: Problem,
 }
 
 impl Fit {
@@ -156,6 +158,47 @@ pub fn problem(
 }
 
 impl Problem {
+    /// The period `[s]`.
+    pub fn period(&self) -> f64 {
+        self.period
+    }
+
+    /// Largest command `[N]`.
+    pub fn largest_command(&self) -> f64 {
+        let commands = self.samples.commands.iter();
+        commands.fold(0.0, |most, force| most.max(force.abs()))
+    }
+
+    /// [`Fit::cost`] where the amplifier clips commands at `level` `[N]` and the mobility is `more` larger (ln); none where
+    /// the filter has no steady state.
+    pub fn cost_of(&self, level: f64, more: f64) -> Option<f64> {
+        let mut clipped = self.clone();
+        for command in &mut clipped.samples.commands {
+            *command = command.clamp(-level, level);
+        }
+        clipped.bounds[at::LN_MOBILITY].1 += more;
+        clipped.point[at::LN_MOBILITY] += more;
+        clipped.rescale()?;
+        let count = self.counted.len() as f64;
+        Some(count * clipped.scale.ln())
+    }
+
+    /// The same for the first and for the second half of the motion.
+    pub fn halves(&self) -> [Self; 2] {
+        let middle = self.counted.start + self.counted.len() / 2;
+        [self.counted.start..middle, middle..self.counted.end].map(|counted| Self {
+            counted,
+            ..self.clone()
+        })
+    }
+
+    /// The fit that is found from here on, with the signs of the velocity as they are.
+    pub fn refitted(self) -> Option<Fit> {
+        let mut found = self.minimised(2)?;
+        found.rescale()?;
+        found.finish()
+    }
+
     fn free(&self) -> usize {
         self.kind.parameters()
     }
@@ -393,6 +436,7 @@ impl Problem {
             sensor_noise: self.sensor_deviation(&steady) * LENGTH,
             count,
             foreseen,
+            solved: self,
         })
     }
 
@@ -492,7 +536,7 @@ pub struct Fits {
 
 /// The least frequency of the second mass alone on its spring `[rad/s]`, and that of a slow spring.
 const LEAST_ANTIRESONANCE: f64 = 250.0;
-const LEAST_SLOW_ANTIRESONANCE: f64 = 150.0;
+const LEAST_SLOW_ANTIRESONANCE: f64 = 60.0;
 
 /// The fits with one mass and with two.
 pub fn fits(mut problem: Problem, sensor: f64) -> Option<Fits> {
@@ -502,7 +546,7 @@ pub fn fits(mut problem: Problem, sensor: f64) -> Option<Fits> {
     let fit = |starts: &[f64], least| flexible(&rigid, starts, least).and_then(Problem::finish);
     Some(Fits {
         flexible: fit(&starts, LEAST_ANTIRESONANCE),
-        slow: fit(&[37.0], LEAST_SLOW_ANTIRESONANCE),
+        slow: fit(&[15.0, 37.0], LEAST_SLOW_ANTIRESONANCE),
         rigid: rigid.finish()?,
     })
 }

@@ -2,6 +2,7 @@
 
 mod calibration;
 mod cogging;
+mod consistency;
 mod excitation;
 mod exponential;
 mod file;

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::consistency;
 use crate::excitation::ExcitationParams;
 use crate::filter::Samples;
 use crate::fit::{self, Fit, Fits};
@@ -82,6 +83,20 @@ pub enum Declined {
         /// Standard deviation of the mass over the mass.
         mass: f64,
     },
+    /// The delay changed while the device moved.
+    Changed {
+        /// Delay and lag in the first half `[s]`.
+        first: f64,
+        /// In the second half `[s]`.
+        second: f64,
+    },
+    /// The amplifier gives less force than is commanded.
+    Saturated {
+        /// The commanded force from which on it gives no more `[N]`.
+        level: f64,
+        /// Largest force `[N]`.
+        force: f64,
+    },
     /// No model of a device explains the motion.
     NoFit,
 }
@@ -129,6 +144,19 @@ impl fmt::Display for Declined {
                  allow more force or more seconds",
                 delay * 1e3,
                 mass * 100.0
+            ),
+            Self::Changed { first, second } => write!(
+                f,
+                "the delay changed while the device moved: delay and lag were {:.2} ms in the first half and {:.2} ms in the \
+                 second. Find what changes it (a driver's buffer, another program on the machine) and calibrate again",
+                first * 1e3,
+                second * 1e3
+            ),
+            Self::Saturated { level, force } => write!(
+                f,
+                "the amplifier saturates: from about {level:.2} N on a larger command moves the device no more, and the largest \
+                 force is {force} N. Use a --largest-force of {:.2} N or less",
+                0.8 * level
             ),
             Self::NoFit => write!(f, "no model of a device explains the motion"),
         }
@@ -181,7 +209,13 @@ pub fn measure(
     let begin = start(&samples, period, most_delay).ok_or(not_moved)?;
     let problem = fit::problem(samples, period, excited, begin, sensor, most_delay);
     let fits = fit::fits(problem, sensor).ok_or(Declined::NoFit)?;
-    let fit = best(fits, period);
+    let mut fit = best(fits, period);
+    check(&fit, period, force)?;
+    let solved = fit.solved.clone();
+    if let Some(level) = consistency::saturation(&solved) {
+        return Err(Declined::Saturated { level, force });
+    }
+    consistency::halves(&mut fit, &solved, most_delay_deviation(period))?;
     check(&fit, period, force)?;
     let foreseen = fit.foreseen.iter().map(|x| x + positions[0]).collect();
     Ok(Measured {
@@ -204,11 +238,19 @@ fn best(fits: Fits, period: f64) -> Fit {
     let flexible = flexible.filter(|fit| fit.resonance() * period < HIGHEST_RESONANCE);
     let flexible = flexible.filter(|fit| is_worth(fit, RESONANCE_MARGIN));
     let slow = slow.filter(|fit| fit.resonance() < SLOW_RESONANCE);
+    // A slow spring that is likely, and not likely enough to be told from a hand.
+    let doubtful = slow.clone().filter(|fit| is_worth(fit, RESONANCE_MARGIN));
     let slow = slow.filter(|fit| is_worth(fit, SLOW_RESONANCE_MARGIN));
     match (flexible, slow) {
         (Some(one), Some(other)) if other.cost() < one.cost() => other,
         (Some(fit), _) | (None, Some(fit)) => fit,
-        (None, None) => rigid,
+        (None, None) => {
+            let mut fit = rigid;
+            if let Some(other) = doubtful {
+                consistency::widen_by(&mut fit, &other);
+            }
+            fit
+        }
     }
 }
 
@@ -227,7 +269,7 @@ fn check(fit: &Fit, period: f64, force: f64) -> Result<(), Declined> {
     }
     let delay = fit.deviation[at::DELAY_PLUS_LAG];
     let of_mass = fit.deviation[at::LN_MOBILITY];
-    let most_delay = MOST_DELAY_DEVIATION.max(MOST_DELAY_DEVIATION_SECONDS / period);
+    let most_delay = most_delay_deviation(period);
     let is_known = delay <= most_delay && of_mass <= MOST_MASS_DEVIATION;
     if !is_known {
         return Err(Declined::Uncertain {
@@ -236,6 +278,11 @@ fn check(fit: &Fit, period: f64, force: f64) -> Result<(), Declined> {
         });
     }
     Ok(())
+}
+
+/// Standard deviation of delay and lag beyond which nothing is said `[periods]`.
+fn most_delay_deviation(period: f64) -> f64 {
+    MOST_DELAY_DEVIATION.max(MOST_DELAY_DEVIATION_SECONDS / period)
 }
 
 fn deviation(values: &[f64]) -> f64 {

@@ -275,8 +275,12 @@ fn friction_near_to_the_force_is_declined_with_its_reason() {
         coulomb: 0.6,
         ..PlantParams::bare(1e-3, 0.2)
     };
-    let declined = calibrated(&stuck, 4.0).unwrap_err();
-    assert!(matches!(declined, Declined::NotMoved { .. }), "{declined}");
+    // It does not move at all.
+    let params = ExcitationParams::new(1e-3);
+    let (excitation, ..) = excited(&params, &mut Plant::new(stuck, 7));
+    let phase = excitation.phase();
+    let is_right = matches!(phase, Phase::Stopped(Stop::NoAnswer { .. }));
+    assert!(is_right, "{phase:?}");
 }
 
 /// Friction and cogging are each below the force, and together above it: the device rocks in a cog of its motor
@@ -309,4 +313,120 @@ fn parameters_out_of_range_are_named() {
     };
     let error = Excitation::new(params).unwrap_err().to_string();
     assert_eq!(error, "the duration is 1 s, but must be 2 to 120 s");
+}
+
+/// A dead encoder, with and without noise, from the beginning and from the middle on.
+#[test]
+fn a_position_that_does_not_answer_stops_the_force() {
+    for (largest_force, most) in [(0.5, 1.5), (10.0, 0.5)] {
+        for noise in [0.0, 2e-6] {
+            for dies in [0, 3000] {
+                let params = ExcitationParams {
+                    largest_force,
+                    duration: 8.0,
+                    ..ExcitationParams::new(1e-3)
+                };
+                let mut excitation = Excitation::new(params).unwrap();
+                let mut plant = Plant::new(
+                    PlantParams {
+                        noise,
+                        quantum: 0.0,
+                        hand_damping: 4.0 * largest_force,
+                        ..PlantParams::bare(1e-3, 0.2)
+                    },
+                    7,
+                );
+                let (mut last, mut pushed) = (0.0, 0.0);
+                for tick in 0.. {
+                    let measured = plant.measured();
+                    if tick <= dies {
+                        last = measured;
+                    }
+                    let jitter = if noise > 0.0 {
+                        noise * (tick % 3) as f64
+                    } else {
+                        0.0
+                    };
+                    let force = excitation.next(last + jitter);
+                    plant.advance(force);
+                    pushed += if tick > dies && force != 0.0 {
+                        1e-3
+                    } else {
+                        0.0
+                    };
+                    if excitation.phase() != Phase::Running {
+                        break;
+                    }
+                }
+                let phase = excitation.phase();
+                let is_right = matches!(phase, Phase::Stopped(Stop::NoAnswer { .. }));
+                assert!(is_right, "{largest_force} N, {noise} m, {dies}: {phase:?}");
+                assert!(
+                    pushed < most,
+                    "{largest_force} N, {noise} m, {dies}: {pushed} s"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn an_amplifier_that_saturates_is_named() {
+    for saturation in [0.2, 0.35] {
+        let plant = PlantParams {
+            saturation,
+            viscous: 0.3,
+            ..PlantParams::bare(1e-3, 0.15)
+        };
+        let found = calibrated(&plant, 6.0);
+        let Err(Declined::Saturated { level, .. }) = found else {
+            panic!("{saturation} N: {found:?}");
+        };
+        assert!(
+            (level / saturation - 1.0).abs() < 0.2,
+            "{saturation} N: {level} N"
+        );
+    }
+}
+
+/// Whether the calibration declined, or its deviations cover the error of delay and mass.
+#[test]
+fn a_delay_that_changes_and_a_slow_transmission_are_not_taken_for_certain() {
+    let bare = PlantParams {
+        viscous: 0.3,
+        ..PlantParams::bare(1e-3, 0.15)
+    };
+    for (at, later) in [(2.0, 0.5), (4.5, 1.0)] {
+        let plant = PlantParams {
+            jump: [at, later],
+            ..bare
+        };
+        match calibrated(&plant, 6.0) {
+            Err(Declined::Changed { first, second }) => assert!(second - first > 1e-4),
+            Err(other) => panic!("{at} s, {later}: {other}"),
+            Ok(found) => {
+                let off = deviations(&found, Quantity::DelayPlusLag, plant.delay * 1e-3);
+                assert!(off < 3.0, "{at} s, {later}: {off}");
+            }
+        }
+    }
+    // A transmission of 25 Hz is declined, or found with deviations that say so.
+    let plant = PlantParams {
+        second_mass: 0.1,
+        transmission_stiffness: (std::f64::consts::TAU * 25.0).powi(2) / 20.0,
+        transmission_damping: 0.2,
+        hand_damping: 1.0,
+        hand_stiffness: 60.0,
+        ..PlantParams::bare(1e-3, 0.1)
+    };
+    if let Ok(found) = calibrated(&plant, 8.0) {
+        let mass = found.value(Quantity::DeviceMass).unwrap();
+        let deviation = found.standard_deviation(Quantity::DeviceMass).unwrap();
+        assert!(
+            (mass - 0.2).abs() < 3.0 * deviation,
+            "{mass} kg +- {deviation}"
+        );
+        let off = deviations(&found, Quantity::DelayPlusLag, plant.delay * 1e-3);
+        assert!(off < 3.5, "{off}");
+    }
 }

@@ -51,8 +51,8 @@ Exit codes:
   4  done, but the recording that was read or made is not whole; the output or
      standard error says what is missing
   5  the loop ran, but at its end or for most of its time safety had the motors off
-     or the renderer refused the samples, or a pipe refused every line: there was
-     no force
+     or the renderer refused the samples, or a pipe refused every line or was stopped by
+     safety: there was no force
   6  nothing can be said of a device; the message says why
   130  stopped by ctrl-C or another signal before its end; what is done is kept")]
 pub struct Arguments {
@@ -111,7 +111,7 @@ Examples:
   palpate simulate experiments/fig2.toml --method all --plot fig2.svg
   palpate simulate experiments/experiment2.toml --method virtual-damper --damping 4
   palpate simulate experiments/wall.toml --stiffness 5000 --delay 1 --json
-  palpate simulate experiments/fig2.toml --method all --jitter 0.002 --drop 0.05 --seed 7")]
+  palpate simulate experiments/fig2.toml --method all --jitter 0.002 --drop 0.05 --seeds 20")]
     Simulate(SimulateArguments),
     /// Compare methods on many scenes, in one table
     #[command(override_usage = "palpate compare <SCENE.toml>... [OPTIONS]")]
@@ -379,7 +379,9 @@ supervisor and guardian; 5 s unless --duration says otherwise. The force comes o
 the wall at 0, or into what the --scene has. The recording stays beside the page.
 
 What can be rendered is a coarse map with the mass, period, delay, lag, gain, friction and sensor of this \
-device. It takes a minute at most; the page says what was computed, and its resolution.")]
+device. On a terminal a bar shows the part of the work, the steps that are done and the time; elsewhere a line on standard \
+error does, after 30 s and whenever the time has doubled. The page says what was computed, its resolution, and how long \
+it took.")]
     #[command(after_help = "\
 Examples:
   palpate report tap.mcap --out device.html
@@ -411,7 +413,7 @@ Judge methods on plants drawn at random.
 
 Device, hand, object, loop and sensor are drawn over the whole range that desktop devices have; \
 docs/suite.md says how. Each plant is simulated over its first three collisions by every method \
-with its default settings, without delay and with one sample of it, and judged against the ideal \
+with its default settings, without delay and with one sample of it, which the renderer models or not, and judged against the ideal \
 of the same plant. The same seed gives the same plants for ever, and plant i is the same whatever \
 the number of plants; so is every digit of the results, whatever the number of threads \
 (RAYON_NUM_THREADS).
@@ -423,7 +425,7 @@ that is best on each plant counts, which is found with knowledge of the ideal. A
 `guard`, too.")]
     #[command(after_help = "\
 Examples:
-  palpate suite --plants 40
+  palpate suite --plants 40 --seeds 7
   palpate suite --plants 20 --seed 7 --method hfcr,virtual-damper --plot suite.svg --out suite.csv
   palpate suite --plants 5 --method hfcr --write-scenes plants --json")]
     Suite(SuiteArguments),

@@ -27,7 +27,7 @@ pub enum Failure {
     /// 4.
     NotWhole,
     /// The loop ran, but without a force at its end or for most of it, since safety had the motors off or the renderer refused
-    /// the samples; or a pipe refused every line: exit code 5.
+    /// the samples; or a pipe refused every line or was stopped by safety: exit code 5.
     MotorsOff(String),
     /// Nothing can be said of a device, for a reason of its own or of its hand: exit code 6.
     Declined(String),

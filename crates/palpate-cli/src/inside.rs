@@ -2,15 +2,19 @@
 //! another unit.
 
 use palpate::Side;
-use palpate_record::trace::Trace;
-use palpate_record::unit::{Excess, HandMotion, LengthUnit};
+use palpate_record::unit::{Excess, HandMotion, LengthUnit, Spacing};
 use palpate_sim::replay::ReplaySetup;
 
+use crate::arguments::TraceFlags;
 use crate::failure::Failure;
 use palpate_study::text::digits;
 
 /// Depth beyond which the unit of the positions is likely to be another one `[m]`.
 const DEEP: f64 = 1.0;
+/// Depth that a recorded motion does not reach in what it touches, unless its unit is another one `[m]`.
+const DEEP_FOR_A_MOTION: f64 = 0.1;
+/// Distance from the place of a device in a scene beyond which the unit is likely to be another one `[m]`.
+const FAR: f64 = 2.0;
 
 /// Says that a device which starts at `position` `[m]` is inside the object, and what to change; none
 /// if it is not. The unit may be the mistake, unless it was given.
@@ -38,15 +42,65 @@ pub fn at_start(setup: &ReplaySetup, position: f64, is_unit_given: bool) -> Opti
     ))
 }
 
-/// Refuses a trace that no hand has made, where nobody has said its unit.
-pub fn check_trace(name: &str, trace: &Trace, unit: Option<LengthUnit>) -> Result<(), Failure> {
-    if unit.is_some() {
+/// Says that a device gets deeper into what it touches than a body of a desktop is thick; none if it does not, or the
+/// unit was given.
+pub fn deep(depth: f64, is_unit_given: bool) -> Option<String> {
+    (depth > DEEP_FOR_A_MOTION && !is_unit_given).then(|| {
+        let unit = LengthUnit::Millimetre;
+        format!(
+            "the recorded motion gets {} m deep into what it touches; is the unit {unit}? --unit {unit} takes it so, and \
+             --unit m says that metres are right",
+            digits(depth)
+        )
+    })
+}
+
+/// Refuses a motion along some axes, each with its `positions` `[m]` at `times` `[s]`, whose units are likely to be others,
+/// unless they were given.
+pub fn check_motion(
+    name: &str,
+    times: &[f64],
+    positions: &[&[f64]],
+    flags: &TraceFlags,
+) -> Result<(), Failure> {
+    if flags.time_unit.is_none()
+        && let Some(spacing) = Spacing::implausible(times)
+    {
+        let take = spacing.likely_unit().map_or_else(String::new, |unit| {
+            format!("--time-unit {unit} takes it so, and ")
+        });
+        return Err(Failure::input(format!(
+            "{name}: {spacing}{} {take}--time-unit s says that seconds are right",
+            if take.is_empty() { ";" } else { "" }
+        )));
+    }
+    if flags.unit.is_some() {
         return Ok(());
     }
-    match excess(&trace.t_s, &trace.position_m) {
+    match positions.iter().find_map(|along| excess(times, along)) {
         Some(excess) => Err(Failure::input(format!("{name}: {}", not_a_hand(&excess)))),
         None => Ok(()),
     }
+}
+
+/// Refuses a motion of the device called `device` that begins far from where the scene has it, unless its unit was given.
+pub fn check_start(
+    name: &str,
+    device: &str,
+    (of_scene, of_motion): ([f64; 3], [f64; 3]),
+    flags: &TraceFlags,
+) -> Result<(), Failure> {
+    let apart = of_scene.iter().zip(of_motion).map(|(a, b)| (a - b).abs());
+    let apart = apart.fold(0.0, f64::max);
+    if flags.unit.is_some() || apart <= FAR {
+        return Ok(());
+    }
+    let unit = LengthUnit::Millimetre;
+    Err(Failure::input(format!(
+        "{name}: the motion of {device} begins {} m from its place in the scene; is the unit {unit}? --unit {unit} takes it \
+         so, and --unit m says that metres are right",
+        digits(apart)
+    )))
 }
 
 /// What no hand does in a motion of `positions` `[m]` at `times` `[s]`.

@@ -234,6 +234,7 @@ impl Flags {
     /// Puts the flags that were given in place of the scene's values, for `methods`.
     pub fn change(&self, scene: &mut Scene, methods: &[MethodName]) -> Result<(), Failure> {
         self.check_device()?;
+        let before = scene.clone();
         let stiffness = self.stiffness.unwrap_or(scene.contact.stiffness);
         scene.contact.stiffness = stiffness;
         if let Some(mass) = self.mass {
@@ -280,6 +281,7 @@ impl Flags {
             let settings = scene.settings.entry(method).or_default();
             *settings = self.settings().or(*settings);
         }
+        retitle(scene, &before);
         Ok(())
     }
 
@@ -316,4 +318,34 @@ pub fn check_contact(setup: &ReplaySetup) -> Result<(), Failure> {
         .and_then(|renderer| renderer.start(setup.object))
         .map(|_| ())
         .map_err(|error| wrong_rendered(&error))
+}
+
+/// Adds the values that flags have changed to a title, which may name those of the file.
+fn retitle(scene: &mut Scene, before: &Scene) {
+    let mass = |scene: &Scene| match scene.contact.object_mass {
+        palpate::Mass::Finite(mass) => mass,
+        palpate::Mass::Infinite => f64::INFINITY,
+    };
+    let values = |scene: &Scene| {
+        [
+            ("stiffness", scene.contact.stiffness, " N/m"),
+            ("object", mass(scene), " kg"),
+            ("device", scene.device.mass(), " kg"),
+            ("period", scene.loop_params.period, " s"),
+            ("force on the object", scene.virtual_force, " N"),
+        ]
+    };
+    let changed: Vec<String> = values(scene)
+        .iter()
+        .zip(values(before))
+        .filter(|(now, then)| now.1.to_bits() != then.1.to_bits())
+        .map(|(&(name, value, unit), _)| match value {
+            f64::INFINITY => "a wall".into(),
+            value => format!("{name} {value}{unit}"),
+        })
+        .collect();
+    if !changed.is_empty() {
+        let title = std::mem::take(&mut scene.title);
+        scene.title = format!("{title} (changed: {})", changed.join(", "));
+    }
 }

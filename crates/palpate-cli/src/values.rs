@@ -4,17 +4,18 @@ use std::fmt;
 use std::time::Duration;
 
 use palpate::Side;
-use palpate_record::unit::LengthUnit;
+use palpate_record::trace::{Delimiter, Layout};
+use palpate_record::unit::{LengthUnit, TimeUnit};
 use palpate_rt::WorldAxis;
 use palpate_scene::method::{MethodName, method_named};
 use palpate_scene::world::WorldScene;
-use palpate_scene::{GuardMode, HandForceAt};
+use palpate_scene::{GuardMode, HandForceAt, period_question};
 use palpate_study::suite::Set;
 use palpate_study::sweep::Quantity;
 use palpate_study::world::suite::WorldSet;
 use palpate_testbed::hold::DelayedHold;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, tell};
 
 /// The methods a command is to run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -100,6 +101,15 @@ pub fn number(text: &str) -> Result<f64, String> {
         .map_err(|_| "a number is needed, such as 0.01 or 1e-2".into())
 }
 
+/// A period `[s]`; one that is likely to be in milliseconds is questioned on standard error.
+pub fn period(text: &str) -> Result<f64, String> {
+    let period = number(text)?;
+    if let Some(question) = period_question("--period", "--period 0.001", period) {
+        tell(format_args!("warning: {question}"));
+    }
+    Ok(period)
+}
+
 /// A whole number from 0 on.
 pub fn whole<N: std::str::FromStr>(text: &str) -> Result<N, String> {
     text.parse()
@@ -180,6 +190,28 @@ pub fn length_unit(text: &str) -> Result<LengthUnit, String> {
         let units = LengthUnit::ALL.map(LengthUnit::symbol).join(", ");
         format!("the units are {units}")
     })
+}
+
+/// Unit of times.
+pub fn time_unit(text: &str) -> Result<TimeUnit, String> {
+    TimeUnit::of_symbol(text).ok_or_else(|| {
+        let units = TimeUnit::ALL.map(TimeUnit::symbol).join(", ");
+        format!("the units are {units}")
+    })
+}
+
+/// What separates the fields of a table.
+pub fn delimiter(text: &str) -> Result<Delimiter, String> {
+    Delimiter::named(text).ok_or_else(|| "comma, semicolon or tab is needed".into())
+}
+
+/// Quantities, and the columns of a table that hold them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TraceColumns(pub Vec<(String, String)>);
+
+/// Quantities and columns, such as `t=time,x=X`.
+pub fn trace_columns(text: &str) -> Result<TraceColumns, String> {
+    Layout::parse_columns(text).map(TraceColumns)
 }
 
 /// From one number to another; which of them is larger is the business of what it is for.

@@ -559,22 +559,3 @@ fn a_lateness_that_was_learned_is_said() {
     let certain = folder.succeed("record certain.toml certain.mcap --fast --duration 2.5");
     assert!(!certain.contains("learned-lateness"), "{certain}");
 }
-
-#[test]
-fn a_pipe_says_at_its_end_which_lateness_it_has_learned() {
-    let folder = folder();
-    let lines: String = (0..120)
-        .map(|i| format!("{}\n", 5e-5 * f64::from(i)))
-        .collect();
-    let answer = folder.palpate_reading(&lines, &format!("{PIPE} --delay-deviation 0.3"));
-    assert_eq!(answer.code, 0, "{answer:?}");
-    assert!(
-        answer.stderr.contains("; learned: commands begin "),
-        "{answer:?}"
-    );
-    let answer = folder.palpate_reading(&lines, &format!("{PIPE} --delay-deviation 0.3 --json"));
-    let learned = number(&parse(&answer.stderr), "learned_lateness_s");
-    assert!(learned != 0.0 && learned.abs() <= 4.0 * 0.3e-3, "{learned}");
-    let answer = folder.palpate_reading(&lines, PIPE);
-    assert!(!answer.stderr.contains("learned"), "{answer:?}");
-}

@@ -197,6 +197,14 @@ fn the_demo_tells_the_story_and_leaves_its_files() {
         story.contains("FRE %") && story.contains("Where to go next"),
         "{story}"
     );
+    let report = folder.json("demo --out-dir other");
+    let methods = report["simulation"]["methods"].as_array().unwrap();
+    let leak = |name: &str| {
+        let found = methods.iter().find(|one| one["method"] == name).unwrap();
+        found["absolute_leak_held_j"].as_f64().unwrap()
+    };
+    let less = format!("has {:.0} times less of it", leak("basic") / leak("hfcr"));
+    assert!(story.contains(&less), "{less}:\n{story}");
 }
 
 #[test]

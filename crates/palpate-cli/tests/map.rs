@@ -518,3 +518,16 @@ fn a_cell_of_the_map_and_an_advice_agree_on_what_stays() {
     // Both of an object, and one of a wall.
     assert_eq!(compared, 4 * 3);
 }
+
+#[test]
+fn advice_against_coupled_has_its_reason() {
+    let folder = Folder::new();
+    let text = folder.succeed(
+        "advise --device-mass 0.3 --period 0.002 --encoder-quantum 1e-5 --stiffness 2000 --mass 0.05",
+    );
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(text.contains("Use hfcr as it is"), "{text}");
+    let reason =
+        "coupled comes nearer, to 1.6 %, but its force swings at rest by 10.8 % of the weight";
+    assert!(text.contains(reason), "{text}");
+}

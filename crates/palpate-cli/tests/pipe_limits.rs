@@ -27,7 +27,7 @@ fn forces(answer: &Answer) -> Vec<f64> {
 
 #[test]
 fn forces_are_limited_and_come_in_softly_unless_told_otherwise() {
-    let deep = "5\n".repeat(400);
+    let deep = "0.05\n".repeat(400);
     let limited = pipe(WALL, &deep);
     assert_eq!(limited.code, 0, "{limited:?}");
     let found = forces(&limited);
@@ -249,5 +249,23 @@ mod signals {
         assert_eq!(status.code(), Some(1), "{rest:?}");
         assert!(rest.last().unwrap().contains("was not read"), "{rest:?}");
         drop(unread);
+    }
+}
+
+#[test]
+fn created_energy_stops_a_pipe_as_it_stops_run() {
+    // Held while the device leaves by 2 mm, 2 N create 4 mJ in each second period.
+    let shaken = "0.002\n0\n".repeat(50);
+    let answer = pipe(&format!("{WALL} --method basic --soft-start 0"), &shaken);
+    assert_eq!(answer.code, 5, "{answer:?}");
+    let found = forces(&answer);
+    let pushed = found.iter().filter(|force| **force < -1.0).count();
+    assert!((10..20).contains(&pushed), "{found:?}");
+    assert!(found[40..].iter().all(|force| *force == 0.0), "{found:?}");
+    for words in [
+        "safety stop: held forces created more than 50.0 mJ",
+        "if the loop is as modelled",
+    ] {
+        assert!(answer.stderr.contains(words), "{}", answer.stderr);
     }
 }

@@ -86,7 +86,7 @@ fn info_counts_missed_deadlines_and_says_the_most_energy_that_was_created() {
     let text = folder.succeed("info late.mcap");
     for words in [
         "\n  missed deadlines: 24\n",
-        "\n  held forces created: at most 4.20 mJ\n",
+        "\n  held forces created: at most 4.20 mJ, if the loop is as modelled\n",
     ] {
         assert!(text.contains(words), "no {words:?} in:\n{text}");
     }

@@ -210,7 +210,9 @@ fn what_spreadsheets_write_is_read_as_the_same_motion() {
         ("both", format!("\u{feff}{}", text.replace('\n', "\r\n"))),
         ("comments", format!("# by hand\n\n{text}")),
         ("columns", swapped),
-        ("no-end", text.trim_end().to_owned()),
+        ("semicolons", text.replace(',', ";")),
+        ("tabs", text.replace(',', "\t")),
+        ("units", text.replacen('\n', "\ns,m\n", 1)),
     ];
     folder.write("plain.csv", &text);
     let run = |name: &str| {

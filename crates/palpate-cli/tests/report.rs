@@ -107,6 +107,8 @@ fn a_page_of_a_device_file_says_what_its_json_says() {
         ("period_s", 0.01),
         ("delay_s", 0.004),
         ("lag_s", 0.002),
+        ("delay_deviation_s", 0.0015),
+        ("lag_deviation_s", 0.0),
         ("viscous_friction_n_s_per_m", 1.5),
         ("sensor_quantum_m", 1e-5),
     ] {

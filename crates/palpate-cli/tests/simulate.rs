@@ -215,8 +215,15 @@ fn a_flag_does_what_an_edit_of_the_scene_does() {
     for (flags, old, new) in edits {
         assert_eq!(text.matches(old).count(), 1, "{old}");
         folder.write("edited.toml", text.replace(old, new));
-        let by_flag = folder.json(&format!("simulate plain.toml {flags}"));
-        let by_edit = folder.json("simulate edited.toml");
+        let mut by_flag = folder.json(&format!("simulate plain.toml {flags}"));
+        let mut by_edit = folder.json("simulate edited.toml");
+        // A title that names a value of the file is followed by what the flag made of it.
+        let title = by_flag["title"].take().as_str().unwrap().to_owned();
+        let own = by_edit["title"].take().as_str().unwrap().to_owned();
+        if flags.starts_with("--stiffness") {
+            assert_eq!(title, format!("{own} (changed: stiffness 250 N/m)"));
+        }
+        assert!(title.starts_with(&own), "{title}");
         assert_eq!(by_flag, by_edit, "{flags}");
         assert_ne!(
             by_flag["methods"], unchanged["methods"],
@@ -352,6 +359,82 @@ fn an_imperfect_loop_by_flags_is_that_of_the_scene_file() {
         assert_eq!(answer.code, 2, "{flag}");
         assert!(answer.stderr.contains(said), "{flag}: {}", answer.stderr);
     }
+}
+
+#[test]
+fn random_parts_state_their_seed_and_several_seeds_give_their_range() {
+    let folder = with_scene();
+    let random = "simulate scene.toml --method basic,coupled --jitter 0.002 --drop 0.1";
+    // E of coupled, its leak, and the hold floor, with each of three seeds.
+    let mut values = [const { Vec::new() }; 3];
+    for seed in 3..6 {
+        let report = folder.json(&format!("{random} --seed {seed}"));
+        assert_eq!(report["seed"], seed);
+        assert!(report.get("seeds").is_none());
+        let coupled = of_method(&report, "coupled");
+        assert!(coupled.get("over_seeds").is_none());
+        values[0].push(number(coupled, "mean_force_error_percent"));
+        values[1].push(number(coupled, "leak_held_j"));
+        values[2].push(number(&report, "hold_floor_percent"));
+    }
+    let report = folder.json(&format!("{random} --seed 3 --seeds 3"));
+    assert_eq!((&report["seed"], &report["seeds"]), (&3.into(), &3.into()));
+    let coupled = of_method(&report, "coupled");
+    // Values that stand alone are those of the first seed.
+    assert_eq!(number(coupled, "mean_force_error_percent"), values[0][0]);
+    let over = &coupled["over_seeds"];
+    for (values, spread) in values.iter_mut().zip([
+        &over["mean_force_error_percent"],
+        &over["leak_held_j"],
+        &report["hold_floor_over_seeds"],
+    ]) {
+        values.sort_by(f64::total_cmp);
+        assert_eq!(
+            ["least", "median", "largest"].map(|name| number(spread, name)),
+            values[..]
+        );
+        assert!(values[0] < values[2], "{values:?}");
+    }
+    let text = folder.succeed(&format!("{random} --seed 3 --seeds 3"));
+    let shown = format!(
+        "{:.1} ({:.1} to {:.1})",
+        values[0][1], values[0][0], values[0][2]
+    );
+    assert!(
+        text.contains("seeds 3 to 5") && text.contains(&shown),
+        "{shown}\n{text}"
+    );
+    let one = folder.succeed(&format!("{random} --seed 3"));
+    assert!(
+        one.contains("one draw of seed 3") && one.contains("--seeds 20"),
+        "{one}"
+    );
+    // Noise of the sensor is random in a loop that is perfect.
+    let text = folder
+        .read("scene.toml")
+        .replace("[device]\n", "[device]\nnoise_m = 1e-6\n");
+    folder.write("noisy.toml", text);
+    let noisy = folder.json("simulate noisy.toml --seeds 2");
+    assert_eq!((&noisy["seed"], &noisy["seeds"]), (&0.into(), &2.into()));
+    for command in ["compare noisy.toml", "heights noisy.toml --method basic"] {
+        let text = folder.succeed(command);
+        assert!(text.contains("one draw of seed 0"), "{command}: {text}");
+    }
+    // Where nothing is random, there is nothing to repeat.
+    let perfect = folder.json("simulate scene.toml");
+    assert!(perfect.get("seed").is_none());
+    folder.fail(
+        "simulate scene.toml --seeds 2",
+        2,
+        &["--seeds 2: nothing is random"],
+    );
+    folder.fail("simulate noisy.toml --seeds 2 --out run.csv", 2, &["--out"]);
+    folder.write("world.toml", experiment_text("worlds/paddle"));
+    folder.fail(
+        "simulate world.toml --seeds 2",
+        2,
+        &["nothing is random in a world"],
+    );
 }
 
 #[test]

@@ -105,6 +105,50 @@ fn a_setting_with_which_samples_are_refused_is_not_the_best_for_its_missing_leak
     assert!(text.contains(" refused"), "{text}");
 }
 
+/// At 10 ms a contact of 400 N/mm on a device of 50 g is held by soft couplings only, and by no damper; at 100 MN/m the
+/// renderer refuses samples with every setting.
+#[test]
+fn where_every_setting_runs_away_softer_ones_are_tried_or_none_is_found() {
+    let folder = Folder::new();
+    let slow = BALL
+        .replace("period_s = 0.001", "period_s = 0.01")
+        .replace("mass_kg = 0.25", "mass_kg = 0.05")
+        .replace("[0.004, 0.0, 0.08]", "[0.004, 0.0, 0.072]");
+    let with = |stiffness: &str| slow.replace("stiffness_n_per_m = 4000.0", stiffness);
+    folder.write("stiff.toml", with("stiffness_n_per_m = 4e5"));
+    folder.write("stiffest.toml", with("stiffness_n_per_m = 1e8"));
+
+    let tuned = folder.json("tune stiff.toml --method virtual-coupling");
+    assert_eq!(schema::check(&tuned), "world-tune");
+    let setting = &tuned["best"]["settings"]["coupling_stiffness_n_per_m"];
+    assert_eq!(tuned["found"], true);
+    assert!(setting.as_f64().unwrap() < 0.1 * 4e5, "{tuned}");
+    let command =
+        "compare stiff.toml --method virtual-damper,virtual-coupling,coupled --out table.csv";
+    let compared = folder.json(command);
+    assert_eq!(schema::check(&compared), "world-compare");
+    let coupling = row(&compared, "virtual-coupling");
+    assert_eq!(
+        coupling["mean_force_error_percent"],
+        tuned["best"]["mean_force_error_percent"]
+    );
+    assert_eq!(coupling["tuned"], tuned["curve"].as_array().unwrap().len());
+    let none = row(&compared, "virtual-damper")["none_found"].as_str();
+    assert!(none.unwrap().contains("no setting found"), "{compared}");
+    assert!(folder.read("table.csv").contains("no setting found"));
+
+    let tune = "tune stiffest.toml --method virtual-coupling";
+    let tuned = folder.json(tune);
+    assert_eq!(tuned["found"], false);
+    let text = folder.succeed(tune);
+    assert!(
+        text.contains("no setting found") && !text.contains("In [render]"),
+        "{text}"
+    );
+    let text = folder.succeed("compare stiffest.toml --method virtual-coupling");
+    assert!(text.contains("no setting found"), "{text}");
+}
+
 /// With a contact of 10 GN/m a tick of 1 ms overflows: the report says when the first sample was refused, and why.
 #[test]
 fn a_world_with_a_contact_that_is_too_fast_says_why_its_samples_are_refused() {
@@ -510,4 +554,26 @@ fn a_guard_is_asked_for_by_flags_or_the_file_and_what_it_holds_back_is_counted()
         2,
         &["--guard-speed", "above 0"],
     );
+}
+
+#[test]
+fn all_names_the_methods_that_are_left_out() {
+    let folder = Folder::new();
+    folder.write("ball.toml", BALL);
+    let report = folder.json("simulate ball.toml --method all");
+    let methods = |key: &str| -> Vec<String> {
+        let all = report[key].as_array().unwrap().iter();
+        all.map(|one| one["method"].as_str().unwrap().to_owned())
+            .collect()
+    };
+    assert_eq!(methods("methods"), ["basic", "coupled"]);
+    let left_out = ["virtual-damper", "virtual-coupling", "god-object"];
+    assert_eq!(methods("left_out"), left_out);
+    let text = folder.succeed("simulate ball.toml --method all");
+    for method in left_out {
+        assert!(
+            text.contains(&format!("{method} was left out: {method} needs")),
+            "{text}"
+        );
+    }
 }

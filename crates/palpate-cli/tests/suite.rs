@@ -92,9 +92,10 @@ fn every_method_is_judged_with_both_delays() {
         .map(|column| column["name"].as_str().unwrap())
         .collect();
     assert_eq!(names, METHODS);
-    for (place, delay) in [(0, 0), (1, 1)] {
+    for (place, delay, model) in [(0, 0, 0), (1, 1, 1), (2, 1, 0)] {
         let found = &column(&report, "hfcr")["delays"][place];
         assert_eq!(found["delay_samples"], delay);
+        assert_eq!(found["model_delay_samples"], model);
         let error = &found["mean_force_error_percent"];
         let quantiles =
             ["median", "quantile_75", "quantile_90", "largest"].map(|name| number(error, name));
@@ -103,7 +104,7 @@ fn every_method_is_judged_with_both_delays() {
     }
     let text = folder.read("rows.csv");
     let rows = rows(&text);
-    assert_eq!(rows.len(), 6 * 2 * METHODS.len());
+    assert_eq!(rows.len(), 6 * 3 * METHODS.len());
     assert_eq!(rows[0]["plant"], "0");
     assert_eq!(rows[rows.len() - 1]["plant"], "5");
     assert!(
@@ -129,15 +130,15 @@ fn every_method_is_judged_with_both_delays() {
 fn each_row_is_a_scene_and_a_command() {
     let folder = Folder::new();
     folder.succeed(
-        "suite --plants 4 --seed 9 --method hfcr,seh --write-scenes plants --out rows.csv",
+        "suite --plants 4 --seed 9 --method hfcr,coupled --write-scenes plants --out rows.csv",
     );
     let text = folder.read("rows.csv");
     let rows = rows(&text);
-    assert_eq!(rows.len(), 16);
+    assert_eq!(rows.len(), 24);
     for row in rows {
         let text = folder.succeed(&format!(
-            "simulate plants/plant-000{}.toml --method {} --delay {} --json",
-            row["plant"], row["method"], row["delay_samples"]
+            "simulate plants/plant-000{}.toml --method {} --delay {} --told-delay {} --json",
+            row["plant"], row["method"], row["delay_samples"], row["model_delay_samples"]
         ));
         let report = parse(&text);
         let found = of_method(&report, row["method"]);
@@ -167,6 +168,93 @@ fn each_row_is_a_scene_and_a_command() {
             }
         }
     }
+}
+
+#[test]
+fn a_delay_that_is_not_in_the_model_is_a_condition_of_its_own() {
+    let folder = Folder::new();
+    let report = folder.json("suite --plants 4 --method hfcr,coupled");
+    let median = |name, place: usize| {
+        let found = &column(&report, name)["delays"][place];
+        number(&found["mean_force_error_percent"], "median")
+    };
+    assert_eq!(column(&report, "hfcr")["models_delay"], false);
+    assert_eq!(median("hfcr", 2), median("hfcr", 1));
+    assert_eq!(column(&report, "coupled")["models_delay"], true);
+    let [modelled, unmodelled] = [1, 2].map(|place| median("coupled", place));
+    assert!(
+        modelled < 15.0 && unmodelled > 80.0,
+        "{modelled} {unmodelled}"
+    );
+    let table = folder.succeed("suite --plants 2 --method hfcr,coupled");
+    let (_, last) = table.split_once("1 sample of delay, unmodelled").unwrap();
+    assert!(
+        last.contains(" coupled ") && !last.contains(" hfcr "),
+        "{table}"
+    );
+    assert!(
+        last.contains("changes nothing for the other methods"),
+        "{table}"
+    );
+}
+
+#[test]
+fn several_seeds_give_medians_with_their_range() {
+    let folder = Folder::new();
+    let of = |arguments: &str| {
+        let report = folder.json(&format!("suite --plants 5 --method hfcr {arguments}"));
+        let found = column(&report, "hfcr")["delays"][0].clone();
+        (report, found)
+    };
+    let mut each: Vec<f64> = (3..6)
+        .map(|seed| {
+            let (report, found) = of(&format!("--seed {seed}"));
+            assert!(report.get("seeds").is_none() && found.get("over_seeds").is_none());
+            number(&found["mean_force_error_percent"], "median")
+        })
+        .collect();
+    each.sort_by(f64::total_cmp);
+    let (report, found) = of("--seed 3 --seeds 3 --out rows.csv");
+    assert_eq!(
+        (&report["seeds"], &report["plants"]),
+        (&3.into(), &15.into())
+    );
+    let spread = &found["over_seeds"]["median_percent"];
+    assert_eq!(
+        ["least", "median", "largest"].map(|name| number(spread, name)),
+        each[..]
+    );
+    let rows = folder.run_file("rows.csv");
+    let seeds = rows.numbers("seed").unwrap();
+    assert_eq!(seeds.len(), 3 * 5 * 3);
+    assert_eq!((seeds[0], seeds[44]), (3.0, 5.0));
+    let table = folder.succeed("suite --plants 5 --method hfcr --seed 3 --seeds 3");
+    let shown = format!("{:.1} ({:.1}-{:.1})", each[1], each[0], each[2]);
+    assert!(
+        table.contains("seeds 3 to 5") && table.contains(&shown),
+        "{shown}\n{table}"
+    );
+    folder.fail(
+        "suite --plants 1 --seeds 2 --write-scenes plants",
+        2,
+        &["--write-scenes"],
+    );
+    folder.fail("suite --seeds 0", 2, &["--seeds"]);
+
+    // Of worlds, too.
+    let of = |arguments: &str| folder.json(&format!("suite --set worlds --plants 1 {arguments}"));
+    let basic = |report: &Value| report["loops"][0]["methods"][0].clone();
+    let [first, second] = [1, 2].map(|seed| {
+        let report = of(&format!("--seed {seed}"));
+        assert!(report.get("seeds").is_none() && basic(&report).get("over_seeds").is_none());
+        number(&basic(&report), "median_percent")
+    });
+    let both = of("--seeds 2");
+    assert_eq!(both["seeds"], 2);
+    let spread = &basic(&both)["over_seeds"]["median_percent"];
+    assert_eq!(number(spread, "least"), first.min(second));
+    assert_eq!(number(spread, "largest"), first.max(second));
+    assert!(first != second);
 }
 
 #[test]
@@ -249,7 +337,7 @@ fn a_column_may_choose_its_damping_and_says_which() {
 #[test]
 fn the_other_committed_columns_are_understood() {
     let folder = Folder::new();
-    for name in ["ablation", "damper-scan", "guard"] {
+    for name in ["ablation", "damper-scan", "guard", "readme"] {
         folder.write("columns.toml", committed(name));
         folder.succeed("suite --plants 1 --columns columns.toml");
     }

@@ -84,8 +84,117 @@ fn a_recorded_device_takes_the_unit_of_its_motion() {
     folder.fail(
         &format!("{run} tap.mcap --unit mm"),
         2,
-        &["--unit is the unit of a trace", "metres"],
+        &["--unit is for a trace", "metres"],
     );
+}
+
+/// A table as a recorder writes it: milliseconds and millimetres, semicolons, decimal commas, further columns.
+#[test]
+fn a_recorders_table_is_read_as_flags_say_and_never_guessed() {
+    let folder = folder();
+    let lines: String = taps(0.01, 3.0)
+        .iter()
+        .map(|(t, x)| format!("{};grip;{};7\n", 1000.0 * t, 1000.0 * x).replace('.', ","))
+        .collect();
+    folder.write("recorder.csv", format!("time;note;X;Y\n{lines}"));
+    let render = format!("render recorder.csv {CONTACT}");
+    let metres = folder.json(&format!("render metres.csv {CONTACT}"));
+    let flags = "--columns t=time,x=X --decimal-comma --unit mm";
+    for (given, words) in [
+        ("", "--columns t=NAME,x=NAME"),
+        ("--columns t=time,x=X", "--decimal-comma"),
+        (flags, "--time-unit ms"),
+        (
+            "--columns t=time,x=X --decimal-comma --time-unit ms",
+            "--unit mm",
+        ),
+    ] {
+        folder.fail(&format!("{render} {given}"), 3, &["recorder.csv", words]);
+    }
+    folder.fail(
+        &format!("{render} --columns w=X"),
+        2,
+        &["--columns", "allowed are t, x, force"],
+    );
+    let report = folder.json(&format!("{render} {flags} --time-unit ms"));
+    let leak = |report| number(of_method(report, "basic"), "leak_held_j");
+    let (found, right) = (leak(&report), leak(&metres));
+    assert!(
+        (found - right).abs() < 1e-9 * right.abs(),
+        "{found} {right}"
+    );
+    folder.write("wall.toml", common::experiment_text("wall"));
+    let run = "run wall.toml --fast --duration 0.2 --device replay --motion recorder.csv";
+    let answer = folder.palpate(&format!("{run} {flags} --time-unit ms"));
+    assert_eq!(answer.code, 0, "{answer:?}");
+    folder.fail(
+        "run wall.toml --skip-missing",
+        2,
+        &["--skip-missing", "--motion"],
+    );
+}
+
+#[test]
+fn gaps_samples_without_a_value_and_a_number_that_may_be_cut_off_are_said() {
+    let folder = Folder::new();
+    let mut lines: Vec<String> = taps(0.01, 3.0)
+        .iter()
+        .map(|(t, x)| format!("{t},{x}"))
+        .collect();
+    lines.drain(100..130);
+    let table = |lines: &[String]| format!("t_s,position_m\n{}\n", lines.join("\n"));
+    folder.write("gap.csv", table(&lines));
+    let render = format!("render gap.csv {CONTACT}");
+    let json = |render: &str| -> serde_json::Value {
+        let answer = folder.palpate(&format!("{render} --json"));
+        serde_json::from_str(&answer.stdout).unwrap_or_else(|_| panic!("{answer:?}"))
+    };
+    let report = json(&render);
+    let motion = &report["motion"];
+    assert!(
+        (number(motion, "longest_gap_s") - 0.31).abs() < 1e-9,
+        "{motion}"
+    );
+    assert!(
+        (number(motion, "longest_gap_from_s") - 0.99).abs() < 1e-9,
+        "{motion}"
+    );
+    let share = 100.0 * 30.0 / (lines.len() + 30) as f64;
+    assert!(
+        (number(motion, "interpolated_percent") - share).abs() < 1e-9,
+        "{motion}"
+    );
+    let answer = folder.palpate(&render);
+    assert!(
+        answer
+            .stderr
+            .contains("warning: gap.csv: no sample was recorded for 0.310 s"),
+        "{answer:?}"
+    );
+    assert!(
+        answer.stdout.contains("the longest gap is 0.310 s"),
+        "{answer:?}"
+    );
+
+    lines[50] = lines[50].split_once(',').unwrap().0.to_owned() + ",";
+    folder.write("gap.csv", table(&lines));
+    folder.fail(&render, 3, &["gap.csv:52:", "--skip-missing"]);
+    let report = json(&format!("{render} --skip-missing"));
+    assert_eq!(report["motion"]["samples_left_out"], 1);
+
+    let cut = table(&lines[..40]);
+    folder.write("gap.csv", &cut[..cut.len() - 3]);
+    let answer = folder.palpate(&render);
+    assert!(answer.stderr.contains("may be cut off"), "{answer:?}");
+    // A scene cannot be told, and refuses it.
+    folder.write(
+        "hand.toml",
+        common::experiment_text("wall").replace(
+            "kind = \"constant-force\"\nforce_n = 2\n",
+            "kind = \"impedance\"\nstiffness_n_per_m = 100\nintention = \"gap.csv\"\n",
+        ),
+    );
+    folder.fail("simulate hand.toml", 3, &["may be cut off"]);
 }
 
 #[test]
@@ -117,6 +226,47 @@ fn an_intention_that_no_hand_has_is_doubted() {
             answer.stderr.contains("hand.intention") && answer.stderr.contains("position_mm");
         assert_eq!(said, is_doubted, "{file}: {answer:?}");
     }
+}
+
+#[test]
+fn a_period_that_is_likely_to_be_in_milliseconds_is_questioned() {
+    let folder = folder();
+    folder.write("scene.toml", common::experiment_text("fig2"));
+    let slow = common::experiment_text("fig2").replace("period_s = 0.01", "period_s = 1");
+    folder.write("slow.toml", slow);
+    let world = common::experiment_text("worlds/paddle");
+    assert!(world.contains("period_s = 0.001"));
+    folder.write(
+        "world.toml",
+        world.replace("period_s = 0.001", "period_s = 1"),
+    );
+    let asked = "is 1 s, a loop of 1 Hz; is it in milliseconds? A period of 1 ms is";
+    for (command, name, usual) in [
+        (
+            "simulate scene.toml --period 1",
+            "--period",
+            "--period 0.001",
+        ),
+        ("simulate slow.toml", "loop.period_s", "period_s = 0.001"),
+        ("simulate world.toml", "loop.period_s", "period_s = 0.001"),
+        (
+            "advise --device-mass 0.2 --period 1 --stiffness 0.1",
+            "--period",
+            "--period 0.001",
+        ),
+        ("report --period 1 --json", "--period", "--period 0.001"),
+        (
+            "pipe --stiffness 1 --mass 1 --period 1",
+            "--period",
+            "--period 0.001",
+        ),
+    ] {
+        let answer = folder.palpate(command);
+        let question = format!("{name} {asked} {usual}\n");
+        assert!(answer.stderr.contains(&question), "{command}: {answer:?}");
+    }
+    let usual = folder.palpate("simulate scene.toml --period 0.02");
+    assert_eq!(usual.stderr, "");
 }
 
 #[test]

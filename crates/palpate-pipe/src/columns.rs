@@ -107,6 +107,8 @@ pub struct Answer {
     pub values: recording::Row,
     /// Whether the force was still coming in.
     pub softened: bool,
+    /// Whether a safety stop holds the force at 0.
+    pub stopped: bool,
     /// Name of what was wrong with the line, if anything was.
     pub fault: &'static str,
     /// Whether this is the end, which answers no line.
@@ -121,6 +123,7 @@ impl Answer {
         self.values.contact.force_on_object = 0.0;
         self.values.contact.flags = Flags::default();
         self.softened = false;
+        self.stopped = false;
         self.fault = "";
         self.ended = true;
         self
@@ -129,12 +132,14 @@ impl Answer {
     /// Limits that changed the force, separated by spaces.
     fn limits(&self) -> String {
         let soft_start = self.softened.then_some("soft-start");
+        let stop = self.stopped.then_some("safety-stop");
         let limits: Vec<_> = self
             .values
             .contact
             .flags
             .limits()
             .chain(soft_start)
+            .chain(stop)
             .collect();
         limits.join(" ")
     }

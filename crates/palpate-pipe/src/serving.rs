@@ -8,6 +8,7 @@ use std::thread::Builder;
 use std::time::Duration;
 
 use palpate_rt::StopFlag;
+use palpate_rt::safety::Trip;
 use serde::Serialize;
 
 use crate::last_line::{self, LastLineUnread};
@@ -44,6 +45,8 @@ pub trait Answering: Send + 'static {
     fn end(&mut self) -> io::Result<()>;
     /// Whether lines were answered, and each of them was refused: no force was ever answered.
     fn has_refused_all(&self) -> bool;
+    /// The safety stop that has held all forces at 0 until the end, if one has.
+    fn safety_stop(&self) -> Option<Trip>;
     /// What was done, and the messages, which are not to be used any more.
     fn finish(&mut self) -> (Self::Summary, Option<Messages>);
 }
@@ -59,6 +62,8 @@ pub struct Served<Summary> {
     pub ended: Ended,
     /// Whether lines were answered, and each of them was refused.
     pub has_refused_all: bool,
+    /// The safety stop that has held all forces at 0 until the end, if one has.
+    pub safety_stop: Option<Trip>,
 }
 
 /// A stream could not be served, or not ended as it should.
@@ -90,12 +95,14 @@ pub fn answer_all<S: Answering, I: BufRead>(
     let stream = Arc::new(Mutex::new(stream));
     let ended = serve_until(&stream, input, stop)?;
     let has_refused_all = locked(&stream).has_refused_all();
+    let safety_stop = locked(&stream).safety_stop();
     let (summary, messages) = locked(&stream).finish();
     Ok(Served {
         summary,
         messages,
         ended,
         has_refused_all,
+        safety_stop,
     })
 }
 

@@ -6,7 +6,7 @@ use palpate::Fault;
 use palpate_device::Wrench;
 use palpate_record::recording::{self, ContactTick, Tick};
 use palpate_record::unit::HandMotion;
-use palpate_rt::safety::{self, Safety};
+use palpate_rt::safety::{self, Safety, Trip};
 use palpate_rt::{CHANGE_DURATION, Rendered, answered};
 
 use crate::change::{Change, Changeable};
@@ -15,7 +15,7 @@ use crate::line::{Format, Line, Refusal};
 use crate::messages::Messages;
 use crate::mistake::Mistakes;
 use crate::serving::{Answering, Stopped};
-use crate::summary::PipeSummary;
+use crate::summary::{PipeSummary, stop_in_words};
 
 /// Refused lines that are told one by one; of more, each doubling is: a dead sensor at 1 kHz would
 /// bury whatever else standard error has to say.
@@ -118,11 +118,12 @@ impl Stream {
             position: [if is_used { position } else { 0.0 }, 0.0, 0.0],
             coordinate: if is_used { position } else { 0.0 },
             wrench: Wrench::of_force([output.force_on_device, 0.0, 0.0]),
-            created_energy: 0.0,
+            created_energy: self.rendered.ledger().held_leak.accumulated,
             refused: !is_used,
             stalled: false,
         });
         output.limited.force |= verdict.bounded.force;
+        output.limited.slew |= verdict.bounded.slew;
         let [force, ..] = verdict.wrench.force;
         self.rendered.report_sent(-force);
         // A time that was refused is kept all the same: if it is wrong, the next line is refused
@@ -144,6 +145,13 @@ impl Stream {
         self.summary.samples += 1;
         self.summary.limited += u64::from(output.limited.any());
         self.summary.softened += u64::from(verdict.bounded.soft_start);
+        if let Some(trip) = verdict.tripped.filter(|trip| !trip.is_passing()) {
+            self.summary.safety_stop = Some(trip.name());
+            self.tell(format_args!(
+                "line {number}: {}",
+                stop_in_words(self.safety.params(), trip)
+            ));
+        }
         if output.limited.force && !self.memory.is_limited {
             self.memory.is_limited = true;
             let limit = self.safety.params().largest_force;
@@ -170,6 +178,7 @@ impl Stream {
                 ..recording::Row::UNKNOWN
             },
             softened: verdict.bounded.soft_start,
+            stopped: verdict.bounded.stopped,
             fault,
             ended: false,
         })
@@ -232,6 +241,10 @@ impl Answering for Stream {
 
     fn is_ended(&self) -> bool {
         self.memory.is_ended
+    }
+
+    fn safety_stop(&self) -> Option<Trip> {
+        self.safety.trip().filter(|trip| !trip.is_passing())
     }
 
     fn has_refused_all(&self) -> bool {

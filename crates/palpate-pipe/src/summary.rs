@@ -3,6 +3,7 @@
 use std::fmt;
 
 use palpate::Ledger;
+use palpate_rt::safety::{SafetyParams, Trip};
 use serde::Serialize;
 
 use palpate_study::text::{counted, digits};
@@ -11,6 +12,22 @@ use crate::number::millijoules;
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate pipe 1";
+
+/// Message of a safety stop that stays: its reason, and the way out.
+pub fn stop_in_words(limits: &SafetyParams, trip: Trip) -> String {
+    let why = match trip {
+        Trip::Oscillation => format!(
+            "held forces created more than {} mJ within about {} s",
+            digits(1e3 * limits.oscillation.energy),
+            limits.oscillation.window
+        ),
+        other => other.to_string(),
+    };
+    format!(
+        "safety stop: {why}; all forces are 0 from here on. Start the pipe again with a softer or more damped contact, a \
+         shorter period or another method"
+    )
+}
 
 /// What a pipe did, for its end.
 #[derive(Debug, Clone, Serialize)]
@@ -26,6 +43,8 @@ pub struct PipeSummary {
     pub limited: u64,
     /// Forces that were still coming in.
     pub softened: u64,
+    /// Reason of the safety stop that has held the force at 0 since; none: there was none.
+    pub safety_stop: Option<&'static str>,
     /// Changes that were made.
     pub changes: u64,
     /// Largest force; none: no limit.
@@ -36,6 +55,7 @@ pub struct PipeSummary {
     virtual_force_work_j: f64,
     outside_work_j: f64,
     leak_original_j: f64,
+    /// Energy that held forces created, if the loop is as modelled (delay, lag, gain).
     leak_held_j: f64,
     /// By how much later than told the commands begin, by what the method has learned; 0 where it learns nothing of
     /// it.
@@ -52,6 +72,7 @@ impl PipeSummary {
             refused: 0,
             limited: 0,
             softened: 0,
+            safety_stop: None,
             changes: 0,
             force_limit_n,
             soft_start_s,
@@ -95,13 +116,16 @@ impl fmt::Display for PipeSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{}, {} refused, {} limited; leak {}, the spring force alone would have leaked {}",
+            "{}, {} refused, {} limited; leak {} if the loop is as modelled, the spring force alone would have leaked {}",
             counted(self.samples, "sample"),
             self.refused,
             counted(self.limited, "force"),
             millijoules(self.leak_held_j),
             millijoules(self.leak_original_j),
         )?;
+        if let Some(reason) = self.safety_stop {
+            write!(f, "; safety stop: {reason}")?;
+        }
         if self.changes > 0 {
             write!(f, "; {} made", counted(self.changes, "change"))?;
         }

@@ -80,7 +80,7 @@ pub fn compared_worlds(comparison: &WorldComparison) -> DotFigure {
 fn of_world(method: &WorldRow) -> ComparedMethod {
     let run = match &method.result {
         WorldOutcome::Ran(run) => Some(run),
-        WorldOutcome::Cannot { .. } => None,
+        WorldOutcome::Cannot { .. } | WorldOutcome::NoneFound { .. } => None,
     };
     ComparedMethod {
         name: method.method,

@@ -429,6 +429,17 @@ fn footnote(map: &Map, numbers: &LoopNumbers, show: &[Quantity]) -> String {
     for (key, usual, name) in [
         ("encoder_quantum_m", "0", "encoder quantum [m]"),
         ("delay_samples", "0", "delay [samples]"),
+        ("lag_periods", "0", "lag [periods]"),
+        (
+            "delay_deviation_periods",
+            "0",
+            "deviation of the delay in the renderer's model [periods]",
+        ),
+        (
+            "lag_deviation_periods",
+            "0",
+            "deviation of the lag in the renderer's model [periods]",
+        ),
         (
             "told_mass_factor",
             "1",
@@ -440,8 +451,10 @@ fn footnote(map: &Map, numbers: &LoopNumbers, show: &[Quantity]) -> String {
             "period told to the renderer over the true one",
         ),
     ] {
-        if value(key) != usual {
-            unusual.push_str(&format!(", {name} {}", value(key)));
+        if let Some(value) = map.value(key)
+            && value != usual
+        {
+            unusual.push_str(&format!(", {name} {value}"));
         }
     }
     let stays = if show.contains(&Quantity::Resting) || show.contains(&Quantity::Pressed) {

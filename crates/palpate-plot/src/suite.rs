@@ -1,7 +1,9 @@
 //! How far methods are off on random plants.
 
+use std::ops::Range;
+
 use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
-use palpate_study::suite::{Column, Score, Set, plants};
+use palpate_study::suite::{Column, Score, Set};
 
 /// How each column looks: a method with its defaults as everywhere else.
 fn role(columns: &[Column], number: usize) -> Role {
@@ -20,18 +22,28 @@ const LARGEST_DRAWN: f64 = 3.0;
 
 /// The distribution of E of those `columns` that are `drawn`, a panel for each condition.
 #[must_use]
-pub fn suite(set: Set, seed: u64, columns: &[Column], drawn: &[usize], scores: &[Score]) -> Figure {
+pub fn suite(
+    set: Set,
+    seeds: &Range<u64>,
+    columns: &[Column],
+    drawn: &[usize],
+    scores: &[Score],
+) -> Figure {
     let conditions = set.conditions();
     let of_set = match set {
         Set::Paper => String::new(),
         other => format!(" of the set {other}"),
     };
+    let last = seeds.end.saturating_sub(1);
+    let of_seeds = if last > seeds.start {
+        format!("seeds {} to {last}", seeds.start)
+    } else {
+        format!("seed {}", seeds.start)
+    };
     let panel = |condition: usize| Panel {
         series: (drawn.iter().copied())
             .map(|number| {
-                let mut errors: Vec<f64> = scores
-                    .iter()
-                    .filter(|score| score.column == number && score.condition == condition)
+                let mut errors: Vec<f64> = trials(scores, number, condition)
                     .map(|score| score.error.log10())
                     .collect();
                 errors.sort_by(f64::total_cmp);
@@ -56,7 +68,7 @@ pub fn suite(set: Set, seed: u64, columns: &[Column], drawn: &[usize], scores: &
     };
     Figure {
         title: finding(set, columns, drawn, scores),
-        subtitle: format!("{} random plants{of_set}, seed {seed}", plants(scores)),
+        subtitle: format!("{} random plants{of_set}, {of_seeds}", trials(scores, 0, 0).count()),
         footnote: Some(
             "Share of the plants on which E, the error of the mean force of each period, is at most so large: \
              the further left, the better. Errors above 1000 % are not drawn."
@@ -74,6 +86,12 @@ pub fn suite(set: Set, seed: u64, columns: &[Column], drawn: &[usize], scores: &
     }
 }
 
+/// The scores of a column under a condition: one for each plant.
+fn trials(scores: &[Score], column: usize, condition: usize) -> impl Iterator<Item = &Score> {
+    let is_of = move |score: &&Score| score.column == column && score.condition == condition;
+    scores.iter().filter(is_of)
+}
+
 /// On how many of the plants each column's force is within E < 20 %, for the two best: without a delay in
 /// the paper's set, under the last condition of the others.
 fn finding(set: Set, columns: &[Column], drawn: &[usize], scores: &[Score]) -> String {
@@ -85,14 +103,13 @@ fn finding(set: Set, columns: &[Column], drawn: &[usize], scores: &[Score]) -> S
     };
     let mut shares: Vec<(&str, f64)> = (drawn.iter().copied())
         .map(|number| {
-            let faithful = scores
-                .iter()
-                .filter(|score| score.column == number && score.condition == condition)
+            let faithful = trials(scores, number, condition)
                 .filter(|score| score.error < FAITHFUL_PERCENT)
                 .count();
+            let plants = trials(scores, number, condition).count();
             (
                 &*columns[number].name,
-                100.0 * faithful as f64 / plants(scores) as f64,
+                100.0 * faithful as f64 / plants as f64,
             )
         })
         .collect();

@@ -83,9 +83,9 @@ fn end_of_context(source: &str, at: usize) -> usize {
         .map_or(source.len(), |(offset, _)| at + offset)
 }
 
-/// The bytes of field `index` of the comma-separated record that starts at `start`, without the
-/// spaces around it; the record's last byte where it has no such field.
-pub(crate) fn field_span(source: &str, start: usize, index: usize) -> Range<usize> {
+/// The bytes of field `index` of the record that starts at `start`, whose fields `delimiter` separates,
+/// without the spaces around it; the record's last byte where it has no such field.
+pub(crate) fn field_span(source: &str, start: usize, index: usize, delimiter: u8) -> Range<usize> {
     let mut quoted = false;
     let mut field = 0;
     let mut from = start;
@@ -94,7 +94,7 @@ pub(crate) fn field_span(source: &str, start: usize, index: usize) -> Range<usiz
         let at = start + offset;
         match byte {
             b'"' => quoted = !quoted,
-            b',' if !quoted => {
+            _ if byte == delimiter && !quoted => {
                 if field == index {
                     to = at;
                     break;
@@ -115,13 +115,14 @@ pub(crate) fn field_span(source: &str, start: usize, index: usize) -> Range<usiz
 }
 
 /// The bytes of the whole record that starts at `start`.
-pub(crate) fn record_span(source: &str, start: usize) -> Range<usize> {
-    start..field_span(source, start, usize::MAX).end.max(start)
+pub(crate) fn record_span(source: &str, start: usize, delimiter: u8) -> Range<usize> {
+    let last = field_span(source, start, usize::MAX, delimiter);
+    start..last.end.max(start)
 }
 
-/// Where, in the comma-separated record that starts at `start`, the quote stands that nothing closes
-/// before the text ends; none where every quoted field is closed.
-pub(crate) fn open_quote(source: &str, start: usize) -> Option<usize> {
+/// Where, in the record that starts at `start`, whose fields `delimiter` separates, the quote stands that
+/// nothing closes before the text ends; none where every quoted field is closed.
+pub(crate) fn open_quote(source: &str, start: usize, delimiter: u8) -> Option<usize> {
     enum At {
         FieldStart,
         Plain,
@@ -137,7 +138,7 @@ pub(crate) fn open_quote(source: &str, start: usize) -> Option<usize> {
             (At::Quoted(from), b'"') => At::QuoteIn(from),
             (At::Quoted(from), _) => At::Quoted(from),
             (_, b'\n' | b'\r') => return None,
-            (_, b',') => At::FieldStart,
+            (_, _) if byte == delimiter => At::FieldStart,
             (_, _) => At::Plain,
         };
     }
@@ -192,8 +193,8 @@ mod tests {
     #[test]
     fn fields_are_found_with_quotes_and_spaces() {
         let source = "a,\"b,c\", d \n";
-        assert_eq!(&source[field_span(source, 0, 1)], "\"b,c\"");
-        assert_eq!(&source[field_span(source, 0, 2)], "d");
-        assert_eq!(&source[record_span(source, 0)], "a,\"b,c\", d");
+        assert_eq!(&source[field_span(source, 0, 1, b',')], "\"b,c\"");
+        assert_eq!(&source[field_span(source, 0, 2, b',')], "d");
+        assert_eq!(&source[record_span(source, 0, b',')], "a,\"b,c\", d");
     }
 }

@@ -1,4 +1,8 @@
-//! The unit of positions: what a column or a user says, and whether a motion can be a hand's.
+//! The units of positions and times: what a column or a user says, and whether a motion can be a hand's.
+
+mod time;
+
+pub use time::{Spacing, TimeUnit};
 
 use std::fmt;
 

@@ -9,7 +9,7 @@ use palpate_world::{Effort, Limited, Sample, WorldFault};
 
 use crate::bounded_world::{Answered, WorldSafety};
 use crate::rendering::{FromHost, SlowHost, sides};
-use crate::safety::{Bounded, SafetyError, SafetyParams};
+use crate::safety::{Bounded, SafetyError, SafetyParams, Trip};
 
 /// What a slow host publishes, rendered for any number of tools, and what may reach their devices.
 #[derive(Debug)]
@@ -54,7 +54,8 @@ pub fn bounded_local_world(
 ) -> Result<(SlowHost, BoundedLocalWorld), SafetyError> {
     let state = renderer.start();
     let tools = state.tools().len();
-    let safety = WorldSafety::new(tools, limits, renderer.in_loop().period)?;
+    let in_loop = renderer.in_loop();
+    let safety = WorldSafety::new(tools, limits, in_loop.period)?.rendering(&in_loop.actuation);
     let (host, from_host) = sides(&renderer);
     let world = BoundedLocalWorld {
         host: from_host,
@@ -85,6 +86,9 @@ impl BoundedLocalWorld {
             elapsed: sample.elapsed,
             positions: sample.positions,
             refused: fault.is_some(),
+            created_energy: self
+                .renderer
+                .created_energy(&self.state, |_| self.safety.largest_wrench()[0]),
         };
         let bounded = self.safety.bound(&answered, &mut self.wrenches);
         self.host.tell(self.state.progress());
@@ -102,6 +106,12 @@ impl BoundedLocalWorld {
             is_stale,
             refusal,
         }
+    }
+
+    /// The safety stop that holds all forces at 0, if one does.
+    #[must_use]
+    pub fn trip(&self) -> Option<Trip> {
+        self.safety.trip()
     }
 
     /// Says what was really sent to a device for the last sample, where something between has limited it.

@@ -3,14 +3,16 @@
 //! It is for a loop of somebody else's, which reads positions and sends wrenches by itself. [`ControlLoop`](crate::ControlLoop)
 //! has its own way from a device to its motors.
 
+use palpate::Actuation;
 use palpate_device::Wrench;
 use palpate_world::{
     BodyState, Effort, Limited, Sample, Vector, World, WorldError, WorldFault, WorldRenderer,
     WorldState,
 };
 
+use crate::created_energy::CreatedEnergy;
 use crate::fade::Fade;
-use crate::safety::{Bounded, Rendered, Safety, SafetyError, SafetyParams};
+use crate::safety::{Bounded, Looked, Rendered, Safety, SafetyError, SafetyParams, Trip};
 
 /// The safety of each device of a world.
 #[derive(Clone, Debug)]
@@ -18,6 +20,9 @@ pub struct WorldSafety {
     /// As each begins.
     fresh: Safety,
     devices: Vec<Safety>,
+    /// What the first round of a tick has found of each device.
+    looked: Vec<Option<(Rendered, Looked)>>,
+    created: CreatedEnergy,
 }
 
 /// What a renderer has answered, as far as safety looks at it.
@@ -29,6 +34,9 @@ pub struct Answered<'a> {
     pub positions: &'a [Vector],
     /// Whether the renderer refused the sample, and so asks for no force.
     pub refused: bool,
+    /// Energy that held forces have created by the renderer's books, up to this sample `[J]`: of a world
+    /// [`WorldRenderer::created_energy`].
+    pub created_energy: f64,
 }
 
 impl WorldSafety {
@@ -41,12 +49,49 @@ impl WorldSafety {
         Ok(Self {
             devices: vec![fresh.clone(); devices],
             fresh,
+            looked: vec![None; devices],
+            created: CreatedEnergy::default(),
         })
+    }
+
+    /// The same for this model of the actuator: the limits bound a command and the command times its gain.
+    #[must_use]
+    pub fn rendering(mut self, actuation: &Actuation<f64>) -> Self {
+        for safety in self.devices.iter_mut().chain([&mut self.fresh]) {
+            safety.follow(actuation, f64::INFINITY);
+        }
+        self
     }
 
     /// Begins anew: nothing sampled, nothing sent.
     pub fn restart(&mut self) {
         self.devices.fill(self.fresh.clone());
+        self.created = CreatedEnergy::default();
+    }
+
+    /// Skips the interval up to the next sample: bodies were placed or replaced, so the books change from outside.
+    pub fn skip_interval(&mut self) {
+        self.created.skip_interval();
+    }
+
+    /// The safety stop that holds all forces at 0, if one does. [`restart`](Self::restart) ends it.
+    #[must_use]
+    pub fn trip(&self) -> Option<Trip> {
+        self.devices.iter().find_map(Safety::trip)
+    }
+
+    /// Energy that held forces have created `[J]`, as of the last sample, without the intervals that begin or end at a sample that
+    /// was refused, and without what contacts stored at the first one.
+    #[must_use]
+    pub fn created_energy(&self) -> f64 {
+        self.created.counted()
+    }
+
+    /// The largest force `[N]` and torque `[N m]` that reach a device.
+    #[must_use]
+    pub fn largest_wrench(&self) -> [f64; 2] {
+        let params = self.params();
+        [params.largest_force, params.largest_torque]
     }
 
     /// The limits of each device.
@@ -55,12 +100,18 @@ impl WorldSafety {
         self.fresh.params()
     }
 
-    /// Puts each wrench through the safety of its device. The limits that changed one of them.
+    /// Puts each wrench through the safety of its device, in two rounds as [`ControlLoop`](crate::ControlLoop) does: a stop of
+    /// one device takes the force off all. The limits that changed one of them.
     pub fn bound(&mut self, answered: &Answered<'_>, wrenches: &mut [Wrench]) -> Bounded {
-        let mut bounded = Bounded::default();
-        let tools = wrenches.iter_mut().zip(answered.positions);
-        for (safety, (wrench, position)) in self.devices.iter_mut().zip(tools) {
-            let verdict = safety.judge(&Rendered {
+        let was_off = self.trip().is_some();
+        self.created
+            .close(answered.created_energy, answered.refused, was_off);
+        let comes_in = self.devices.iter().any(Safety::is_not_all_there);
+        let mut created_energy = self.created.counted();
+        let tools = wrenches.iter().zip(answered.positions);
+        let devices = self.devices.iter_mut().zip(&mut self.looked);
+        for ((safety, looked), (wrench, position)) in devices.zip(tools) {
+            let rendered = Rendered {
                 elapsed: answered.elapsed,
                 // A position that the renderer has refused is not looked at.
                 position: if answered.refused {
@@ -70,13 +121,26 @@ impl WorldSafety {
                 },
                 coordinate: 0.0,
                 wrench: *wrench,
-                created_energy: 0.0,
+                created_energy,
                 refused: answered.refused,
                 stalled: false,
-            });
+            };
+            *looked = Some((rendered, safety.look(&rendered, comes_in)));
+            // The energy is that of the world: the first safety watches it.
+            created_energy = 0.0;
+        }
+        let is_off = self.trip().is_some();
+        let mut bounded = Bounded::default();
+        let devices = self.devices.iter_mut().zip(&mut self.looked);
+        for ((safety, looked), wrench) in devices.zip(wrenches) {
+            let Some((rendered, looked)) = looked.take() else {
+                continue;
+            };
+            let verdict = safety.answer(&rendered, looked, is_off);
             bounded.force |= verdict.bounded.force;
             bounded.slew |= verdict.bounded.slew;
             bounded.soft_start |= verdict.bounded.soft_start;
+            bounded.stopped |= verdict.bounded.stopped;
             // A force of -0 that comes in softly is none.
             *wrench = verdict.wrench.each(|vector| vector.map(|x| x + 0.0));
         }
@@ -125,7 +189,8 @@ impl BoundedWorld {
         let state = renderer.start();
         let tools = state.tools().len();
         Ok(Self {
-            safety: WorldSafety::new(tools, limits, renderer.in_loop().period)?,
+            safety: WorldSafety::new(tools, limits, renderer.in_loop().period)?
+                .rendering(&renderer.in_loop().actuation),
             wrenches: vec![Wrench::NONE; tools],
             fade: Fade::none(tools),
             before: None,
@@ -160,6 +225,9 @@ impl BoundedWorld {
             elapsed: sample.elapsed,
             positions: sample.positions,
             refused: fault.is_some(),
+            created_energy: self
+                .renderer
+                .created_energy(&self.state, |_| self.safety.largest_wrench()),
         };
         let bounded = self.safety.bound(&answered, &mut self.wrenches);
         for (tool, wrench) in self.wrenches.iter().enumerate() {
@@ -197,6 +265,18 @@ impl BoundedWorld {
         self.fade.end();
     }
 
+    /// The safety stop that holds all forces at 0, if one does. [`restart`](Self::restart) ends it.
+    #[must_use]
+    pub fn trip(&self) -> Option<Trip> {
+        self.safety.trip()
+    }
+
+    /// Energy that held forces have created `[J]`: see [`WorldSafety::created_energy`].
+    #[must_use]
+    pub fn created_energy(&self) -> f64 {
+        self.safety.created_energy()
+    }
+
     /// What each device was to hold by the last sample: as the last [`Held`] said.
     #[must_use]
     pub fn wrenches(&self) -> &[Wrench] {
@@ -223,6 +303,7 @@ impl BoundedWorld {
         let state = std::mem::replace(&mut self.state, state);
         self.before = Some((renderer, state));
         self.is_compared = true;
+        self.safety.skip_interval();
         self.fade.begin();
         Ok(())
     }
@@ -235,6 +316,7 @@ impl BoundedWorld {
     pub fn place(&mut self, body: usize, to: &BodyState) -> Result<(), WorldError> {
         self.renderer.place(&mut self.state, body, to)?;
         self.is_compared = false;
+        self.safety.skip_interval();
         self.fade.begin();
         Ok(())
     }

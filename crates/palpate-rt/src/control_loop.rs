@@ -121,7 +121,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
     pub(crate) fn rendering(
         devices: Vec<(D, SafetyParams)>,
         clock: C,
-        rendered: R,
+        mut rendered: R,
     ) -> Result<Self, SetupError> {
         let seconds = rendered.period();
         let period = Duration::try_from_secs_f64(seconds)
@@ -138,8 +138,12 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         // The most impatient of the devices counts.
         let stall_limits = devices.iter().map(|(_, limits)| limits.stall_after(period));
         let stall_limit = stall_limits.min().ok_or(wrong)?;
+        for (device, (_, limits)) in devices.iter().enumerate() {
+            rendered.limit_to(device, limits);
+        }
         let devices = devices.into_iter().map(|(device, limits)| {
-            let safety = Safety::new(limits, seconds)?;
+            let safety = Safety::new(limits, seconds)?
+                .rendering(&rendered.actuation(), rendered.slew_limit());
             Ok::<_, SetupError>((device, safety))
         });
         let devices = devices.collect::<Result<Vec<_>, _>>()?;
@@ -310,6 +314,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
             self.note(Note::Rearmed);
         }
         if let Some((generation, rendering)) = self.rendered.take_change() {
+            self.follow_limits();
             self.note(Note::Changed {
                 generation,
                 rendering,
@@ -422,6 +427,14 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
             },
             contact: contacts.first().copied().unwrap_or(ContactTick::UNKNOWN),
             ..Row::UNKNOWN
+        }
+    }
+
+    /// Hands the modelled gain and the slew limit of a changed rendering to each safety.
+    fn follow_limits(&mut self) {
+        let (actuation, slew) = (self.rendered.actuation(), self.rendered.slew_limit());
+        for driven in self.devices.iter_mut() {
+            driven.safety.follow(&actuation, slew);
         }
     }
 

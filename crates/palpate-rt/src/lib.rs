@@ -48,6 +48,7 @@ mod atomics;
 mod bounded_local_world;
 mod bounded_world;
 mod control_loop;
+mod created_energy;
 mod deadlines;
 mod delivered;
 mod driven;

@@ -151,6 +151,13 @@ impl Timing {
             }
     }
 
+    /// Whether some of it is drawn from random numbers.
+    #[must_use]
+    pub fn is_random(&self) -> bool {
+        let drops = matches!(self.dropped, Dropped::Probability(probability) if probability > 0.0);
+        drops || self.jitter != Jitter::None || self.command_jitter > 0.0
+    }
+
     /// Shortest period of a loop whose nominal one is `period` `[s]`.
     #[must_use]
     pub fn shortest_period(&self, period: f64) -> f64 {
@@ -160,6 +167,13 @@ impl Timing {
 }
 
 impl Scene {
+    /// Seed of the random numbers of timing and sensor noise; none if nothing is random.
+    #[must_use]
+    pub fn random_seed(&self) -> Option<u64> {
+        let is_random = self.timing.is_random() || self.device.noise() > 0.0;
+        is_random.then_some(self.timing.seed)
+    }
+
     /// The schedule of the loop.
     #[must_use]
     pub fn schedule(&self) -> ScheduleParams {

@@ -2,8 +2,10 @@
 
 import { digits, quantity } from "./si.js";
 
-// Less is none: what a held force creates of nothing is seen from about a millijoule on.
-const NONE_J = 1e-4;
+// What is less is said to be less: it is felt from about a millijoule on.
+const LEAST_J = 1e-4;
+// Below this there is nothing but rounding.
+const NONE_J = 1e-12;
 const PLACES = ["Left", "right"];
 
 /**
@@ -46,6 +48,9 @@ export function seenInWords(lanes) {
     }
     if (Math.abs(createdJ) < NONE_J) {
       return `${name} creates no energy`;
+    }
+    if (Math.abs(createdJ) < LEAST_J) {
+      return `${name} ${createdJ > 0 ? "creates" : "takes"} less than 0.1 mJ of energy${createdJ > 0 ? "" : " away"}`;
     }
     const size = quantity(Math.abs(createdJ), "J");
     return createdJ > 0 ? `${name} creates ${size} of energy` : `${name} takes ${size} of energy away`;

@@ -8,6 +8,7 @@ use palpate_device::clock::Clock;
 use palpate_device::{Capabilities, Device};
 use palpate_record::recording::{Event, LoopTime, Recording};
 use palpate_rt::realtime::Answer;
+use palpate_rt::safety::Trip;
 use palpate_rt::{Account, Durations, LoopEnd, LoopStatistics, RenderedWorld, Renders};
 use palpate_world::Books;
 use serde::Serialize;
@@ -39,6 +40,8 @@ pub struct RunReport {
     /// What holds the force at none at the end, if something does.
     trip: Option<&'static str>,
     #[serde(skip)]
+    trip_in_words: &'static str,
+    #[serde(skip)]
     several: bool,
     /// Which of several devices has tripped, by its name in the world.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -56,9 +59,10 @@ pub struct RunReport {
     guardian: Option<GuardianReport>,
     peak_force_n: f64,
     deepest_penetration_m: f64,
-    /// Of the forces that the motors held; what passed while they were off is work from outside.
+    /// Created energy of the forces that the motors held, if the loop is as modelled (delay, lag, gain); what passed while the
+    /// motors were off is work from outside.
     leak_held_j: f64,
-    /// The most that they had created up to any tick: what passes again is less at the end.
+    /// The most that they had created up to any tick, if the loop is as modelled: what passes again is less at the end.
     most_created_energy_j: f64,
     port_work_j: f64,
     outside_work_j: f64,
@@ -243,7 +247,8 @@ impl RunReport {
                 })
                 .collect(),
             timing: (&end.statistics).into(),
-            trip: end.trip.map(palpate_rt::safety::Trip::name),
+            trip: end.trip.map(Trip::name),
+            trip_in_words: trip_in_words(end.trip),
             several,
             tripped_device: tripped
                 .and_then(|(device, _)| names.get(device))
@@ -295,6 +300,17 @@ impl RunReport {
     #[must_use]
     pub fn guarded(self, guardian: Option<GuardianReport>) -> Self {
         Self { guardian, ..self }
+    }
+}
+
+/// What to say of a safety stop that is on at the end.
+fn trip_in_words(trip: Option<Trip>) -> &'static str {
+    match trip {
+        Some(Trip::DeviceLost) => "at the end the device was gone",
+        Some(trip) if trip.is_passing() => {
+            "at the end a safety stop was on that ends by itself once its reason has passed"
+        }
+        _ => "safety stop until the end",
     }
 }
 
@@ -353,7 +369,8 @@ impl RunReport {
         writeln!(f, "\n{}", self.timing)?;
         writeln!(
             f,
-            "force on the device up to {} N, penetration up to {} mm; held forces created {} mJ{}, at most {} mJ",
+            "force on the device up to {} N, penetration up to {} mm; held forces created {} mJ{}, at most {} mJ, if the loop \
+             is as modelled",
             digits(self.peak_force_n),
             digits(1e3 * self.deepest_penetration_m),
             digits(1e3 * self.leak_held_j),
@@ -371,7 +388,7 @@ impl RunReport {
         if let Some(trip) = self.trip {
             let of = self.tripped_device.as_ref();
             let of = of.map_or_else(String::new, |name| format!(", by the device `{name}`"));
-            writeln!(f, "safety had tripped and stayed so: {trip}{of}")?;
+            writeln!(f, "{}: {trip}{of}", self.trip_in_words)?;
         }
         for event in self.events.iter().take(SHOWN) {
             writeln!(f, "  {:>10.4} s  {}: {}", event.t_s, event.kind, event.text)?;

@@ -125,22 +125,34 @@ struct Books {
     turned_over: f64,
 }
 
+/// The force to which a contact yields: the largest one, of walls and by coupled rendering `[N]`.
+fn yields_to(contact: &Contact<f64>, loop_params: &LoopParams<f64>, method: MethodName) -> f64 {
+    let yields = matches!(contact.object_mass, Mass::Infinite) || method == MethodName::Coupled;
+    match loop_params.force_limit {
+        Some(limit) if yields => limit * loop_params.actuation.gain.min(1.0),
+        _ => f64::INFINITY,
+    }
+}
+
 impl Books {
-    fn of(contact: &Contact<f64>, virtual_force: f64, run: &Run) -> Self {
+    /// `largest`: force to which the contact yields `[N]`.
+    fn of(contact: &Contact<f64>, largest: f64, virtual_force: f64, run: &Run) -> Self {
+        let force =
+            |tick: &Tick| (contact.stiffness * tick.output.penetration.max(0.0)).min(largest);
         let stored = |tick: &Tick| {
-            let p = tick.output.penetration.max(0.0);
+            let beyond = (tick.output.penetration - largest / contact.stiffness).max(0.0);
             let kinetic = match contact.object_mass {
                 Mass::Finite(mass) => mass * tick.output.object_velocity.powi(2),
                 Mass::Infinite => 0.0,
             };
-            0.5 * (kinetic + contact.stiffness * p * p)
+            0.5 * (kinetic + force(tick).powi(2) / contact.stiffness) + force(tick) * beyond
         };
         let sign: f64 = contact.side.sign();
         let mut books = Self::default();
         for pair in run.ticks.windows(2) {
             let (tick, next) = (&pair[0], &pair[1]);
             let held = tick.held_force_on_object;
-            let spring = sign * contact.stiffness * tick.output.penetration.max(0.0);
+            let spring = sign * force(tick);
             let moved = next.device_position - tick.device_position;
             let truly = next.true_device_position - tick.true_device_position;
             let object = next.output.object_position - tick.output.object_position;
@@ -184,7 +196,8 @@ proptest! {
             for tick in &run.ticks {
                 prop_assert!(numbers(tick).iter().all(|x| x.is_finite()), "{method}: {tick:?}");
             }
-            let books = Books::of(&scene.contact, scene.virtual_force, &run);
+            let largest = yields_to(&scene.contact, &scene.loop_params, method);
+            let books = Books::of(&scene.contact, largest, scene.virtual_force, &run);
             let (first, last) = (&run.ticks[0].ledger, &run.last().ledger);
             let near = |given: f64, expected: f64| {
                 (given - expected).abs() <= 1e-10 * books.turned_over
@@ -370,7 +383,7 @@ fn a_replay_holds_each_answer_after_its_delay_and_books_what_it_held() {
                     assert_eq!(tick.held_force_on_object, expected, "{method}");
                     assert_eq!(tick.device_position, positions[10 * i]);
                 }
-                let books = Books::of(&setup.contact, setup.virtual_force, &run);
+                let books = Books::of(&setup.contact, f64::INFINITY, setup.virtual_force, &run);
                 let last = &run.last().ledger;
                 for (given, expected) in [
                     (last.port_work, books.port_work),

@@ -118,6 +118,22 @@ pub fn told(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Told
     }
 }
 
+/// Model values for a simulated loop whose delay, lag and sensor quantum are those that the calibration found: what is left are
+/// the deviations and the noise of the sensor. The simulated device is rigid and its gain is 1, so the gain's deviation is relative.
+#[must_use]
+pub fn deviations(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Told {
+    let told = told(calibration, taken);
+    Told {
+        delay_deviation: told.delay_deviation,
+        lag_deviation: told.lag_deviation,
+        gain_deviation: told
+            .gain_deviation
+            .map(|deviation| deviation / told.gain.unwrap_or(1.0)),
+        sensor_noise: told.sensor_noise,
+        ..Told::default()
+    }
+}
+
 /// What a calibration says of a flexible transmission, where it has found all of it and all of it is taken.
 fn transmission(
     calibration: &Calibration,

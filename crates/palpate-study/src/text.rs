@@ -119,6 +119,14 @@ fn line_within(line: &str, width: usize) -> Vec<String> {
     lines
 }
 
+/// A title with the seed of what is random.
+pub(crate) fn drawn_title(title: &str, seed: Option<u64>) -> String {
+    seed.map_or_else(
+        || title.to_owned(),
+        |seed| format!("{title}; one draw of seed {seed}"),
+    )
+}
+
 /// What the columns of a table are, as a text below it.
 #[must_use]
 pub fn legend(columns: &[&str]) -> String {

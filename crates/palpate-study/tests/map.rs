@@ -174,6 +174,35 @@ fn what_the_renderer_is_told_wrong_is_no_part_of_the_plant() {
     assert!(wrong.error.median > right.error.median + 1.0, "{wrong:?}");
 }
 
+/// The loop with a device file differs from the loop without one: a map, an advice and a page must see that.
+#[test]
+fn a_deviation_of_the_model_reaches_the_renderer_of_every_cell() {
+    let of = |delay_deviation: f64, lag_deviation: f64, method| {
+        let params = MapParams {
+            delay: 1.0,
+            lag: 0.3,
+            delay_deviation,
+            lag_deviation,
+            methods: vec![method],
+            ..params(5)
+        };
+        // kappa and Kc of 1.
+        let bounce = params.cell(22).bounce;
+        let told = bounce.scene(0.0, 1).told;
+        assert_eq!(told.delay_deviation, None, "the plant has none");
+        let (entries, _) = bounce
+            .judge(Plant::Damped, &[(method, default_settings(method))])
+            .unwrap();
+        (entries[0], bounce.stay(method, default_settings(method)))
+    };
+    let exact = of(0.0, 0.0, MethodName::Coupled);
+    assert_ne!(of(0.1, 0.0, MethodName::Coupled), exact);
+    assert_ne!(of(0.0, 0.1, MethodName::Coupled), exact);
+    // Other methods predict no device.
+    let exact = of(0.0, 0.0, MethodName::HfcrModSt);
+    assert_eq!(of(0.1, 0.1, MethodName::HfcrModSt), exact);
+}
+
 fn wall(kappa: f64, friction: f64) -> Bounce {
     let mut bounce = params(2).cell(0).bounce;
     bounce.stiffness = kappa * bounce.device.mass / (bounce.period * bounce.period);

@@ -244,7 +244,9 @@ fn a_trial_is_what_a_single_run_of_the_scene_gives() {
     for one in &judged {
         for trial in &one.trials {
             let mut scene = one.plant.scene.clone();
-            scene.delay = Delay::samples(DELAYS[trial.condition]);
+            let condition = Set::Paper.conditions()[trial.condition];
+            scene.delay = Delay::samples(condition.delay().unwrap());
+            scene.told.delay = (condition.model_delay() == Some(0)).then_some(0.0);
             let method = all()[trial.column].method;
             let run = Bench::new(&scene).unwrap().run(method).unwrap();
             assert_eq!(run.force, trial.force);
@@ -252,14 +254,12 @@ fn a_trial_is_what_a_single_run_of_the_scene_gives() {
             assert_eq!(run.diverged, Some(trial.diverged));
             assert_eq!(trial.force.collisions.len(), 3);
         }
-        let delays: Vec<usize> = one
-            .trials
-            .iter()
-            .map(|trial| DELAYS[trial.condition])
-            .collect();
+        let conditions: Vec<usize> = one.trials.iter().map(|trial| trial.condition).collect();
         assert_eq!(
-            delays,
-            [vec![0; all().len()], vec![1; all().len()]].concat()
+            conditions,
+            [0, 1, 2]
+                .map(|condition| vec![condition; all().len()])
+                .concat()
         );
         assert!(one.ideal_error < 1e-4, "{}", one.ideal_error);
     }

@@ -162,22 +162,13 @@ impl Commands {
         under_way
             .into_iter()
             .flatten()
-            .map(|axis| Ahead::new(&self.actuator, axis).magnitude())
-            .any(|force| force > 0.0)
+            .any(|axis| Ahead::new(&self.actuator, axis).is_awaited())
     }
 
-    /// Sum of the magnitudes of what is still to act on a tool before the command of this sample does, and of what a `lag`
-    /// `[s]` carries over, as forces over one `period` `[s]`, delivered `[N]`. Zero where nothing is followed.
-    pub fn claims(&self, tool: usize, lag: f64, period: f64) -> f64 {
-        let gain = self.actuator.gain();
-        let of_axis = |axis: &UnderWay<f64>| {
-            let mut claim = gain * Ahead::new(&self.actuator, axis).magnitude();
-            if lag > 0.0 {
-                let now = axis.passing(&self.actuator, NOW * period).held.mean;
-                claim += now.abs() * lag / period;
-            }
-            claim
-        };
+    /// Bound on the impulse that the commands before this sample's can still give a tool, whatever follows `[N s]`. Zero
+    /// where nothing is followed.
+    pub fn impulse_to_come(&self, tool: usize) -> f64 {
+        let of_axis = |axis: &UnderWay<f64>| Ahead::new(&self.actuator, axis).impulse_to_come();
         let tool = self.tools.get(tool);
         tool.map_or(0.0, |tool| tool.under_way.iter().map(of_axis).sum())
     }
@@ -207,6 +198,3 @@ impl Commands {
         }
     }
 }
-
-/// A part of a period in which nothing changes.
-const NOW: f64 = 1e-6;

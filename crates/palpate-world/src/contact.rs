@@ -33,7 +33,8 @@ impl Party {
 ///
 /// With penetration p `[m]` and its rate p', the normal force is max(0, K p + B p') while p > 0. Friction is an
 /// elasto-plastic bristle: its deflection z follows the tangential displacement at the contact's point, which is
-/// midway between the two surfaces, and is cut to mu N / k_t; its force is k_t z.
+/// midway between the two surfaces, and is cut to mu N / k_t. Its force is k_t z + B_t v_t, with v_t the tangential
+/// velocity, and is limited to mu N.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactLaw {
     /// K, above 0 `[N/m]`.
@@ -44,6 +45,8 @@ pub struct ContactLaw {
     pub friction: f64,
     /// k_t, above 0 `[N/m]`.
     pub friction_stiffness: f64,
+    /// B_t, damping of the bristle, at least 0 `[N s/m]`. Without it a body that friction holds keeps swinging.
+    pub friction_damping: f64,
 }
 
 impl ContactLaw {
@@ -55,6 +58,18 @@ impl ContactLaw {
             damping: 0.0,
             friction: 0.0,
             friction_stiffness: stiffness,
+            friction_damping: 0.0,
+        }
+    }
+
+    /// The bristle's damping of a material that damps both directions alike, B k_t / K `[N s/m]`: the default of scene files
+    /// and bindings. 0 for a stiffness that is not above 0.
+    #[must_use]
+    pub fn usual_friction_damping(stiffness: f64, damping: f64, friction_stiffness: f64) -> f64 {
+        if stiffness > 0.0 {
+            damping * friction_stiffness / stiffness
+        } else {
+            0.0
         }
     }
 

@@ -366,7 +366,7 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> Fastest {
                     0.0
                 };
                 square += (law.stiffness * along).max(tangential);
-                damping += law.damping * along;
+                damping += law.damping_rate(along, across);
             }
         }
         most_square = most_square.max(square);

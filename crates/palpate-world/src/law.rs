@@ -14,6 +14,8 @@ pub(crate) struct PointLaw {
     pub friction: f64,
     /// k_t `[N/m]`.
     pub friction_stiffness: f64,
+    /// B_t `[N s/m]`.
+    pub friction_damping: f64,
 }
 
 /// Whether two surfaces touch, and whether they slide.
@@ -44,6 +46,7 @@ impl PointLaw {
             damping: law.damping / points,
             friction: law.friction,
             friction_stiffness: law.friction_stiffness / points,
+            friction_damping: law.friction_damping / points,
         }
     }
 
@@ -76,6 +79,37 @@ impl PointLaw {
             bristle: bristle * (most / length),
             mode: Mode::Slides,
         }
+    }
+
+    /// The damper's part of the friction force `[N]`, at a tangential velocity `[m/s]`: the force of bristle and damper together is
+    /// limited to mu N. It takes energy at any velocity, since the bristle's own force lies within the limit.
+    pub fn bristle_damping(
+        &self,
+        bristle: &Vector3,
+        velocity: &Vector3,
+        normal_force: f64,
+    ) -> Vector3 {
+        if self.friction_damping <= 0.0 || self.friction <= 0.0 {
+            return Vector3::zeros();
+        }
+        let spring = bristle * -self.friction_stiffness;
+        let wanted = spring - velocity * self.friction_damping;
+        let (length, most) = (wanted.norm(), self.friction * normal_force);
+        if length > most {
+            wanted * (most / length) - spring
+        } else {
+            velocity * -self.friction_damping
+        }
+    }
+
+    /// The damping rates of normal and bristle together, for mobilities `along` and `across` the normal `[1/s]`: the larger.
+    pub fn damping_rate(&self, along: f64, across: f64) -> f64 {
+        let tangential = if self.friction > 0.0 {
+            self.friction_damping * across
+        } else {
+            0.0
+        };
+        (self.damping * along).max(tangential)
     }
 
     /// Energy that penetration and bristle store `[J]`: K p^2/2 + k_t |z|^2/2.
@@ -140,6 +174,7 @@ mod tests {
             damping: 1.0,
             friction: 0.5,
             friction_stiffness: 800.0,
+            friction_damping: 2.0,
         };
         let cut = law.cut(Vector3::new(0.0, 0.003, 0.004), 2.0);
         assert_eq!(cut.mode, Mode::Slides);
@@ -147,5 +182,33 @@ mod tests {
         let held = law.cut(Vector3::new(0.0, 0.0003, 0.0004), 2.0);
         assert_eq!((held.mode, held.bristle.norm()), (Mode::Sticks, 0.0005));
         assert_eq!(law.normal_force(0.001, -2.0), 0.0);
+    }
+
+    #[test]
+    fn a_damped_bristle_keeps_to_the_cone_and_never_gives_energy() {
+        let law = PointLaw {
+            stiffness: 1000.0,
+            damping: 0.0,
+            friction: 0.5,
+            friction_stiffness: 800.0,
+            friction_damping: 2.0,
+        };
+        let mut limited = 0;
+        for step in 0..2000_u32 {
+            let turn = 0.37 * f64::from(step);
+            let bristle =
+                Vector3::new(turn.cos(), turn.sin(), 0.0) * (1.25e-6 * f64::from(step % 1001));
+            let velocity =
+                Vector3::new((1.7 * turn).sin(), (2.3 * turn).cos(), 0.0) * (turn * 1.3).sin();
+            let by_damping = law.bristle_damping(&bristle, &velocity, 2.0);
+            let force = by_damping - bristle * law.friction_stiffness;
+            assert!(force.norm() <= 1.0 + 1e-12, "{force}");
+            assert!(
+                by_damping.dot(&velocity) <= 1e-15,
+                "{by_damping} {velocity}"
+            );
+            limited += u32::from(force.norm() > 1.0 - 1e-12);
+        }
+        assert!((100..1900).contains(&limited), "{limited}");
     }
 }

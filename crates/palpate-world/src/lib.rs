@@ -15,6 +15,7 @@ mod contact;
 mod convex;
 mod coplanar;
 pub mod engine;
+mod far_side;
 mod fault;
 mod guard;
 mod hull;

@@ -218,12 +218,11 @@ impl Moving {
                 let relative = relative(first, &first.twist, second, &second.twist, &place);
                 let ahead = self::relative(first, &first.ahead, second, &second.ahead, &place);
                 touch.press(point, &met, -normal.dot(&ahead));
-                touch.rub(point, normal, relative * half);
+                touch.rub(point, normal, relative * half, &ahead);
                 touch.normal = normal;
                 touch.place = place;
                 touch.relative = relative;
-                touch.force =
-                    normal * touch.normal_force - touch.bristle * point.law.friction_stiffness;
+                touch.force = touch.force_of(point);
                 let (force, place) = (touch.force, touch.place);
                 self.parts[point.first].load(&force, &place);
                 self.parts[point.second].load(&-force, &place);

@@ -14,9 +14,10 @@ pub struct WorldLoop {
     pub largest_gap: Option<f64>,
     /// Fastest motion of a device that is believed `[m/s]`, above 0. `None`: any.
     pub speed_limit: Option<f64>,
-    /// Largest force on each tool, by its norm `[N]`, above 0: one number for each tool, or none at all.
+    /// Largest force on each tool, by its norm `[N]`, above 0: of the command, and of the command times the gain of the
+    /// actuation. One number for each tool, or none at all.
     pub force_limits: Vec<f64>,
-    /// Largest torque on each tool, by its norm `[N m]`, above 0: one number for each tool, or none at all.
+    /// Largest torque on each tool likewise `[N m]`: one number for each tool, or none at all.
     pub torque_limits: Vec<f64>,
     /// Fastest turning of a device that is believed `[rad/s]`, above 0. `None`: any.
     pub turning_limit: Option<f64>,

@@ -5,8 +5,9 @@ use palpate::Fault;
 
 use crate::axes::Axes;
 use crate::blocks::Blocks;
-use crate::books::{BodyBook, Books, ContactBook, DeviceBook, Gone, JointBook};
+use crate::books::{BodyBook, Books, ContactBook, DeviceBook, Gone, JointBook, withheld_share};
 use crate::commands::Commands;
+use crate::far_side::Entry;
 use crate::guard::{Account, most_of};
 use crate::link::{Link, links_of};
 use crate::mesh::Surface;
@@ -130,6 +131,15 @@ impl WorldRenderer {
         &self.in_loop
     }
 
+    /// The name of a tool or body.
+    #[must_use]
+    pub fn name_of(&self, side: Side) -> &str {
+        match side {
+            Side::Tool(number) => &self.world.tools[number].name,
+            Side::Body(number) => &self.world.bodies[number].name,
+        }
+    }
+
     /// A new state: bodies are as the world says, nothing has been sampled yet, the books are empty. The first sample
     /// finds the devices at rest.
     #[must_use]
@@ -175,6 +185,7 @@ impl WorldRenderer {
             tools: vec![ToolState::default(); self.tools],
             bodies: bodies.iter().map(body_state).collect(),
             contacts: contacts.collect(),
+            sides: vec![Entry::default(); self.points.len()],
             books: Books {
                 contacts: vec![ContactBook::default(); self.points.len()],
                 bodies: bodies
@@ -320,8 +331,9 @@ impl WorldRenderer {
             return Err(overflow);
         }
         let limits = (&self.in_loop.force_limits, &self.in_loop.torque_limits);
-        limited.force = limit(&state.intended, &mut state.forces, limits.0);
-        limited.torque = limit(&state.intended_torques, &mut state.torques, limits.1);
+        let gain = self.in_loop.actuation.limit_gain();
+        limited.force = limit(&state.intended, &mut state.forces, limits.0, gain);
+        limited.torque = limit(&state.intended_torques, &mut state.torques, limits.1, gain);
         limited.guard = self.guard(state);
         Ok(limited)
     }
@@ -366,16 +378,13 @@ impl WorldRenderer {
             return false;
         };
         let period = self.in_loop.period;
-        let lag = self.in_loop.actuation.lag;
         let expected: f64 = (0..self.tools)
             .map(|tool| {
-                state.commands.claims(tool, lag, period) * params.largest_speed
-                    + state.torque_commands.claims(tool, lag, period) * params.largest_turning
+                state.commands.impulse_to_come(tool) * params.largest_speed
+                    + state.torque_commands.impulse_to_come(tool) * params.largest_turning
             })
             .sum();
-        let free = state
-            .guard
-            .free(params, &state.books, expected * period, period);
+        let free = state.guard.free(params, &state.books, expected, period);
         state.guard.left = free;
         let power = most_of(params, &state.forces, &state.torques);
         let kept = self.kept(state, power);
@@ -394,6 +403,43 @@ impl WorldRenderer {
         (asked > state.guard.left).then(|| state.guard.left / asked)
     }
 
+    /// Energy that held forces created `[J]`: [`Books::created`](crate::Books::created), where a tool's contact whose force is
+    /// limited stores what the limited force gives back, `F^2/(2 K) (1 - (1 - largest/F)^2)`. A hand that presses on against a
+    /// limited force then creates nothing. `largest` gives the largest force `[N]` and torque `[N m]` that may reach a tool
+    /// besides the limits of the loop, infinite where there are none.
+    pub fn created_energy(&self, state: &WorldState, largest: impl Fn(usize) -> [f64; 2]) -> f64 {
+        let gain = self.in_loop.actuation.limit_gain();
+        let progress = &state.progress;
+        let share = |tool: usize| {
+            let [force, torque] = largest(tool);
+            let most = |limits: &[f64], largest: f64| {
+                limits.get(tool).map_or(largest, |limit| limit.min(largest)) / gain
+            };
+            let of_force = withheld_share(
+                progress.intended[tool].norm(),
+                most(&self.in_loop.force_limits, force),
+            );
+            let of_torque = withheld_share(
+                progress.intended_torques[tool].norm(),
+                most(&self.in_loop.torque_limits, torque),
+            );
+            of_force.max(of_torque)
+        };
+        let contacts = progress.books.contacts.iter().zip(&progress.contacts);
+        let withheld: f64 = contacts
+            .filter(|(book, _)| book.stored > 0.0)
+            .map(|(book, contact)| {
+                let sides = contact.between.iter();
+                let shares = sides.map(|side| match *side {
+                    Side::Tool(tool) => share(tool),
+                    Side::Body(_) => 0.0,
+                });
+                book.stored * shares.fold(0.0, f64::max)
+            })
+            .sum();
+        progress.books.created() - withheld
+    }
+
     /// Makes other forces and torques, which are to be held in place of those of the last output, so small that the limits of
     /// the loop and its guard hold for them; which of these acted. `held` has one for each tool, of which `parts` gives the
     /// force `[N]` and the torque `[N m]`. The guard only reports where it does so in a tick.
@@ -406,11 +452,12 @@ impl WorldRenderer {
         let state = &state.progress;
         let mut limited = Limited::default();
         let guard = self.in_loop.guard.params();
+        let gain = self.in_loop.actuation.limit_gain();
         let mut power = 0.0;
         for (tool, held) in held.iter_mut().enumerate() {
             let [force, torque] = parts(held);
-            limited.force |= shorten(force, self.in_loop.force_limits.get(tool));
-            limited.torque |= shorten(torque, self.in_loop.torque_limits.get(tool));
+            limited.force |= shorten(force, self.in_loop.force_limits.get(tool), gain);
+            limited.torque |= shorten(torque, self.in_loop.torque_limits.get(tool), gain);
             power += guard.map_or(0.0, |params| most_of(params, &[*force], &[*torque]));
         }
         let kept = guard.and_then(|_| self.kept(state, power));
@@ -425,20 +472,20 @@ impl WorldRenderer {
 }
 
 /// Shortens what is asked for to the limit of each tool, if there are limits; whether one acted.
-fn limit(intended: &[Vector3], sent: &mut [Vector], limits: &[f64]) -> bool {
+fn limit(intended: &[Vector3], sent: &mut [Vector], limits: &[f64], gain: f64) -> bool {
     let mut acted = false;
     for (tool, (intended, sent)) in intended.iter().zip(sent).enumerate() {
         *sent = (*intended).into();
-        acted |= shorten(sent, limits.get(tool));
+        acted |= shorten(sent, limits.get(tool), gain);
     }
     acted
 }
 
-/// Shortens a vector that is longer than `most`; whether it was.
-fn shorten(vector: &mut Vector, most: Option<&f64>) -> bool {
+/// Shortens a vector that exceeds `most` after a `gain`; returns whether it did.
+fn shorten(vector: &mut Vector, most: Option<&f64>, gain: f64) -> bool {
     let long = Vector3::from(*vector);
     let norm = long.norm();
-    let most = most.filter(|most| norm > **most);
+    let most = most.map(|most| most / gain).filter(|most| norm > *most);
     if let Some(most) = most {
         *vector = (long * (most / norm)).into();
     }
@@ -489,6 +536,7 @@ impl WorldRenderer {
     pub(crate) fn publish(&self, state: &mut Progress, memory: &Memory) {
         self.show_bodies(state);
         memory.publish(state);
+        self.watch_sides(state);
         let sent = state.forces.iter().zip(&state.torques);
         for (tool, (force, torque)) in state.tools.iter_mut().zip(sent) {
             tool.force = *force;

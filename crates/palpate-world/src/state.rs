@@ -2,6 +2,7 @@
 
 use crate::books::Books;
 use crate::commands::Commands;
+use crate::far_side::Entry;
 use crate::guard::Account;
 use crate::law::Mode;
 use crate::method::Memory;
@@ -42,6 +43,8 @@ pub(crate) struct Progress {
     pub tools: Vec<ToolState>,
     pub bodies: Vec<BodyState>,
     pub contacts: Vec<ContactState>,
+    /// Of each contact, whether it has changed its side.
+    pub sides: Vec<Entry>,
     pub books: Books,
     pub guard: Account,
 }
@@ -86,6 +89,14 @@ impl WorldState {
         let side = |number: usize| Side::of(number, *tools);
         let inside = surfaces.iter().filter(|surface| surface.is_inside());
         inside.map(move |surface| surface.parts().map(side))
+    }
+
+    /// The contacts whose first went through its second: inside a sphere, box, capsule, cylinder or hull, it has come to an opposite
+    /// side at the last sample, so that it is pushed out there and no longer back.
+    pub fn gone_through(&self) -> impl Iterator<Item = [Side; 2]> {
+        let contacts = self.progress.contacts.iter().zip(&self.progress.sides);
+        let through = contacts.filter(|(_, side)| side.is_through);
+        through.map(|(contact, _)| contact.between)
     }
 
     /// The books of energy, as of the last sample.

@@ -24,6 +24,8 @@ pub(crate) struct Touch {
     pub normal_force: f64,
     /// what of it damping adds to the spring `[N]`.
     by_damping: f64,
+    /// Part of the friction force that is the bristle's damping `[N]`.
+    by_rubbing: Vector3,
     /// How fast the two were expected to approach at the sub-step's end `[m/s]`.
     expected: f64,
     /// By how much faster they did approach `[m/s]`. The next sub-step adds this to what it expects, if it is as long.
@@ -124,6 +126,7 @@ impl Touch {
             bristle: none,
             normal_force: 0.0,
             by_damping: 0.0,
+            by_rubbing: none,
             expected: 0.0,
             missed: 0.0,
             force: none,
@@ -201,10 +204,12 @@ impl Touch {
     }
 
     /// Carries the bristle with the contact's plane, lets it follow what has slid before and over `way` `[m]`, and
-    /// cuts it to what the normal force holds.
-    pub fn rub(&mut self, point: &Point, normal: Vector3, way: Vector3) {
+    /// cuts it to what the normal force holds. Its damper sees the velocity of the first against the second that is `expected` at
+    /// the sub-step's end `[m/s]`.
+    pub fn rub(&mut self, point: &Point, normal: Vector3, way: Vector3, expected: &Vector3) {
         let law = &point.law;
         if law.friction <= 0.0 {
+            self.by_rubbing = Vector3::zeros();
             self.mode = law.cut(Vector3::zeros(), self.normal_force).mode;
             self.slid = Vector3::zeros();
             return;
@@ -218,6 +223,18 @@ impl Touch {
         self.bristle = cut.bristle;
         self.mode = cut.mode;
         self.slid = Vector3::zeros();
+        let across = expected - normal * normal.dot(expected);
+        self.by_rubbing = law.bristle_damping(&cut.bristle, &across, self.normal_force);
+    }
+
+    /// Normal and friction force on the first `[N]`.
+    pub fn force_of(&self, point: &Point) -> Vector3 {
+        let elastic = self.normal * self.normal_force - self.bristle * point.law.friction_stiffness;
+        if point.law.friction_damping > 0.0 {
+            elastic + self.by_rubbing
+        } else {
+            elastic
+        }
     }
 
     /// The surfaces are apart: what the bristle stored is lost.
@@ -230,7 +247,7 @@ impl Touch {
         };
     }
 
-    /// Power of the material's damping at a relative velocity: (N - K p) p'.
+    /// Power of the damping at a relative velocity: (N - K p) p' of the material, and that of the bristle.
     pub fn watch_damping(
         &mut self,
         point: &Point,
@@ -247,5 +264,9 @@ impl Touch {
         self.missed = rate - self.expected;
         self.damping_power = (self.by_damping * rate).max(0.0);
         self.apparent_power = self.by_damping * self.normal.dot(&apparent);
+        if point.law.friction_damping > 0.0 {
+            self.damping_power += (-self.by_rubbing.dot(&(relative + apparent))).max(0.0);
+            self.apparent_power += self.by_rubbing.dot(&apparent);
+        }
     }
 }

@@ -133,6 +133,7 @@ impl World {
             of.at_least_zero(WorldField::Damping, law.damping);
             of.at_least_zero(WorldField::Friction, law.friction);
             of.above_zero(WorldField::FrictionStiffness, law.friction_stiffness);
+            of.at_least_zero(WorldField::FrictionDamping, law.friction_damping);
         }
         for (number, joint) in self.joints.iter().enumerate() {
             let against = joint.against.as_deref().unwrap_or("world");

@@ -93,6 +93,17 @@ impl<S: Scalar> Actuation<S> {
         Self { lag, ..self }
     }
 
+    /// Factor of a command that limits of the force apply to: the gain, but at least 1. A limit then bounds both the
+    /// command and the force that the modelled actuator delivers.
+    #[must_use]
+    pub fn limit_gain(&self) -> S {
+        if self.gain > S::ONE {
+            self.gain
+        } else {
+            S::ONE
+        }
+    }
+
     /// The same with a `gain`: delivered over commanded force.
     #[must_use]
     pub fn with_gain(self, gain: S) -> Self {

@@ -56,7 +56,15 @@ pub struct UnderWay<S> {
     newest: u8,
     /// What the device felt at the last sample `[N]`: used where there is a lag.
     felt: Command<S>,
+    /// What of it was sent, by the loop's own actuation where a method has learned another `[N]`.
+    felt_by_model: S,
 }
+
+/// Changes of the force over an interval up to this part of its mean are those of a contact at rest, whose timing is not in
+/// doubt.
+const AT_REST: f64 = 0.3;
+/// Largest timing deviation that does not count at rest `[periods]`. A larger one can make a contact at rest swing.
+const TIMING_AT_REST: f64 = 0.1;
 
 /// Most commands that can act in one interval or have yet to.
 const MOST_COMMANDS: usize = LARGEST_DELAY + 2;
@@ -88,6 +96,8 @@ pub struct Actuator<S> {
     lag: S,
     gain: S,
     timing_deviation: S,
+    /// Part of it that does not count at rest `[s]`.
+    timing_at_rest: S,
     gain_deviation: S,
 }
 
@@ -105,6 +115,7 @@ impl<S: Scalar> Actuator<S> {
             lag: actuation.lag,
             gain: actuation.gain,
             timing_deviation: actuation.timing_deviation(),
+            timing_at_rest: S::from_f64(TIMING_AT_REST) * period,
             gain_deviation: actuation.gain_deviation,
         }
     }
@@ -193,8 +204,12 @@ impl<S: Scalar> Actuator<S> {
         if is_as_intended {
             sum.intended = sum.held.mean;
         }
-        let timing = self.timing_deviation * variation;
-        let gain = self.gain_deviation * sum.held.mean.abs() * h;
+        // The changes of a force at rest are small against the force. Noise in proportion to them would slow the observer
+        // down, and a hand that is followed late drives the swing.
+        let at_rest = S::from_f64(AT_REST) * sum.held.mean.abs();
+        let certain = self.timing_deviation.min(self.timing_at_rest) * at_rest;
+        let timing = (self.timing_deviation * variation - certain).max(S::ZERO);
+        let gain = self.gain_deviation * (variation - at_rest).max(S::ZERO) * h;
         if timing > S::ZERO || gain > S::ZERO {
             sum.held.impulse_deviation = (timing * timing + gain * gain).sqrt();
         }
@@ -280,6 +295,7 @@ impl<S: Scalar> UnderWay<S> {
             commands: [Sent::default(); MOST_COMMANDS],
             newest: 0,
             felt: Command::default(),
+            felt_by_model: S::ZERO,
         }
     }
 
@@ -292,6 +308,7 @@ impl<S: Scalar> UnderWay<S> {
             let mut felt = self.felt;
             let piece = actuator.pass(&mut felt, &self.schedule(actuator, S::ZERO, h), h);
             self.felt = felt;
+            self.felt_by_model = felt.sent;
             piece
         };
         if let Some(newest) = self.commands.get_mut(usize::from(self.newest)) {
@@ -300,14 +317,29 @@ impl<S: Scalar> UnderWay<S> {
         piece
     }
 
-    /// What reaches the device in it by another actuator, which leaves no trace.
+    /// The same where a method has learned another actuator than the `model` of the loop: the mean force by the
+    /// model `[N]`, and what reached the device by what was learned.
     #[inline]
-    pub fn passing(&self, actuator: &Actuator<S>, h: S) -> Piece<S> {
-        if actuator.is_at_once {
-            return self.held_at_once(actuator, h);
-        }
-        let mut felt = self.felt;
-        actuator.pass(&mut felt, &self.schedule(actuator, S::ZERO, h), h)
+    pub fn pass_learned(
+        &mut self,
+        model: &Actuator<S>,
+        learned: &Actuator<S>,
+        h: S,
+    ) -> (S, Piece<S>) {
+        let (by_model, felt) = if model.is_at_once {
+            (self.held_at_once(model, h), S::ZERO)
+        } else {
+            let mut felt = Command {
+                intended: self.felt_by_model,
+                sent: self.felt_by_model,
+            };
+            let schedule = self.schedule(model, S::ZERO, h);
+            let piece = model.pass(&mut felt, &schedule, h);
+            (piece, felt.sent)
+        };
+        let piece = self.pass(learned, h);
+        self.felt_by_model = felt;
+        (by_model.held.mean, piece)
     }
 
     /// The newest command, exactly as it was sent.
@@ -402,19 +434,27 @@ impl<'a, S: Scalar> Ahead<'a, S> {
         }
     }
 
-    /// Sum of the magnitudes of what is still to act before the command of this sample `[N]`.
+    /// Whether a command that is not 0 is still to act before the command of this sample does.
     #[must_use]
-    pub fn magnitude(&self) -> S {
+    pub fn is_awaited(&self) -> bool {
+        let delay = self.actuator.delay;
+        let parts = (!self.actuator.is_at_once && delay > S::ZERO).then(|| self.schedule(delay));
+        parts.is_some_and(|parts| parts.parts(delay).any(|part| part.command.sent != S::ZERO))
+    }
+
+    /// Bound on the impulse that the commands before this sample's can still give, whatever follows `[N s]`:
+    /// the integral of the force's magnitude. A lag spreads an impulse over time and adds none, so each command
+    /// counts with the time that it has left to act, and the force that decays in the lag with its whole rest.
+    #[must_use]
+    pub fn impulse_to_come(&self) -> S {
+        let actuator = self.actuator;
         let mut sum = S::ZERO;
-        if !self.actuator.is_at_once && self.actuator.delay > S::ZERO {
-            for part in self
-                .schedule(self.actuator.delay)
-                .parts(self.actuator.delay)
-            {
-                sum += part.command.sent.abs();
+        if !actuator.is_at_once && actuator.delay > S::ZERO {
+            for part in self.schedule(actuator.delay).parts(actuator.delay) {
+                sum += (part.ends - part.begins).max(S::ZERO) * part.command.sent.abs();
             }
         }
-        sum
+        actuator.gain * sum + actuator.lag * self.under_way.felt_by_model.abs()
     }
 
     /// What acts before the command of this sample begins, in order, and what then follows it over

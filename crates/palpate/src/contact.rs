@@ -172,13 +172,14 @@ pub struct LoopParams<S> {
     /// times what a hand can do.
     #[cfg_attr(feature = "serde", serde(default))]
     pub speed_limit: Option<S>,
-    /// Largest force that is held `[N]`, greater than 0. `None`: no limit. Set one before a motor
+    /// Largest force `[N]`, greater than 0: of the command, and of the command times the gain of
+    /// [`actuation`](Self::actuation). `None`: no limit. Set one before a motor
     /// is attached: without a limit, a device that starts 5 m inside a wall of 1000 N/m, or a
     /// position in the wrong unit, gets 5000 N. The ledger books the force after the limit.
     /// [`with_force_limit`](Self::with_force_limit) sets it.
     #[cfg_attr(feature = "serde", serde(default))]
     pub force_limit: Option<S>,
-    /// Fastest change of the held force `[N/s]`, up and down; a fault still drops it to 0 at
+    /// Fastest change of the same forces `[N/s]`, up and down; a fault still drops it to 0 at
     /// once. `None`: no limit.
     #[cfg_attr(feature = "serde", serde(default))]
     pub slew_limit: Option<S>,

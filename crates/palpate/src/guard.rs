@@ -1,18 +1,23 @@
 //! The guard: a bound on the energy that a held force can give out before anybody can know.
 //!
 //! A force is fixed before the user moves. Over one interval it can give out as much as
-//! `|f| v T` at a device speed v, whatever it was computed from. So whoever wants a guarantee and
-//! not an estimate has to limit the force itself:
+//! `|f| v T` at a device speed v, whatever it was computed from. So a guarantee, in contrast to an
+//! estimate, has to limit the force itself:
 //!
 //! ```text
-//! |f_i| <= (balance_i + allowance - on their way) / (v_max T)
+//! |f_i| T <= (balance_i + allowance)/v_max - impulse to come
 //! balance_i = what was stored at the start + work of f_V + outside work + port work
+//! impulse to come = sum over the commands before of |f| (time left to act) + lag |force now|
 //! ```
 //!
-//! The balance is the energy that may still be given out; the forces on their way in a loop with a
-//! delay have claims on it. While the device keeps below v_max and samples come within the nominal
-//! period, what has been given out at the end of an interval with a held force never exceeds what
-//! was stored, what f_V and changes from outside put in, and the allowance.
+//! The balance is the energy that may still be given out. Earlier commands have claims on it: those in
+//! a delay, and the force that still decays in an actuator with a lag. While the device keeps below v_max
+//! and samples come within the nominal period, what has been given out at the end of an interval with a
+//! held force never exceeds what was stored, what f_V and changes from outside put in, and the allowance.
+//!
+//! With a lag or a fraction of a period of delay the force changes between two samples. The port work is
+//! then that of the mean force, which is exact for a device that does not turn round between the two. The
+//! guard uses the delay, lag and gain of [`Actuation`](crate::Actuation), without their deviations.
 
 use crate::Scalar;
 use crate::parameter::{Parameter, ParameterError};
@@ -72,8 +77,8 @@ impl<S: Scalar> Guard<S> {
         }
     }
 
-    /// Largest force `[N]` over one `period` `[s]` from a `balance` `[J]`, with `claims`, the sum of
-    /// the absolute forces on their way `[N]`; and whether it is to be kept.
+    /// Largest force `[N]` over one `period` `[s]` from a `balance` `[J]`, with `claims`, the impulse that
+    /// earlier commands may still give `[N s]`; and whether the bound is to be kept.
     #[inline]
     pub(crate) fn bound(&self, balance: S, claims: S, period: S) -> Option<(S, bool)> {
         let (params, kept) = match self {
@@ -81,8 +86,7 @@ impl<S: Scalar> Guard<S> {
             Self::Report(params) => (params, false),
             Self::Limit(params) => (params, true),
         };
-        let per_force = params.largest_speed * period;
-        let free = (balance + params.allowance) / per_force - claims;
-        Some((free.max(S::ZERO), kept))
+        let free = (balance + params.allowance) / params.largest_speed - claims;
+        Some(((free / period).max(S::ZERO), kept))
     }
 }

@@ -67,7 +67,17 @@ impl<S: Scalar> Drive<S> {
         start: Relative<S>,
         duration: S,
     ) -> (Course<S>, Option<Response<S>>) {
-        let mut response = Some(Response::none_yet());
+        self.over_with_response_after(start, duration, Response::none_yet())
+    }
+
+    /// The same after a part that has `response`.
+    pub fn over_with_response_after(
+        &self,
+        start: Relative<S>,
+        duration: S,
+        response: Response<S>,
+    ) -> (Course<S>, Option<Response<S>>) {
+        let mut response = Some(response);
         let course = self.follow(start, duration, |part| {
             response = response.and_then(|so_far| so_far.after(self, part));
         });

@@ -45,7 +45,7 @@ pub fn loop_params() -> LoopParams<f32> {
         slew_limit: Some(3000.0),
         guard: Guard::Limit(GuardParams {
             largest_speed: 1.0,
-            allowance: 4e-3,
+            allowance: 1e-3,
         }),
         ..LoopParams::new(PERIOD).with_force_limit(5.0)
     }

@@ -63,6 +63,8 @@ pub struct HostContact {
     pub friction: f64,
     /// Stiffness of friction, above 0 [N/m]; 0: as `stiffness`.
     pub friction_stiffness: f64,
+    /// Damping of friction [N s/m]; 0: `damping` times `friction_stiffness` over `stiffness`; below 0: none.
+    pub friction_damping: f64,
     /// Of a sphere of a body, its centre [m]. Not looked at for the tool.
     pub centre: [f64; 3],
     /// Of a sphere of a body, its radius, not below 0 [m]. Not looked at for the tool.
@@ -84,6 +86,7 @@ impl HostContact {
             self.damping,
             self.friction,
             self.friction_stiffness,
+            self.friction_damping,
         ]);
         let body = |place: u32| (place != PALPATE_NO_BODY).then_some(place as usize);
         let (place, normal) = (self.place, self.normal);

@@ -16,7 +16,7 @@ use crate::status::{Refusal, Status};
 pub struct LocalParams {
     /// Size of this struct; palpate_local_params_default() sets it.
     pub struct_size: usize,
-    /// Nominal time from sample to sample of the loop, above 0 [s]. It has no default.
+    /// Nominal time from sample to sample of the loop, above 0 [s]: 0.001 is 1 ms. It has no default.
     pub period: f64,
     /// Effective mass of the device along each axis of the world, above 0 [kg]; a factor of 2 is near enough. INFINITY: the device
     /// lacks this axis. It has no default.

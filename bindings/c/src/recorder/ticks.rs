@@ -150,6 +150,7 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
                 Flags::SAFETY_LIMITED,
                 is(Limit::Slew as u32 | Limit::SoftStart as u32),
             )
+            .with(Flags::SAFETY_TRIPPED, is(Limit::Stopped as u32))
             .with(Flags::FAULT, output.fault != Fault::None as u32);
         // A tick that has not been gave no wrench, and the world still has that of the tick before.
         let has_been = output.fault != Fault::Argument as u32;

@@ -14,7 +14,7 @@ use crate::status::{Refusal, Status};
 pub struct SceneParams {
     /// Size of this struct; palpate_scene_params_default() sets it.
     pub struct_size: usize,
-    /// Nominal time from sample to sample, above 0 [s]. It has no default.
+    /// Nominal time from sample to sample, above 0 [s]: 0.001 is 1 ms. It has no default.
     pub period: f64,
     /// Time from a sample to the moment at which its command begins to act, not below 0 [s]. Default: 0.
     pub delay: f64,

@@ -127,6 +127,8 @@ pub struct Law {
     pub friction: f64,
     /// Stiffness of the bristle by which they rub [N/m]. 0, the default: `stiffness`.
     pub friction_stiffness: f64,
+    /// Damping of the bristle [N s/m]. 0, the default: `damping` times `friction_stiffness` over `stiffness`. Below 0: none.
+    pub friction_damping: f64,
 }
 
 // SAFETY: `repr(C)`, a `usize` first, numbers only.
@@ -142,6 +144,7 @@ impl Default for Law {
             damping: 0.0,
             friction: 0.0,
             friction_stiffness: 0.0,
+            friction_damping: 0.0,
         }
     }
 }
@@ -154,26 +157,49 @@ impl Law {
             ("friction", self.friction, false),
             ("friction_stiffness", self.friction_stiffness, false),
         ])?;
+        if !self.friction_damping.is_finite() {
+            return Err(Refusal::Number {
+                name: "friction_damping",
+                given: self.friction_damping,
+                allowed: "finite",
+            });
+        }
         let numbers = [
             self.stiffness,
             self.damping,
             self.friction,
             self.friction_stiffness,
+            self.friction_damping,
         ];
         Ok(law_of(numbers))
     }
 }
 
-/// The law of stiffness, damping, friction and stiffness of friction, as C says them: a stiffness of friction of 0 is the other.
-pub(crate) fn law_of([stiffness, damping, friction, friction_stiffness]: [f64; 4]) -> ContactLaw {
+/// The law of stiffness, damping, friction, and stiffness and damping of friction, as C gives them: a 0 of the last two is their
+/// default, and a negative damping of friction is none.
+pub(crate) fn law_of(
+    [
+        stiffness,
+        damping,
+        friction,
+        friction_stiffness,
+        friction_damping,
+    ]: [f64; 5],
+) -> ContactLaw {
+    let friction_stiffness = if friction_stiffness == 0.0 {
+        stiffness
+    } else {
+        friction_stiffness
+    };
     ContactLaw {
         stiffness,
         damping,
         friction,
-        friction_stiffness: if friction_stiffness == 0.0 {
-            stiffness
+        friction_stiffness,
+        friction_damping: if friction_damping == 0.0 {
+            ContactLaw::usual_friction_damping(stiffness, damping, friction_stiffness)
         } else {
-            friction_stiffness
+            friction_damping.max(0.0)
         },
     }
 }
@@ -185,12 +211,18 @@ impl From<&Contact> for Law {
             damping,
             friction,
             friction_stiffness,
+            friction_damping,
         } = contact.law;
         Self {
             stiffness,
             damping,
             friction,
             friction_stiffness,
+            friction_damping: if friction_damping > 0.0 {
+                friction_damping
+            } else {
+                -1.0
+            },
             ..Self::default()
         }
     }

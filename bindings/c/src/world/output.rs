@@ -69,6 +69,7 @@ pub(crate) fn limits(limited: Limited, bounded: Bounded) -> u32 {
         | bit(limited.guard, Limit::Guard)
         | bit(bounded.slew, Limit::Slew)
         | bit(bounded.soft_start, Limit::SoftStart)
+        | bit(bounded.stopped, Limit::Stopped)
 }
 
 impl From<&Held<'_>> for WorldOutput {

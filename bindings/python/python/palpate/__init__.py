@@ -23,7 +23,7 @@ from ._loop import Granted, Loop, LoopError, LoopReport, LoopStatus, Spread
 from ._methods import METHODS, Method, Setting
 from ._palpate import __version__
 from ._recording import BODIES, DEVICES, FLAGS, RECORDED, Event, Recording, read_recording
-from ._render import render
+from ._render import Trace, read_trace, render
 from ._renderer import Renderer
 from ._replay import replay
 from ._report import FAULTS, IDEAL, LIMITS, PHASES, TICK, Fields, Report, Runs, WorldRuns
@@ -89,6 +89,7 @@ __all__ = [
     "Situation",
     "Spread",
     "ToolState",
+    "Trace",
     "TurnState",
     "World",
     "WorldOutput",
@@ -102,6 +103,7 @@ __all__ = [
     "heights",
     "map",
     "read_recording",
+    "read_trace",
     "render",
     "replay",
     "report",

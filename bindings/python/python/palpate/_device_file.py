@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _palpate
+from ._fixed import Fixed, FixedParameters, question_period
 from ._report import Fields, Figure, Report
 from ._scene import SceneLike, _scene
 
 
-class Excitation(_palpate.Excitation):
+class Excitation(Fixed, _palpate.Excitation):
     """Forces that shake a device, so that its motion says what a renderer has to know of it.
 
     Make one, give it the position of the device at each period, and command the force that it answers. When it is
@@ -44,7 +45,7 @@ class Excitation(_palpate.Excitation):
     """
 
     parameters: dict[str, Any]
-    """The arguments that it was made with."""
+    """The arguments that it was made with. They cannot be set."""
 
     def __new__(
         cls,
@@ -57,7 +58,7 @@ class Excitation(_palpate.Excitation):
         seed: int = 1,
     ) -> Excitation:
         made = super().__new__(cls, period, largest_force, duration, excursion, tremor, seed)
-        made.parameters = {
+        given = {
             "period": period,
             "largest_force": largest_force,
             "duration": duration,
@@ -65,6 +66,7 @@ class Excitation(_palpate.Excitation):
             "tremor": tremor,
             "seed": seed,
         }
+        made.parameters = FixedParameters(given, "make another Excitation(**{**excitation.parameters, NAME: VALUE})")
         return made
 
     @property
@@ -232,6 +234,7 @@ def report(
         motion = (str(calibration), Path(calibration).read_text(encoding="utf-8"))
     elif isinstance(device_file, Calibration):
         motion = ("the calibration", device_file.to_report())
+    question_period(period)
     sources = {
         "recordings": several,
         "device_file": named_text(device_file),

@@ -8,12 +8,13 @@ import sys
 import weakref
 from collections.abc import Mapping
 from types import TracebackType
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, ClassVar, NamedTuple, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _palpate
+from ._fixed import Fixed, FixedParameters
 from ._arrays import row
 from ._methods import METHODS
 from ._recording import BODIES, DEVICES, RECORDED, Event
@@ -102,7 +103,7 @@ class LoopReport(NamedTuple):
     """Of several devices the one that the trip is of, by its name in the world; `None` of one device, and without a trip."""
 
 
-class Loop(_palpate.Loop):
+class Loop(Fixed, _palpate.Loop):
     """A renderer or a world on a device in real time: the loop of `palpate run`, in a thread that never waits for Python.
 
         with palpate.Loop(palpate.devices.Pointer(), palpate.Renderer(stiffness=400.0, ...)) as loop:
@@ -170,6 +171,8 @@ class Loop(_palpate.Loop):
     """The names of a world's bodies by the field `body`; the last are the devices, whose avatars they are. Of a renderer none."""
     contact_names: tuple[tuple[str, str], ...]
     """Between which two each contact of a world is, by the field `pair` of its row. Of a renderer none."""
+
+    _way: ClassVar[str] = "make another Loop; change(renderer) or change(world) changes what it renders"
 
     def __new__(
         cls,
@@ -246,7 +249,7 @@ class Loop(_palpate.Loop):
         Raises:
             RuntimeError: A loop that was started before.
         """
-        self.granted = [Granted(*answer) for answer in super().start()]
+        self._found(granted=[Granted(*answer) for answer in super().start()])
         self._started = True
         _RUNNING.add(self)
         return self.granted
@@ -263,7 +266,7 @@ class Loop(_palpate.Loop):
         (ending, failure, trip, device), counts, (lateness, duration), recorded = super().stop()
         made, lost = (None, None) if recorded is None else recorded
         report = LoopReport(ending, failure, trip, *counts, Spread(*lateness), Spread(*duration), made, lost, device)
-        self.report = report
+        self._found(report=report)
         if failure is not None and not self._said:
             self._said = True
             raise LoopError(failure)
@@ -283,8 +286,7 @@ class Loop(_palpate.Loop):
         """
         words, bodies, devices = self.take(wait)
         ticks = words.view(RECORDED)
-        self.bodies = bodies.view(BODIES)
-        self.devices = devices.view(DEVICES)
+        self._found(bodies=bodies.view(BODIES), devices=devices.view(DEVICES))
         if len(ticks) == 0:
             self._say_why(wait)
         return ticks
@@ -383,7 +385,7 @@ class Loop(_palpate.Loop):
     @property
     def parameters(self) -> dict[str, Any]:
         """What is rendered now, as arguments of `palpate.Renderer`; of a world none."""
-        return dict(self._parameters)
+        return FixedParameters(self._parameters, "change them by loop.change(NAME=VALUE)")
 
     @property
     def status(self) -> LoopStatus:

@@ -1,15 +1,78 @@
-"""`render`: a motion that was recorded, rendered by some methods."""
+"""`render`: a motion that was recorded, rendered by some methods; `read_trace`: a table of such a motion."""
 
 from __future__ import annotations
 
-from typing import Sequence
+import os
+from typing import Mapping, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _palpate
 from ._arrays import numbers
+from ._fixed import question_period
 from ._report import Runs
+
+
+class Trace(NamedTuple):
+    """A recorded motion along one axis."""
+
+    t: NDArray[np.float64]
+    """Times [s], increasing."""
+    x: NDArray[np.float64]
+    """Positions [m]."""
+    force: NDArray[np.float64] | None
+    """Force on the device from each sample until the next [N]; `None` where the table has none."""
+    left_out: int
+    """Samples that were left out, since they had no value."""
+
+
+def read_trace(
+    path: str | os.PathLike[str],
+    *,
+    columns: Mapping[str, str] | None = None,
+    unit: str | None = None,
+    time_unit: str | None = None,
+    delimiter: str | None = None,
+    decimal_comma: bool = False,
+    skip_missing: bool = False,
+    begin: float | None = None,
+    end: float | None = None,
+) -> Trace:
+    """Reads the table of a recorded motion, as `palpate render` does.
+
+        trace = palpate.read_trace("tap.csv", columns={"t": "time", "x": "X"}, unit="mm", time_unit="ms")
+        palpate.render(trace.t, trace.x, stiffness=500.0, mass=math.inf, period=0.001)
+
+    Args:
+        path: Table with a header. Without `columns` it names `t_s` and `position_m`; names and a row of units below the header
+            may have other units.
+        columns: Names of the columns of `t`, `x` and `force`; `"#2"` is the second column.
+        unit: Unit of the positions: `"m"`, `"cm"`, `"mm"` or `"um"`. `None`: that of the table, else metres, and a motion
+            that is too long or too fast for a hand is refused.
+        time_unit: Unit of the times: `"s"`, `"ms"`, `"us"` or `"ns"`. `None`: that of the table, else seconds, and samples
+            more than 0.25 s or less than 10 us apart are refused.
+        delimiter: What separates the columns: `","`, `";"` or `"\\t"`. `None`: what separates those of the header.
+        decimal_comma: Whether numbers have a comma in place of the decimal point.
+        skip_missing: Whether samples without a value are left out; else they are refused.
+        begin: Takes the table from this time of its own on [s].
+        end: Takes it up to this time of its own [s].
+
+    Raises:
+        ValueError: A file that is no such table.
+        OSError: A file that cannot be read.
+    """
+    layout = {
+        "columns": [(str(key), str(name)) for key, name in (columns or {}).items()],
+        "unit": unit,
+        "time_unit": time_unit,
+        "delimiter": delimiter,
+        "decimal_comma": decimal_comma,
+        "skip_missing": skip_missing,
+        "begin": begin,
+        "end": end,
+    }
+    return Trace(*_palpate.read_trace(path, layout))
 
 
 def render(
@@ -41,6 +104,8 @@ def render(
     gain_deviation: float = 0.0,
     encoder_quantum: float = 0.0,
     unit: str | None = None,
+    time_unit: str | None = None,
+    skip_missing: bool = False,
     title: str = "a motion",
     **settings: float | str | bool,
 ) -> Runs:
@@ -60,6 +125,9 @@ def render(
         force_limit: Largest force that is held [N]; `math.inf`: no limit.
         unit: Unit of the positions: `"m"`, `"cm"`, `"mm"` or `"um"`. `None`: metres, and a motion that is too
             long or too fast for a hand is refused.
+        time_unit: Unit of the times: `"s"`, `"ms"`, `"us"` or `"ns"`. `None`: seconds, and samples more than 0.25 s or less
+            than 10 us apart are refused.
+        skip_missing: Whether samples of which the time or the position is NaN are left out; else they are refused.
         title: What the report calls the motion.
         settings: Settings of the methods, such as `damping`: `palpate.METHODS[method].settings` lists them.
 
@@ -72,10 +140,20 @@ def render(
         ValueError: A value that is not allowed, by the name of its argument; a motion that is none.
     """
     given = dict(locals())
-    for other in ("t", "x", "method", "unit", "title", "settings"):
+    question_period(period)
+    for other in ("t", "x", "method", "unit", "time_unit", "skip_missing", "title", "settings"):
         del given[other]
     # Copies: the figure is drawn later, and the arrays of the caller may have changed by then.
-    motion = (_of_one_dimension("t", t), _of_one_dimension("x", x), title, unit)
+    times, positions, left_out = _of_one_dimension("t", t), _of_one_dimension("x", x), 0
+    if times.shape == positions.shape and (missing := np.isnan(times) | np.isnan(positions)).any():
+        left_out = int(missing.sum())
+        if not skip_missing:
+            first = int(np.argmax(~np.isfinite(times) | ~np.isfinite(positions)))
+            name, unit_of, value = ("time", "s", times[first]) if not np.isfinite(times[first]) else ("position", "m", positions[first])
+            said = "NaN" if np.isnan(value) else value
+            raise ValueError(f"{name} {said} {unit_of} at index {first} is not finite; skip_missing=True leaves out samples that are NaN")
+        times, positions = times[~missing], positions[~missing]
+    motion = (times, positions, title, unit, time_unit, left_out)
     arguments = (motion, method, given, settings)
     return Runs._of_runs(_palpate.render(*arguments), (_palpate.render_figure, arguments))
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, NoReturn
+from typing import Any, ClassVar, NoReturn
 
 from . import _palpate
+from ._fixed import Fixed, FixedParameters, question_period
 
 
-class Renderer(_palpate.Renderer):
+class Renderer(Fixed, _palpate.Renderer):
     """A contact with a virtual object or a wall, rendered by one method, sample by sample.
 
     All values are SI, along one axis. The object lies on the side of greater positions, unless `side` says
@@ -50,8 +51,9 @@ class Renderer(_palpate.Renderer):
         ValueError: A value that is not allowed, by the name of its argument.
     """
 
+    _way: ClassVar[str] = "make another one by Renderer(**{**renderer.parameters, NAME: VALUE})"
     parameters: dict[str, Any]
-    """The arguments that this renderer was made with: `Renderer(**parameters)` makes it anew."""
+    """The arguments that this renderer was made with: `Renderer(**parameters)` makes it anew. They cannot be set."""
 
     def __new__(
         cls,
@@ -86,8 +88,9 @@ class Renderer(_palpate.Renderer):
         given = dict(locals())
         for other in ("cls", "__class__", "method", "soft_start", "settings"):
             given.pop(other, None)
+        question_period(period)
         made = super().__new__(cls, method, given, soft_start, settings)
-        made.parameters = {"method": method, **given, "soft_start": soft_start, **settings}
+        made.parameters = FixedParameters({"method": method, **given, "soft_start": soft_start, **settings}, cls._way)
         return made
 
     def __reduce__(self) -> NoReturn:

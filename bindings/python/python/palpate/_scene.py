@@ -7,6 +7,7 @@ import os
 from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Sequence, Union, overload
 
 from . import _palpate
+from ._fixed import Fixed, question_period
 from ._report import Report, Runs, WorldRuns
 from ._values import Situation
 
@@ -17,7 +18,7 @@ Tables = Mapping[str, Any]
 """A table of a scene file: its keys, each with its value."""
 
 
-class Scene(_palpate.Scene):
+class Scene(Fixed, _palpate.Scene):
     """An object, a device, a hand, a loop and a renderer: a closed loop to simulate.
 
     Each argument is a table of a scene file, as a dictionary: the keys are those of the file, with their
@@ -79,7 +80,9 @@ class Scene(_palpate.Scene):
 
     @classmethod
     def _of(cls, text: str, name: str | None, folder: str | os.PathLike[str]) -> Scene:
-        return super().__new__(cls, text, name, folder)
+        made = super().__new__(cls, text, name, folder)
+        question_period(_palpate.from_toml(text)["loop"]["period_s"], "period_s", 4)
+        return made
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Scene:

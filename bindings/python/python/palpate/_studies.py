@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _palpate
 from ._arrays import numbers
 from ._device_file import DeviceFile, named_text
+from ._fixed import question_period
 from ._report import Fields, Report
 from ._scene import SceneLike, _scene, _scenes
 from ._table import Table, of_records
@@ -115,6 +116,7 @@ def suite(
     *,
     seed: int = 1,
     plants: int = 200,
+    seeds: int = 1,
 ) -> Report:
     """Judges methods on plants that are drawn at random, as `palpate suite` does.
 
@@ -122,7 +124,8 @@ def suite(
         set: Family of plants: `"paper"`, `"desk"`, `"real"`, `"steps"` or `"calibrated"`.
         method: Name of a method, several names, or `"all"`. `None`: those that the set is for.
         seed: Seed of the draws.
-        plants: Number of plants, at most a million.
+        plants: Number of plants of each seed, at most a million.
+        seeds: Number of seeds, from `seed` on. With several, `over_seeds` has the median and the range over the seeds.
 
     Returns:
         The report: `columns`, one for each method, with the distribution of its errors.
@@ -130,7 +133,7 @@ def suite(
     Raises:
         ValueError: A set or a method that there is not, another number of plants.
     """
-    fields, text, figure = _palpate.run_suite(set, seed, plants, method)
+    fields, text, figure = _palpate.run_suite(set, seed, plants, method, seeds)
     return Report._of((fields, text), figure)
 
 
@@ -184,6 +187,8 @@ def map(
     told_period: float = 1.0,
     delay: float = 0.0,
     lag: float = 0.0,
+    delay_deviation: float = 0.0,
+    lag_deviation: float = 0.0,
     forces: str = "balanced",
 ) -> Map:
     """Computes what each method can render, over stiffness and mass of the object, as `palpate map` does.
@@ -197,6 +202,8 @@ def map(
         told_period: Period that the renderer is told, over the true one.
         delay: Time from a sample to the beginning of its force [periods].
         lag: Time constant of the actuator [periods].
+        delay_deviation: Standard deviation of the delay in the renderer's model [periods].
+        lag_deviation: Standard deviation of the lag in the renderer's model [periods].
         forces: What drives device and object together: `"balanced"` or `"weight"`.
 
     Returns:
@@ -222,6 +229,8 @@ def advise(
     encoder_quantum: float | None = None,
     delay: float | None = None,
     lag: float | None = None,
+    delay_deviation: float | None = None,
+    lag_deviation: float | None = None,
     device_file: DeviceFile | None = None,
 ) -> Report:
     """Says what can be rendered on a device, and by which method, as `palpate advise` does.
@@ -237,6 +246,8 @@ def advise(
         encoder_quantum: Quantum of the position sensor [m]; `None`: that of `device_file`, or 0.
         delay: Time from a sample to the beginning of its force [periods]; `None`: that of `device_file`, or 0.
         lag: Time constant of the actuator [s]; `None`: that of `device_file`, or 0.
+        delay_deviation: Standard deviation of the delay [periods]; `None`: that of `device_file`, or 0.
+        lag_deviation: Standard deviation of the lag [s]; `None`: that of `device_file`, or 0.
         device_file: A device file of `palpate calibrate`, or a `palpate.Calibration`.
 
     Returns:
@@ -247,6 +258,7 @@ def advise(
         ValueError: A value that is not allowed, or a device file that cannot be read as one.
         OSError: A device file that is not there.
     """
+    question_period(period)
     given = {
         "period": period,
         "device_mass": device_mass,
@@ -257,6 +269,8 @@ def advise(
         "encoder_quantum": encoder_quantum,
         "delay": delay,
         "lag": lag,
+        "delay_deviation": delay_deviation,
+        "lag_deviation": lag_deviation,
         "device_file": named_text(device_file),
     }
     return Report._of(_palpate.advise(method, given), (_palpate.advice_figure, (method, given)))

@@ -25,7 +25,8 @@ class Output(NamedTuple):
     placement_shift: float
     """How far `coupled` shifted the object over the last interval [m]; 0 for other methods."""
     limited: tuple[str, ...]
-    """Limits that changed the force: of `palpate.LIMITS`, and `soft-start`."""
+    """Limits that changed the force: of `palpate.LIMITS`, `soft-start`, and `safety-stop`: the loop has
+    created energy, and the force stays 0 until `reset()`."""
     fault: str | None
     """Why the sample was refused, one of `palpate.FAULTS`; `None` where it was not. The force is then 0."""
 

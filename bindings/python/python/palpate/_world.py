@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Iterable, Mapping, NoReturn, Sequence
+from typing import Any, ClassVar, Iterable, Mapping, NoReturn, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _palpate
 from ._arrays import known, numbers
+from ._fixed import Fixed, question_period
 from ._scene import Tables
 from ._world_values import (
     BodyBook,
@@ -26,7 +27,7 @@ from ._world_values import (
 )
 
 
-class World(_palpate.World):
+class World(Fixed, _palpate.World):
     """Several devices, bodies and contacts, rendered by one method, sample by sample.
 
         world = palpate.World("experiments/worlds/paddle.toml")
@@ -117,10 +118,12 @@ class World(_palpate.World):
     def _of(cls, text: str, name: str | None, folder: str | os.PathLike[str], made_by: Mapping[str, Any]) -> World:
         limits = (made_by["force_limit"], made_by["torque_limit"], made_by["soft_start"])
         made = super().__new__(cls, text, name, folder, made_by["method"], limits)
+        question_period(made.period, "period_s", 4)
         made._made_by = dict(made_by)
         made._devices, made._bodies = made.names()
         return made
 
+    _way: ClassVar[str] = "make another World with that argument, or by world.replace() with that table"
     _made_by: dict[str, Any]
     _devices: list[str]
     _bodies: list[str]

@@ -32,7 +32,8 @@ class WorldOutput(NamedTuple):
     sample. Where a device that gives a torque is among them, each row has the torque about the mass centre [N m] behind
     the force, 0 for a device that gives none."""
     limited: tuple[str, ...]
-    """Limits that acted: `force`, `torque`, `offset` of an avatar, `guard`, `soft-start`."""
+    """Limits that acted: `force`, `torque`, `offset` of an avatar, `guard`, `soft-start`, and `safety-stop`:
+    the loop has created energy, and all forces stay 0 until `reset()`."""
     effort: Effort
     """What the tick has cost."""
     fault: str | None

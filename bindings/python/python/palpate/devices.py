@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import Any, Sequence
+from typing import TYPE_CHECKING, Any, Sequence
 
 from numpy.typing import ArrayLike
 
@@ -30,11 +30,28 @@ from ._arrays import numbers, row
 from ._scene import Scene
 from ._world import World
 
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
 __all__ = ["Device", "Inverse3", "Pointer", "PointerInWorld", "Simulated", "TwoDiy"]
 
 
 class Device:
-    """What a `palpate.Loop` runs on."""
+    """What a `palpate.Loop` runs on: one of the devices here.
+
+    A device of one's own is no subclass: the loop's thread runs no Python. Call `Renderer.step` or `World.step` from a loop of
+    one's own, or implement the trait `Device` of palpate-device in Rust.
+    """
+
+    def __new__(cls, *_: Any, **__: Any) -> Self:
+        if Device in cls.__bases__ and cls.__module__ != __name__:
+            raise TypeError(
+                f"{cls.__name__} cannot be a device of a palpate.Loop: the loop's thread runs no Python, so that it takes "
+                "Pointer, PointerInWorld, Simulated, TwoDiy and Inverse3 only. For a device of your own, call step() of a "
+                "palpate.Renderer or palpate.World from your own loop (docs/python.md), or implement the trait Device of "
+                "palpate-device in Rust"
+            )
+        return super().__new__(cls)
 
     def _given(self) -> dict[str, Any]:
         raise TypeError("a Device is one of palpate.devices: Pointer, PointerInWorld, Simulated, TwoDiy or Inverse3")

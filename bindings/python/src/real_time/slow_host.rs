@@ -48,7 +48,7 @@ type GivenContact = (
     (Option<usize>, Option<usize>),
     (Vector, Vector, f64),
     (Vector, f64),
-    [f64; 4],
+    [f64; 5],
 );
 
 /// Tick and period, whether the contacts fade, the last model's tick and why the last was not taken; position and velocity of the
@@ -252,12 +252,19 @@ fn local(given: GivenContact) -> LocalContact {
     let (numbers, surface, (centre, radius), law) = given;
     let (of, on) = numbers;
     let (place, normal, curvature) = surface;
-    let [stiffness, damping, friction, friction_stiffness] = law;
+    let [
+        stiffness,
+        damping,
+        friction,
+        friction_stiffness,
+        friction_damping,
+    ] = law;
     let law = ContactLaw {
         stiffness,
         damping,
         friction,
         friction_stiffness,
+        friction_damping,
     };
     let contact = match of {
         None => LocalContact::of_tool(0, on, place, normal, law),

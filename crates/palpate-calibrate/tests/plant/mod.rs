@@ -50,6 +50,10 @@ pub struct PlantParams {
     pub quantum: f64,
     /// Noise of the sensor before it is rounded, standard deviation `[m]`.
     pub noise: f64,
+    /// Largest force of the amplifier `[N]`.
+    pub saturation: f64,
+    /// Time at which commands begin to be later, and by how much `[s]`, `[periods]`.
+    pub jump: [f64; 2],
 }
 
 impl PlantParams {
@@ -77,6 +81,8 @@ impl PlantParams {
             tremor_frequency: 10.0,
             quantum: 1e-5,
             noise: 0.0,
+            saturation: f64::INFINITY,
+            jump: [f64::INFINITY, 0.0],
         }
     }
 
@@ -188,9 +194,15 @@ impl Plant {
     /// Gives a command `[N]` and moves on by one period.
     pub fn advance(&mut self, command: f64) {
         let p = self.params;
-        let begins = self.ticks as f64 + p.delay + p.jitter * self.random.f64();
+        let [at, later] = p.jump;
+        let is_later = self.ticks as f64 * p.period >= at;
+        let later = if is_later { later } else { 0.0 };
+        let begins = self.ticks as f64 + p.delay + later + p.jitter * self.random.f64();
         self.latest = (begins * p.period).max(self.latest);
-        self.waiting.push_back((self.latest, p.gain * command));
+        self.waiting.push_back((
+            self.latest,
+            (p.gain * command).clamp(-p.saturation, p.saturation),
+        ));
         let steps = (p.period / 1e-5).ceil();
         let dt = p.period / steps;
         let kept = if p.lag > 0.0 {

@@ -6,10 +6,11 @@ use clap::{ArgAction, Args, ValueHint};
 use palpate_figure::Size;
 use palpate_files::atomic::Existing;
 use palpate_files::outputs::{Kept, Outputs};
-use palpate_record::trace::Part;
+use palpate_record::trace::{Delimiter, Layout, Part, Ways};
+use palpate_record::unit::{LengthUnit, TimeUnit};
 
 use crate::failure::Failure;
-use crate::values::number;
+use crate::values::{TraceColumns, delimiter, length_unit, number, time_unit, trace_columns};
 
 /// What becomes of files that are there already. The flag `--force` of other programs is the
 /// virtual force here.
@@ -66,6 +67,73 @@ pub struct TimeFlags {
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
           help_heading = "Results")]
     pub plot_to: Option<f64>,
+}
+
+/// How the table of a recorded motion is laid out.
+#[derive(Args, Debug, Default, Clone)]
+pub struct TraceFlags {
+    /// Unit of the positions in the table: m, cm, mm or um; m also means that a motion too long or too
+    /// fast for a hand is right [default: that of the unit row or the column's name]
+    #[arg(long, value_name = "UNIT", value_parser = length_unit)]
+    pub unit: Option<LengthUnit>,
+    /// Unit of the times: s, ms, us or ns; s also means that samples so far apart are right [default:
+    /// that of the unit row or the column's name]
+    #[arg(long, value_name = "UNIT", value_parser = time_unit)]
+    pub time_unit: Option<TimeUnit>,
+    /// Columns of the table, by what they hold: t=time,x=X (of one contact t, x and force; of a world t, x,
+    /// y, z, qw, qx, qy, qz, of several devices NAME.x); t=#2: the second column
+    #[arg(long, value_name = "QUANTITY=COLUMN,...", value_parser = trace_columns)]
+    pub columns: Option<TraceColumns>,
+    /// What separates the columns: comma, semicolon or tab [default: what separates those of the header]
+    #[arg(long, value_name = "NAME", value_parser = delimiter)]
+    pub delimiter: Option<Delimiter>,
+    /// Read numbers with a comma in place of the decimal point
+    #[arg(long)]
+    pub decimal_comma: bool,
+    /// Leave out samples without a value: an empty cell, NaN, NA or null; without it they are refused
+    #[arg(long)]
+    pub skip_missing: bool,
+}
+
+impl TraceFlags {
+    /// Their names, for the list of flags that a command takes.
+    pub const NAMES: [&str; 6] = [
+        "unit",
+        "time_unit",
+        "columns",
+        "delimiter",
+        "decimal_comma",
+        "skip_missing",
+    ];
+
+    /// The layout that they say.
+    pub fn layout(&self) -> Layout {
+        let mut layout = Layout::in_unit(self.unit);
+        layout.time_unit = self.time_unit;
+        layout.columns = self
+            .columns
+            .as_ref()
+            .map_or_else(Vec::new, |columns| columns.0.clone());
+        layout.delimiter = self.delimiter;
+        layout.decimal_comma = self.decimal_comma;
+        layout.skip_missing = self.skip_missing;
+        layout.ways = Ways::Flags;
+        layout
+    }
+
+    /// The first of them that was given.
+    pub fn given(&self) -> Option<&'static str> {
+        [
+            ("--unit", self.unit.is_some()),
+            ("--time-unit", self.time_unit.is_some()),
+            ("--columns", self.columns.is_some()),
+            ("--delimiter", self.delimiter.is_some()),
+            ("--decimal-comma", self.decimal_comma),
+            ("--skip-missing", self.skip_missing),
+        ]
+        .into_iter()
+        .find_map(|(flag, is_given)| is_given.then_some(flag))
+    }
 }
 
 /// Which part of a recorded motion is taken.

@@ -6,7 +6,7 @@ use palpate_scene::GuardMode;
 
 use super::actuation::ActuationFlags;
 use super::setting_flags::{SettingFlags, method_help};
-use crate::values::{AnyMethods, any_methods, guard, limit, number, side, whole};
+use crate::values::{AnyMethods, any_methods, guard, limit, number, period, side, whole};
 
 /// What is not perfect about the loop of a scene.
 #[derive(Args, Debug, Default)]
@@ -88,12 +88,13 @@ pub struct Flags {
     #[arg(
         long,
         value_name = "s",
-        value_parser = number,
+        value_parser = period,
         allow_hyphen_values = true,
         help_heading = "Loop"
     )]
     pub period: Option<f64>,
-    /// Largest force that is held [N]; inf: no limit [default: no limit, or the scene's; in pipe 20]
+    /// Largest force [N], of a command and of the command times --gain; inf: no limit [default: no limit,
+    /// or the scene's; in pipe 20]
     #[arg(
         long,
         value_name = "N",
@@ -102,7 +103,8 @@ pub struct Flags {
         help_heading = "Loop"
     )]
     pub force_limit: Option<f64>,
-    /// Fastest change of the force [N/s] [default: no limit]
+    /// Fastest change of the same force [N/s], also in a soft start; a safety stop takes it to 0 at once
+    /// [default: no limit]
     #[arg(
         long,
         value_name = "N/s",

@@ -9,7 +9,7 @@ mod replay;
 mod setting_flags;
 
 pub use actuation::ActuationFlags;
-pub use files::{Overwriting, PartFlags, PlotFlags, SizeFlag, TimeFlags};
+pub use files::{Overwriting, PartFlags, PlotFlags, SizeFlag, TimeFlags, TraceFlags};
 pub use flags::{Flags, TimingFlags};
 pub use given::Given;
 pub use offline::{

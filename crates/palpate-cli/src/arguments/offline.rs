@@ -3,17 +3,17 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
-use palpate_record::unit::LengthUnit;
 use palpate_scene::HandForceAt;
 use palpate_study::suite::MOST_PLANTS;
 use palpate_study::sweep::Quantity;
 
 use super::{
     Flags, Given, Overwriting, PartFlags, PlotFlags, ReplayFlags, SizeFlag, TimeFlags, TimingFlags,
+    TraceFlags,
 };
 use crate::values::{
-    AnyMethods, Methods, Numbers, PlantSet, any_methods, force_place, length_unit, methods, number,
-    numbers, plant_set, quantity, whole,
+    AnyMethods, Methods, Numbers, PlantSet, any_methods, force_place, methods, number, numbers,
+    plant_set, quantity, whole,
 };
 
 /// Arguments of `render`.
@@ -26,21 +26,20 @@ pub struct RenderArguments {
     /// world
     #[arg(value_name = "TRACE.csv", value_hint = ValueHint::FilePath)]
     pub trace: PathBuf,
-    /// Recorded motion of the devices of a world: CSV with the columns t,x,y,z; x,y,z again for each further device
+    /// Recorded motion of the devices of a world: CSV with the columns t,x,y,z; x,y,z again for each further device, or --columns
     #[arg(long, value_name = "RECORDING.csv", value_hint = ValueHint::FilePath)]
     pub input: Option<PathBuf>,
-    /// Unit of the positions in the trace: m, cm, mm or um; m also means that a motion too long or too
-    /// fast for a hand is right [default: that of the column's name]
-    #[arg(long, value_name = "UNIT", value_parser = length_unit)]
-    pub unit: Option<LengthUnit>,
     /// Contact, loop, method and device.
     #[command(flatten)]
     pub flags: Flags,
     /// Motion or hand.
     #[command(flatten)]
     pub replay: ReplayFlags,
-    /// Which part of the trace.
+    /// How the trace is laid out.
     #[command(flatten, next_help_heading = "Trace")]
+    pub table: TraceFlags,
+    /// Which part of the trace.
+    #[command(flatten)]
     pub part: PartFlags,
     /// Where results go.
     #[command(flatten)]
@@ -67,6 +66,10 @@ pub struct SimulateArguments {
     /// What is not perfect about the loop.
     #[command(flatten)]
     pub timing: TimingFlags,
+    /// Number of seeds, from --seed on: the report has the median and the range of each value over the seeds
+    #[arg(long, value_name = "COUNT", default_value_t = 1, help_heading = "Loop",
+          value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub seeds: u32,
     /// Where results go.
     #[command(flatten)]
     pub results: Results,
@@ -204,6 +207,10 @@ pub struct SuiteArguments {
     /// Seed of the random numbers
     #[arg(long, value_name = "SEED", default_value_t = 1, value_parser = whole::<u64>)]
     pub seed: u64,
+    /// Number of seeds, from --seed on, each with so many plants: the report has the median and the range over the seeds
+    #[arg(long, value_name = "COUNT", default_value_t = 1,
+          value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub seeds: u32,
     /// What is compared.
     #[command(flatten)]
     pub compared: Compared,

@@ -42,7 +42,7 @@ pub fn run(arguments: &HeightsArguments) -> Result<(), Failure> {
                 ),
                 other => Failure::input(format!("{}: {other}", path.display())),
             })?;
-        scenes.push(SceneReport::new(&scene.title, &columns, &found));
+        scenes.push(SceneReport::new(&scene, &columns, &found));
     }
     drop(progress);
     let report = HeightsReport::new(factor, scenes);

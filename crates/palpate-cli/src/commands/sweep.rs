@@ -37,6 +37,6 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     let swept = sweep(&scene, quantity, values, &columns, arguments.heights, done)
         .map_err(|error| Failure::input(format!("{}: {error}", arguments.scene.display())))?;
     drop(progress);
-    let report = SweepReport::new(&scene.title, quantity, values, &columns, &swept);
+    let report = SweepReport::new(&scene, quantity, values, &columns, &swept);
     print_report(&report, arguments.json)
 }

@@ -7,13 +7,10 @@ use std::path::PathBuf;
 use clap::builder::{EnumValueParser, PossibleValue, TypedValueParser};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, Args, Command, Error, Parser, ValueEnum, ValueHint};
-use palpate_record::unit::LengthUnit;
 
-use crate::arguments::PartFlags;
+use crate::arguments::{PartFlags, TraceFlags};
 use crate::failure::Failure;
-use crate::values::{
-    BoardName, FrameVector, StartPose, WorldAxes, length_unit, place, start_pose, world_axes,
-};
+use crate::values::{BoardName, FrameVector, StartPose, WorldAxes, place, start_pose, world_axes};
 
 /// Which device, and how the contact lies in it.
 #[derive(Args, Debug, Clone)]
@@ -27,10 +24,9 @@ pub struct DeviceArguments {
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath,
           required_if_eq("device", "replay"))]
     pub motion: Option<PathBuf>,
-    /// Unit of the positions in a trace of --motion: m, cm, mm or um; m also means that a motion too
-    /// long or too fast for a hand is right [default: that of the column's name]
-    #[arg(long, value_name = "UNIT", value_parser = length_unit)]
-    pub unit: Option<LengthUnit>,
+    /// How a trace of --motion is laid out.
+    #[command(flatten)]
+    pub table: TraceFlags,
     /// Which part of the motion.
     #[command(flatten)]
     pub part: PartFlags,
@@ -142,10 +138,10 @@ impl DeviceArguments {
                 "--motion is the motion of --device replay".into(),
             ));
         }
-        if self.unit.is_some() && self.motion.is_none() {
-            return Err(Failure::Arguments(
-                "--unit is the unit of the trace of --motion".into(),
-            ));
+        if let (Some(flag), None) = (self.table.given(), &self.motion) {
+            return Err(Failure::Arguments(format!(
+                "{flag} is for the trace of --motion"
+            )));
         }
         if self.part.is_given() && self.motion.is_none() {
             return Err(Failure::Arguments(

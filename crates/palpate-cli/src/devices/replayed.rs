@@ -5,10 +5,10 @@ use std::path::Path;
 use palpate_device::clock::Clock;
 use palpate_device::{Device, ReplayDevice};
 use palpate_record::trace::Part;
-use palpate_record::unit::LengthUnit;
 use palpate_study::recording::Ticks;
 
 use super::DeviceArguments;
+use crate::arguments::TraceFlags;
 use crate::failure::Failure;
 use crate::recorded::trace::read_trace;
 use crate::recorded::{self, open as open_recording};
@@ -20,7 +20,7 @@ pub fn open<C: Clock>(arguments: &DeviceArguments, clock: &C) -> Result<Box<dyn 
         Failure::Arguments("--device replay needs --motion TRACE.csv or REC.mcap".into())
     })?;
     let part = arguments.part.part(f64::INFINITY)?;
-    let (times, positions) = motion(path, &part, arguments.unit)?;
+    let (times, positions) = motion(path, &part, &arguments.table)?;
     let first = times.first().copied().unwrap_or(0.0);
     let samples = times
         .iter()
@@ -46,21 +46,17 @@ fn is_recording(path: &Path) -> bool {
 }
 
 /// Times `[s]` and positions `[m]` of a trace, or of a recording where the device was seen.
-fn motion(
-    path: &Path,
-    part: &Part,
-    unit: Option<LengthUnit>,
-) -> Result<(Vec<f64>, Vec<f64>), Failure> {
+fn motion(path: &Path, part: &Part, table: &TraceFlags) -> Result<(Vec<f64>, Vec<f64>), Failure> {
     if is_recording(path) {
-        if unit.is_some() {
-            return Err(Failure::Arguments(
-                "--unit is the unit of a trace; a recording has metres".into(),
-            ));
+        if let Some(flag) = table.given() {
+            return Err(Failure::Arguments(format!(
+                "{flag} is for a trace; a recording has its own columns, in seconds and metres"
+            )));
         }
         let ticks = Ticks::of(&open_recording(path)?, part).map_err(Failure::input)?;
         let curves = ticks.curves;
         return Ok((curves.time, curves.device_position));
     }
-    let trace = read_trace(path, &path.display().to_string(), part, unit)?.trace;
+    let trace = read_trace(path, &path.display().to_string(), part, table)?.trace;
     Ok((trace.t_s, trace.position_m))
 }

@@ -4,12 +4,16 @@ use std::fs::File;
 use std::io;
 use std::path::Path;
 
-use palpate_record::trace::{self, HeldTrace, Part, TraceError, TraceFault};
-use palpate_record::unit::LengthUnit;
+use palpate_record::trace::{
+    self, HeldTrace, LedDevice, Part, ReadNotes, TraceError, TraceFault, WorldTrace,
+};
+use palpate_scene::world::WorldDevice;
 use palpate_sim::run::MOST_PERIODS;
+use palpate_study::report::RecordedMotion;
 use palpate_study::text::digits;
 
-use crate::failure::Failure;
+use crate::arguments::TraceFlags;
+use crate::failure::{Failure, tell};
 use crate::inside;
 
 /// Name that stands for standard input.
@@ -25,13 +29,12 @@ pub fn how_to_cut() -> String {
     )
 }
 
-/// A part of the trace at `path`, its positions in `unit` if one is said, with the force that was held,
-/// where it says so.
+/// A part of the trace at `path`, with the force that was held, if the table has it.
 pub fn read_trace(
     path: &Path,
     name: &str,
     part: &Part,
-    unit: Option<LengthUnit>,
+    flags: &TraceFlags,
 ) -> Result<HeldTrace, Failure> {
     if path
         .extension()
@@ -41,24 +44,89 @@ pub fn read_trace(
             "{name} is a recording: `palpate replay` takes it, and `--motion` of `run --device replay`"
         )));
     }
+    let layout = flags.layout();
     let read = if path == Path::new(STANDARD_INPUT) {
-        trace::read_part(io::stdin().lock(), name, part, unit)
+        trace::read_part(io::stdin().lock(), name, part, &layout)
     } else {
-        let file = File::open(path).map_err(|error| Failure::System(format!("{name}: {error}")))?;
-        palpate_files::inputs::note(path);
-        trace::read_part(file, name, part, unit)
+        trace::read_part(opened(path, name)?, name, part, &layout)
     };
-    let held = read.map_err(|error| match &error {
+    let held = read.map_err(wrong_trace)?;
+    tell_notes(name, &held.notes);
+    let HeldTrace { trace, .. } = &held;
+    inside::check_motion(name, &trace.t_s, &[&trace.position_m], flags)?;
+    Ok(held)
+}
+
+/// A part of the table at `path` with the motion of the devices of a world.
+pub fn read_world_trace(
+    path: &Path,
+    part: &Part,
+    flags: &TraceFlags,
+    devices: &[WorldDevice],
+    names: &[&str],
+) -> Result<WorldTrace, Failure> {
+    let name = path.display().to_string();
+    let led = names.iter().zip(devices).map(|(name, device)| LedDevice {
+        name: (*name).to_owned(),
+        turns: device.turning.is_some(),
+    });
+    let led: Vec<_> = led.collect();
+    let file = opened(path, &name)?;
+    let trace = trace::read_world(file, &name, part, &flags.layout(), &led).map_err(wrong_trace)?;
+    tell_notes(&name, &trace.notes);
+    let mut coordinates = vec![Vec::with_capacity(trace.t_s.len()); 3 * devices.len()];
+    for places in &trace.positions_m {
+        let numbers = places.iter().flatten();
+        for (coordinate, number) in coordinates.iter_mut().zip(numbers) {
+            coordinate.push(*number);
+        }
+    }
+    let coordinates: Vec<&[f64]> = coordinates.iter().map(Vec::as_slice).collect();
+    inside::check_motion(&name, &trace.t_s, &coordinates, flags)?;
+    let starts = names.iter().zip(devices).zip(&trace.positions_m[0]);
+    for ((device, of), start) in starts {
+        inside::check_start(&name, device, (of.position, *start), flags)?;
+    }
+    Ok(trace)
+}
+
+fn opened(path: &Path, name: &str) -> Result<File, Failure> {
+    let file = File::open(path).map_err(|error| Failure::System(format!("{name}: {error}")))?;
+    palpate_files::inputs::note(path);
+    Ok(file)
+}
+
+/// Says what is to be said of the text of the table called `name`.
+fn tell_notes(name: &str, notes: &ReadNotes) {
+    if let Some(number) = &notes.unended {
+        tell(format_args!(
+            "warning: {name}: the last line has no line end, so that its last number, `{number}`, may be cut off; end the \
+             file with a line end if it is whole"
+        ));
+    }
+}
+
+/// Says of a gap of the motion called `name` that a straight line bridges it.
+pub fn tell_gap(name: &str, motion: &RecordedMotion) {
+    if let Some(warning) = motion.warning() {
+        tell(format_args!("warning: {name}: {warning}"));
+    }
+}
+
+fn wrong_trace(error: TraceError) -> Failure {
+    match &error {
         TraceError::Unreadable { .. } => Failure::System(error.to_string()),
+        TraceError::Layout { .. } => Failure::Arguments(format!("--columns: {error}")),
         // The last line that was read is not what is wrong.
         TraceError::Invalid {
+            place,
             fault: TraceFault::TooLong { longest, first },
-            ..
         } => {
             let fits = longest * MOST_PERIODS as f64 / (MOST_PERIODS + 1) as f64;
             let message = format!(
-                "{name}: the trace goes on for more than {MOST_PERIODS} periods ({} s) after its first \
+                "{}: the trace goes on for more than {MOST_PERIODS} periods ({} s) after its first \
                  sample at {first} s; {}",
+                place.file(),
                 digits(fits),
                 how_to_cut()
             );
@@ -71,7 +139,5 @@ pub fn read_trace(
         TraceError::Invalid { place, .. } => {
             Failure::input_at(&error, place.file(), place.text(), place.span())
         }
-    })?;
-    inside::check_trace(name, &held.trace, unit)?;
-    Ok(held)
+    }
 }

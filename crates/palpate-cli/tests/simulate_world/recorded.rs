@@ -33,8 +33,14 @@ fn a_recorded_motion_is_rendered_in_a_world() {
     folder.fail(
         "render ball.toml --input wrong.csv",
         3,
-        &["wrong.csv:1", "4 columns in all"],
+        &["wrong.csv:1", "no column `z`", "--columns"],
     );
+    folder.write(
+        "cut.csv",
+        "t,x,y,z\n0,0,0,0.08\n0.001,0,0,0.08\n0.002,0,0,0.0",
+    );
+    let cut = folder.palpate("render ball.toml --input cut.csv --method basic");
+    assert!(cut.stderr.contains("`0.0`, may be cut off"), "{cut:?}");
     folder.fail(
         "render ball.toml --input motion.csv --plot x.svg",
         2,
@@ -45,6 +51,59 @@ fn a_recorded_motion_is_rendered_in_a_world() {
         "render fig2.toml --input motion.csv",
         2,
         &["is one contact"],
+    );
+}
+
+/// The same motion in millimetres, milliseconds, in other columns: refused as metres and seconds, and read as flags say.
+#[test]
+fn a_recorders_table_is_rendered_in_a_world_as_flags_say() {
+    let folder = Folder::new();
+    folder.write("ball.toml", BALL);
+    let (mut metres, mut recorder) = ("t,x,y,z\n".to_owned(), "Z\tgrip\ttime\tY\tX\n".to_owned());
+    for sample in (0..=300).filter(|sample| !(100..150).contains(sample)) {
+        let time = 0.001 * f64::from(sample);
+        let z = 0.08 - 0.013 * (1.0 - (40.0 * time).cos()) / 2.0;
+        metres += &format!("{time},0.002,0,{z}\n");
+        recorder += &format!("{}\t1\t{}\t0\t2\n", 1000.0 * z, 1000.0 * time);
+    }
+    folder.write("metres.csv", metres);
+    folder.write("recorder.csv", recorder);
+    let render = "render ball.toml --method basic --input";
+    let json = |render: &str| -> serde_json::Value {
+        let answer = folder.palpate(&format!("{render} --json"));
+        assert!(
+            answer
+                .stderr
+                .contains("no sample was recorded for 0.0510 s"),
+            "{answer:?}"
+        );
+        serde_json::from_str(&answer.stdout).unwrap_or_else(|_| panic!("{answer:?}"))
+    };
+    let right = json(&format!("{render} metres.csv"));
+    let columns = "recorder.csv --columns t=time,x=X,y=Y,z=Z";
+    for (flags, words) in [
+        ("recorder.csv", "--columns t=NAME"),
+        (columns, "--time-unit ms"),
+        (&format!("{columns} --unit mm"), "--time-unit ms"),
+        (&format!("{columns} --time-unit ms"), "--unit mm"),
+    ] {
+        folder.fail(&format!("{render} {flags}"), 3, &["recorder.csv", words]);
+    }
+    let said = json(&format!("{render} {columns} --unit mm --time-unit ms"));
+    assert_eq!(schema::check(&said), "world");
+    let (found, ideal) = (error(&said, "basic"), error(&right, "basic"));
+    assert!((found - ideal).abs() < 1e-6 * ideal, "{found} {ideal}");
+    let motion = &said["motion"];
+    let gap = motion["longest_gap_s"].as_f64().unwrap();
+    assert!((gap - 0.051).abs() < 1e-9, "{motion}");
+    let share = motion["interpolated_percent"].as_f64().unwrap();
+    assert!((share - 100.0 * 50.0 / 301.0).abs() < 1e-9, "{motion}");
+    // A slow motion of less than 2 m, but far from where the scene has the device, or deep in what it touches.
+    folder.write("far.csv", "t,x,y,z\n0,0,0,80\n0.1,0,0,80\n0.2,0,0,80.1\n");
+    folder.fail(
+        &format!("{render} far.csv"),
+        3,
+        &["from its place in the scene", "--unit mm"],
     );
 }
 
@@ -93,6 +152,6 @@ fn a_recorded_motion_of_six_axes_is_rendered_with_its_torques() {
     folder.fail(
         "render box.toml --input wrong.csv",
         3,
-        &["wrong.csv:1", "x,y,z [m] and qw,qx,qy,qz, 8 columns in all"],
+        &["wrong.csv:1", "no column `qw`", "x, y, z, qw, qx, qy, qz"],
     );
 }

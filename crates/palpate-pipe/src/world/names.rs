@@ -34,6 +34,13 @@ impl Names {
         format!("\"{one}\" begins inside \"{mesh}\", and nothing pushes it until it has come out")
     }
 
+    /// One that has come out of the far side of the other, in words.
+    #[must_use]
+    pub fn through(&self, between: [Side; 2]) -> String {
+        let [one, solid] = between.map(|side| self.side(side));
+        format!("\"{one}\" went through \"{solid}\" and is pushed out of its far side")
+    }
+
     /// Two that overlap, in words.
     #[must_use]
     pub fn overlap(&self, contact: &ContactState) -> String {

@@ -6,6 +6,7 @@ use palpate::Fault;
 use palpate_device::Wrench;
 use palpate_record::unit::HandMotion;
 use palpate_rt::BoundedWorld;
+use palpate_rt::safety::Trip;
 use palpate_world::{ContactState, NOT_TURNED, Sample, Vector};
 
 use super::line::{self, WorldFormat};
@@ -16,6 +17,7 @@ use crate::messages::Messages;
 use crate::mistake::Mistakes;
 use crate::number;
 use crate::serving::{Answering, Stopped};
+use crate::summary::stop_in_words;
 
 /// Refused lines that are told one by one; of more, each doubling is.
 const TOLD_EACH: u64 = 8;
@@ -53,12 +55,6 @@ pub struct WorldMemory {
     followed: f64,
     /// How far each device went along each axis.
     motion: Vec<[HandMotion; 3]>,
-    /// What the books said of created energy at the last line `[J]`.
-    booked: f64,
-    /// Whether the last line was refused: what changes until the next one is from outside.
-    is_refused: bool,
-    /// Whether a line has been used: what bodies store that overlap from the start is found with the first.
-    has_found: bool,
     /// Whether a line has been answered.
     is_begun: bool,
     /// Whether a force has been limited.
@@ -109,7 +105,7 @@ impl WorldStream {
         let held = self.world.step(&sample);
         let (fault, limited, bounded) = (held.fault, held.limited, held.bounded);
         answer(&mut self.memory.text, held.wrenches, &self.format);
-        self.count_created(fault.is_some());
+        self.summary.leak_held_j = self.world.created_energy();
         if fault.is_none() {
             self.follow(number, &positions, elapsed.unwrap_or(self.period))?;
         }
@@ -130,6 +126,16 @@ impl WorldStream {
             ));
         }
         self.summary.softened += u64::from(bounded.soft_start);
+        if bounded.stopped
+            && self.summary.safety_stop.is_none()
+            && let Some(trip) = self.world.trip()
+        {
+            self.summary.safety_stop = Some(trip.name());
+            self.tell(format_args!(
+                "line {number}: {}",
+                stop_in_words(self.world.limits(), trip)
+            ));
+        }
         if shortened && !self.memory.is_limited {
             self.memory.is_limited = true;
             let limit = self.limit_in_words();
@@ -149,18 +155,20 @@ impl WorldStream {
             self.memory.is_begun = true;
             self.tell_if_inside(number);
         }
+        self.tell_if_through(number);
         Ok(())
     }
 
-    /// Counts the energy that was created since the line before.
-    fn count_created(&mut self, is_refused: bool) {
-        let booked = self.world.state().books().created();
-        if !is_refused && !self.memory.is_refused && self.memory.has_found {
-            self.summary.leak_held_j += booked - self.memory.booked;
+    /// Says which tool or body has come out of the far side of a solid.
+    fn tell_if_through(&mut self, number: u64) {
+        let through = self.world.state().gone_through();
+        let through: Vec<String> = through.map(|pair| self.names.through(pair)).collect();
+        for words in through {
+            self.summary.went_through += 1;
+            if self.summary.went_through <= TOLD_EACH {
+                self.tell(format_args!("line {number}: {words}"));
+            }
         }
-        self.memory.has_found |= !is_refused;
-        self.memory.booked = booked;
-        self.memory.is_refused = is_refused;
     }
 
     /// The limits of each device.
@@ -314,6 +322,10 @@ impl Answering for WorldStream {
 
     fn is_ended(&self) -> bool {
         self.memory.is_ended
+    }
+
+    fn safety_stop(&self) -> Option<Trip> {
+        self.world.trip().filter(|trip| !trip.is_passing())
     }
 
     fn has_refused_all(&self) -> bool {

@@ -27,6 +27,10 @@ pub struct WorldSummary {
     pub guarded: u64,
     /// Lines with a force that was still coming in.
     pub softened: u64,
+    /// How often a tool or body went through a solid and came out of its far side.
+    pub went_through: u64,
+    /// Reason of the safety stop that has held all forces at 0 since; none: there was none.
+    pub safety_stop: Option<&'static str>,
     /// Largest force on each device; none: no limit.
     force_limit_n: Option<f64>,
     /// Largest torque on each device that turns; none: no limit, or no such device.
@@ -36,7 +40,7 @@ pub struct WorldSummary {
     dissipated_j: f64,
     /// Work of the held forces on the hands.
     port_work_j: f64,
-    /// Energy that held forces created: what hands, bodies, contacts and dissipation have gained together;
+    /// Energy that held forces created, if the loop is as modelled (delay, lag, gain): what hands, bodies, contacts and dissipation have gained together;
     /// without intervals that begin or end at a line that was refused.
     pub leak_held_j: f64,
 }
@@ -56,6 +60,8 @@ impl WorldSummary {
             limited: 0,
             guarded: 0,
             softened: 0,
+            went_through: 0,
+            safety_stop: None,
             force_limit_n,
             torque_limit_n_m,
             soft_start_s,
@@ -80,13 +86,16 @@ impl fmt::Display for WorldSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{}, {} refused, {} limited; leak {}, friction and damping took {}",
+            "{}, {} refused, {} limited; leak {} if the loop is as modelled, friction and damping took {}",
             counted(self.samples, "sample"),
             self.refused,
             counted(self.limited, "line"),
             millijoules(self.leak_held_j),
             millijoules(self.dissipated_j),
         )?;
+        if let Some(reason) = self.safety_stop {
+            write!(f, "; safety stop: {reason}")?;
+        }
         match self.guarded {
             0 => Ok(()),
             many => write!(f, "; {} beyond the guard's bound", counted(many, "line")),

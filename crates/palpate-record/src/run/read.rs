@@ -181,7 +181,7 @@ impl Run {
             return fail(at..at, RunFault::NotARun);
         };
         let header_start = skip_line_ends(&source, at + first_byte(&header));
-        if let Some(at) = open_quote(&source, header_start) {
+        if let Some(at) = open_quote(&source, header_start, b',') {
             return fail(at..at + 1, RunFault::OpenQuote);
         }
         let mut columns: Vec<String> = header.iter().map(|name| name.trim().to_owned()).collect();
@@ -194,11 +194,11 @@ impl Run {
                 let found = version.to_owned();
                 RunFault::UnknownVersion { found }
             };
-            return fail(field_span(&source, header_start, last), fault);
+            return fail(field_span(&source, header_start, last, b','), fault);
         }
         for (index, name) in columns.iter().enumerate() {
             if columns[..index].contains(name) {
-                let span = field_span(&source, header_start, index);
+                let span = field_span(&source, header_start, index, b',');
                 return fail(span, RunFault::DuplicateColumn { name: name.clone() });
             }
         }
@@ -208,12 +208,12 @@ impl Run {
         let mut rows = Vec::new();
         for fields in records {
             let start = skip_line_ends(&source, at + first_byte(&fields));
-            if let Some(at) = open_quote(&source, start) {
+            if let Some(at) = open_quote(&source, start, b',') {
                 return fail(at..at + 1, RunFault::OpenQuote);
             }
             let (expected, found) = (header.len(), fields.len());
             if expected != found {
-                let span = record_span(&source, start);
+                let span = record_span(&source, start, b',');
                 return fail(span, RunFault::FieldCount { expected, found });
             }
             let json = fields[last].trim();
@@ -228,7 +228,7 @@ impl Run {
             };
             receipt = match outcome {
                 Ok(receipt) => receipt,
-                Err(fault) => return fail(field_span(&source, start, last), fault),
+                Err(fault) => return fail(field_span(&source, start, last, b','), fault),
             };
             rows.push(Row { start, fields });
         }
@@ -284,7 +284,7 @@ impl Run {
                     name: name.to_owned(),
                     text: text.to_owned(),
                 };
-                self.invalid(field_span(&self.source, row.start, at), fault)
+                self.invalid(field_span(&self.source, row.start, at, b','), fault)
             })
         };
         self.rows.iter().map(number).collect()
@@ -307,7 +307,7 @@ impl Run {
                 name: name.to_owned(),
                 columns: self.columns.clone(),
             };
-            self.invalid(record_span(&self.source, self.header_start), fault)
+            self.invalid(record_span(&self.source, self.header_start, b','), fault)
         })
     }
 

@@ -60,6 +60,21 @@ impl<R: Read> Growing<R> {
         std::str::from_utf8(&self.kept[..self.valid]).unwrap_or_default()
     }
 
+    /// The first line that is no comment and not empty, read ahead; nothing of it is passed on yet.
+    pub fn first_line(&mut self) -> &str {
+        while self.header().is_none_or(|(_, ended)| !ended) && self.more() {}
+        self.header().map_or("", |(line, _)| line)
+    }
+
+    /// That line, as far as it is there, and whether it ends.
+    fn header(&self) -> Option<(&str, bool)> {
+        let text = self.text();
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let mut lines = text.split_inclusive(['\n', '\r']);
+        let line = lines.find(|line| !line.trim().is_empty() && !line.starts_with('#'))?;
+        Some((line.trim_end(), line.ends_with(['\n', '\r'])))
+    }
+
     /// Why there is no more, if that is not its end.
     pub fn take_fault(&mut self) -> Option<Unread> {
         self.fault.take()

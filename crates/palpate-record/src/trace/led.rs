@@ -3,9 +3,11 @@
 
 use std::io::Read;
 
-use palpate_files::bounded::TABLE;
-
-use thiserror::Error;
+use super::columns::{Kind, Wanted};
+use super::fault::{TraceError, TraceFault};
+use super::layout::Layout;
+use super::table::{Request, Text};
+use super::{Part, ReadNotes};
 
 /// A recorded motion of so many devices in space.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +19,17 @@ pub struct WorldTrace {
     /// How each device is turned at each sample, a unit quaternion `[w, x, y, z]`, not turned where it does not turn; empty if
     /// none does.
     pub orientations: Vec<Vec<[f64; 4]>>,
+    /// What is to be said of the text.
+    pub notes: ReadNotes,
+}
+
+/// A device of a world whose motion is read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LedDevice {
+    /// Its name.
+    pub name: String,
+    /// Whether it turns.
+    pub turns: bool,
 }
 
 /// Largest number of a motion, on either side of 0, as in scene files: differences and squares are finite.
@@ -24,151 +37,151 @@ const LARGEST: f64 = 1e12;
 /// A quaternion in a table may be so much longer or shorter than 1: it has few digits.
 const LENGTH_SLACK: f64 = 1e-3;
 const NOT_TURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
+const AXES: [&str; 3] = ["x", "y", "z"];
+const PARTS: [&str; 4] = ["qw", "qx", "qy", "qz"];
 
-/// Why the motion of a world's devices cannot be read.
-#[derive(Debug, Error)]
-#[error("{file}{}: {fault}", line.map_or_else(String::new, |line| format!(":{line}")))]
-#[non_exhaustive]
-pub struct WorldTraceError {
-    /// The name the caller gave.
-    pub file: String,
-    /// The line, from 1.
-    pub line: Option<u64>,
-    /// What is wrong, and what is allowed.
-    pub fault: String,
-}
-
-/// Reads a table whose first column is `t` or `t_s` `[s]` and whose others are x, y and z `[m]` of each device, in the order
-/// of the scene; of a device that turns also qw, qx, qy and qz, a quaternion of about length 1. `turns` says for each device whether
-/// it turns. Times count from the first one.
+/// Reads a part of a table whose columns are a time, `t` or `t_s` `[s]`, and x, y and z `[m]` of each device, those of several
+/// devices in the order of the scene or called by the device, as `left.x`; of a device that turns also qw, qx, qy and qz, a quaternion
+/// of about length 1. Names may have units, as `x_mm`; a layout may say otherwise. Times count from the first one.
 ///
 /// # Errors
-/// What cannot be read, another number of columns, a field that is no finite number, times that do not increase, a quaternion of
-/// another length, fewer than two samples.
+/// What cannot be read, a column that is missing or stands there too often, a field that is no finite number, times that do not
+/// increase, a quaternion of another length, fewer than two samples.
 pub fn read_world(
     reader: impl Read,
     file: &str,
-    turns: &[bool],
-) -> Result<WorldTrace, WorldTraceError> {
-    let fault = |line: Option<u64>, fault: String| WorldTraceError {
-        file: file.to_owned(),
-        line,
-        fault,
+    part: &Part,
+    layout: &Layout,
+    devices: &[LedDevice],
+) -> Result<WorldTrace, TraceError> {
+    let wanted = wanted(devices);
+    let names: Vec<String> = wanted.iter().map(|wanted| wanted.keys[0].clone()).collect();
+    let needed = format!("t [s] and {} [positions in m]", names.join(", "));
+    let check = |numbers: &[f64]| wrong(numbers, &wanted, devices);
+    let request = Request {
+        part,
+        layout,
+        wanted: &wanted,
+        needed: &needed,
+        check: &check,
     };
-    let mut csv = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .comment(Some(b'#'))
-        .from_reader(TABLE.reader(reader));
-    let unread = |error: csv::Error| {
-        let line = error.position().map(csv::Position::line);
-        fault(line, error.to_string())
-    };
-    let header = csv.headers().map_err(unread)?.clone();
-    let columns = |turns: &bool| if *turns { 7 } else { 3 };
-    let asked = 1 + turns.iter().map(columns).sum::<usize>();
-    let first = header.get(0).unwrap_or_default();
-    if !["t", "t_s"].contains(&first) || header.len() != asked {
-        let given: Vec<_> = header.iter().collect();
-        return Err(fault(
-            Some(1),
-            format!(
-                "the columns are \"{}\"; allowed are t [s] and, of each device, {}, {asked} columns in all",
-                given.join(","),
-                turns
-                    .iter()
-                    .map(|turns| if *turns {
-                        "x,y,z [m] and qw,qx,qy,qz"
-                    } else {
-                        "x,y,z [m]"
-                    })
-                    .collect::<Vec<_>>()
-                    .join(", ")
-            ),
-        ));
-    }
+    let samples = Text::new(reader, file, layout).samples(&request)?;
+    let start = samples.t_s[0];
     let mut trace = WorldTrace {
-        t_s: Vec::new(),
-        positions_m: Vec::new(),
+        t_s: samples.t_s.iter().map(|time| time - start).collect(),
+        positions_m: Vec::with_capacity(samples.t_s.len()),
         orientations: Vec::new(),
+        notes: samples.notes,
     };
-    let mut start = 0.0;
-    for record in csv.records() {
-        let record = record.map_err(unread)?;
-        let line = record.position().map(csv::Position::line);
-        let mut numbers = Vec::with_capacity(asked);
-        for (field, column) in record.iter().zip(&header) {
-            let is_allowed = |number: &f64| number.abs() <= LARGEST;
-            let number = field.parse().ok().filter(is_allowed);
-            numbers.push(number.ok_or_else(|| {
-                fault(
-                    line,
-                    format!(
-                        "{column} is \"{field}\", and has to be a number between -1e12 and 1e12"
-                    ),
-                )
-            })?);
-        }
-        let time = numbers[0];
-        if trace.t_s.is_empty() {
-            start = time;
-        }
-        let time = time - start;
-        if let Some(last) = trace.t_s.last()
-            && time <= *last
-        {
-            let before = last + start;
-            return Err(fault(
-                line,
-                format!(
-                    "{first} is {}, and has to be above that before, {before}",
-                    numbers[0]
-                ),
-            ));
-        }
-        trace.t_s.push(time);
+    let does_turn = devices.iter().any(|device| device.turns);
+    for numbers in samples.numbers.chunks_exact(wanted.len()) {
         let (mut places, mut orientations) = (Vec::new(), Vec::new());
-        let mut rest = &numbers[1..];
-        for does_turn in turns {
-            let of_device;
-            (of_device, rest) = rest.split_at(columns(does_turn));
-            places.push([of_device[0], of_device[1], of_device[2]]);
-            let Some(&[w, x, y, z]) = of_device.get(3..7) else {
-                orientations.push(NOT_TURNED);
-                continue;
-            };
-            let length = (w * w + x * x + y * y + z * z).sqrt();
-            if (length - 1.0).abs().is_nan() || (length - 1.0).abs() > LENGTH_SLACK {
-                return Err(fault(
-                    line,
-                    format!(
-                        "qw,qx,qy,qz is a quaternion of length {length}, and needs one of length 1"
-                    ),
-                ));
+        let mut rest = numbers;
+        for device in devices {
+            let (place, after) = rest.split_at(AXES.len());
+            places.push([place[0], place[1], place[2]]);
+            rest = after;
+            let mut orientation = NOT_TURNED;
+            if device.turns {
+                let (turned, after) = rest.split_at(PARTS.len());
+                let length = length(turned);
+                orientation =
+                    [turned[0], turned[1], turned[2], turned[3]].map(|part| part / length);
+                rest = after;
             }
-            orientations.push([w, x, y, z].map(|part| part / length));
+            orientations.push(orientation);
         }
         trace.positions_m.push(places);
-        if turns.contains(&true) {
+        if does_turn {
             trace.orientations.push(orientations);
         }
     }
-    if trace.t_s.len() < 2 {
-        let count = trace.t_s.len();
-        return Err(fault(
-            None,
-            format!("there are {count} samples, and at least 2 are needed"),
-        ));
-    }
     Ok(trace)
+}
+
+/// The columns of all devices.
+fn wanted(devices: &[LedDevice]) -> Vec<Wanted> {
+    let turning = devices.iter().filter(|device| device.turns).count();
+    let mut turned = 0;
+    let mut wanted = Vec::new();
+    for (number, device) in devices.iter().enumerate() {
+        let column = |kind, name: &str, nth| {
+            let called = format!("{}.{name}", device.name);
+            let names = vec![called.clone(), name.to_owned()];
+            let keys = if devices.len() == 1 {
+                vec![name.to_owned(), called]
+            } else {
+                vec![called]
+            };
+            Wanted {
+                kind,
+                keys,
+                bare: names.clone(),
+                stems: names,
+                nth,
+                shown: name.to_owned(),
+                is_needed: true,
+            }
+        };
+        let places = AXES.map(|axis| column(Kind::Length, axis, (number, devices.len())));
+        wanted.extend(places);
+        if device.turns {
+            wanted.extend(PARTS.map(|part| column(Kind::Part, part, (turned, turning))));
+            turned += 1;
+        }
+    }
+    wanted
+}
+
+/// What is wrong with the numbers of a sample, and with which of them.
+fn wrong(numbers: &[f64], wanted: &[Wanted], devices: &[LedDevice]) -> Option<(usize, TraceFault)> {
+    if let Some(at) = numbers.iter().position(|number| number.abs() > LARGEST) {
+        let fault = TraceFault::TooLarge {
+            name: wanted[at].shown.clone(),
+            text: numbers[at].to_string(),
+        };
+        return Some((at, fault));
+    }
+    let mut at = 0;
+    for device in devices {
+        at += AXES.len();
+        if device.turns {
+            let length = length(&numbers[at..at + PARTS.len()]);
+            if (length - 1.0).abs().is_nan() || (length - 1.0).abs() > LENGTH_SLACK {
+                return Some((at, TraceFault::Quaternion { length }));
+            }
+            at += PARTS.len();
+        }
+    }
+    None
+}
+
+fn length(parts: &[f64]) -> f64 {
+    parts.iter().map(|part| part * part).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn read(text: &str, devices: usize) -> Result<WorldTrace, String> {
-        let turns = vec![false; devices];
-        read_world(text.as_bytes(), "m.csv", &turns).map_err(|error| error.to_string())
+    fn devices(turns: &[bool]) -> Vec<LedDevice> {
+        let devices = turns.iter().zip(["left", "right"]);
+        devices
+            .map(|(&turns, name)| LedDevice {
+                name: name.into(),
+                turns,
+            })
+            .collect()
+    }
+
+    fn read_laid_out(text: &str, turns: &[bool], layout: &Layout) -> Result<WorldTrace, String> {
+        let devices = devices(turns);
+        read_world(text.as_bytes(), "m.csv", &Part::WHOLE, layout, &devices)
+            .map_err(|error| error.to_string())
+    }
+
+    fn read(text: &str, count: usize) -> Result<WorldTrace, String> {
+        read_laid_out(text, &[false, false][..count], &Layout::default())
     }
 
     #[test]
@@ -180,10 +193,53 @@ mod tests {
     }
 
     #[test]
-    fn a_device_that_turns_has_a_quaternion() {
-        let read = |text: &str| {
-            read_world(text.as_bytes(), "m.csv", &[false, true]).map_err(|error| error.to_string())
+    fn columns_are_found_by_name_unit_and_device() {
+        // In any order, with units, beside others, and called by the device.
+        let trace = read("z_mm,force,t_ms,y_mm,x_mm\n3,9,0,2,1\n3,9,1,2,1\n", 1).unwrap();
+        assert_eq!(trace.t_s, [0.0, 0.001]);
+        assert_eq!(trace.positions_m[0], [[0.001, 0.002, 0.003]]);
+        let rows = "0,4,5,6,1,2,3\n1,4,5,6,1,2,3\n";
+        let named = format!("t,right.x,right.y,right.z,left.x,left.y,left.z\n{rows}");
+        assert_eq!(
+            read(&named, 2).unwrap().positions_m[0],
+            [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]
+        );
+        let mapped = Layout {
+            columns: Layout::parse_columns(
+                "t=#1,left.x=A,left.y=B,left.z=C,right.x=a,right.y=b,right.z=c",
+            )
+            .unwrap(),
+            ..Layout::default()
         };
+        let trace = read_laid_out(
+            &format!("time,a,b,c,A,B,C\n{rows}"),
+            &[false, false],
+            &mapped,
+        );
+        assert_eq!(
+            trace.unwrap().positions_m[0],
+            [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]
+        );
+        // One device of a table of two is not guessed.
+        let twice = read(&format!("t,x,y,z,x,y,z\n{rows}"), 1).unwrap_err();
+        assert!(
+            twice.contains("m.csv:1:9: the header names the column `x` twice"),
+            "{twice}"
+        );
+        let unknown = Layout {
+            columns: vec![("w".into(), "a".into())],
+            ..Layout::default()
+        };
+        let error = read_laid_out("t,x,y,z\n0,0,0,0\n", &[false], &unknown).unwrap_err();
+        assert!(
+            error.contains("given as `w`") && error.contains("allowed are t, x, y, z"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn a_device_that_turns_has_a_quaternion() {
+        let read = |text: &str| read_laid_out(text, &[false, true], &Layout::default());
         let header = "t,x,y,z,x,y,z,qw,qx,qy,qz\n";
         let rows = "0,1,2,3,4,5,6,0.6,0,0.8003,0\n1,1,2,3,4,5,7,1,0,0,0\n";
         let trace = read(&format!("{header}{rows}")).unwrap();
@@ -192,17 +248,13 @@ mod tests {
         assert_eq!(first, NOT_TURNED);
         let length: f64 = second.iter().map(|part| part * part).sum();
         assert!((length - 1.0).abs() < 1e-15 && (second[2] - 0.8).abs() < 2e-4);
-        let short = read(&format!("{header}0,1,2,3,4,5,6,0.5,0,0,0\n"));
+        let short = read(&format!("{header}0,1,2,3,4,5,6,0.5,0,0,0\n")).unwrap_err();
         assert!(
-            short
-                .unwrap_err()
-                .contains("m.csv:2: qw,qx,qy,qz is a quaternion of length 0.5")
+            short.contains("m.csv:2:15: qw,qx,qy,qz is a quaternion of length 0.5"),
+            "{short}"
         );
         let few = read("t,x,y,z,x,y,z\n0,1,2,3,4,5,6\n").unwrap_err();
-        assert!(
-            few.contains("of each device, x,y,z [m], x,y,z [m] and qw,qx,qy,qz, 11 columns in all"),
-            "{few}"
-        );
+        assert!(few.contains("the header has no column `qw`"), "{few}");
     }
 
     #[test]
@@ -211,13 +263,30 @@ mod tests {
             (
                 "time,x,y,z\n0,0,0,0\n",
                 1,
-                "m.csv:1: the columns are \"time,x,y,z\"",
+                "m.csv:1:1: the header has no column `t_s`",
             ),
-            ("t,x,y,z\n0,0,0,0\n", 2, "7 columns in all"),
-            ("t,x,y,z\n0,0,0,0\n1,0,nan,0\n", 1, "m.csv:3: y is \"nan\""),
-            ("t,x,y,z\n0,0,0,-2e12\n", 1, "m.csv:2: z is \"-2e12\""),
-            ("t,x,y,z\n0,0,0,0\n0,0,0,0\n", 1, "m.csv:3: t is 0"),
-            ("t,x,y,z\n0,0,0,0\n", 1, "there are 1 samples"),
+            (
+                "t,x,y,z\n0,0,0,0\n",
+                2,
+                "names the column `x` 1 times; 2 are needed",
+            ),
+            ("t,a,b,c\n0,0,0,0\n", 1, "no column `x`"),
+            (
+                "t,x,y,z\n0,0,0,0\n1,0,nan,0\n",
+                1,
+                "m.csv:3:5: `nan` in column `y`",
+            ),
+            (
+                "t,x,y,z\n0,0,0,-2e12\n",
+                1,
+                "m.csv:2:7: `-2000000000000` in column `z`",
+            ),
+            (
+                "t,x,y,z\n0,0,0,0\n0,0,0,0\n",
+                1,
+                "m.csv:3:1: the time 0 s does not come",
+            ),
+            ("t,x,y,z\n0,0,0,0\n", 1, "this one has 1"),
             ("t,x,y,z\n0,0,0\n", 1, "m.csv:2"),
         ] {
             let error = read(text, devices).unwrap_err();

@@ -1,7 +1,9 @@
 //! What is a trace, and what is wrong with what is none.
 
+use std::io;
+
 use super::*;
-use crate::unit::LengthUnit;
+use crate::unit::{LengthUnit, TimeUnit};
 
 fn parse(text: &str) -> Result<Trace, TraceError> {
     read(text.as_bytes(), "hand.csv")
@@ -21,7 +23,13 @@ fn the_two_columns_are_read_in_any_order_beside_others() {
 #[test]
 fn positions_come_in_the_unit_of_their_column_or_in_the_one_that_is_said() {
     let in_unit = |text: &str, unit| {
-        read_part(text.as_bytes(), "hand.csv", &Part::WHOLE, unit).map(|held| held.trace)
+        read_part(
+            text.as_bytes(),
+            "hand.csv",
+            &Part::WHOLE,
+            &Layout::in_unit(unit),
+        )
+        .map(|held| held.trace)
     };
     let millimetres = Some(LengthUnit::Millimetre);
     for (header, unit) in [
@@ -50,9 +58,139 @@ fn comments_blank_lines_crlf_and_a_byte_order_mark_are_accepted() {
     assert_eq!(trace.position_m, [1.0, 2.0]);
 }
 
+/// A layout that says `change`, of a caller who has flags.
+fn laid_out(change: impl FnOnce(&mut Layout)) -> Layout {
+    let mut layout = Layout {
+        ways: Ways::Flags,
+        ..Layout::default()
+    };
+    change(&mut layout);
+    layout
+}
+
+fn parse_as(text: &str, layout: &Layout) -> Result<HeldTrace, String> {
+    read_part(text.as_bytes(), "hand.csv", &Part::WHOLE, layout).map_err(|error| error.to_string())
+}
+
 #[test]
-fn a_missing_last_line_end_is_no_fault() {
-    assert_eq!(parse("t_s,position_m\n0,1\n1,2").unwrap().t_s.len(), 2);
+fn a_last_number_without_a_line_end_may_be_cut_off_and_that_is_said() {
+    let text = "t_s,position_m\n0,0.01\n0.001,0.01";
+    let held = parse_as(text, &laid_out(|_| ())).unwrap();
+    assert_eq!(held.trace.position_m, [0.01, 0.01]);
+    assert_eq!(held.notes.unended.as_deref(), Some("0.01"));
+    // Nobody can be told: refused.
+    assert_eq!(
+        message(text),
+        "hand.csv:3:7: the last line has no line end, so that its last number, `0.01`, may be cut off; end the file \
+         with a line end if it is whole"
+    );
+    // What is cut off is not read, or is a comment, or is beyond the part.
+    for whole in [
+        "t_s,position_m,note\n0,1,a\n1,2,b",
+        "t_s,position_m\n0,1\n1,2\n# en",
+        "t_s,position_m\n0,1\n1,2\r\n",
+    ] {
+        assert_eq!(parse(whole).unwrap().position_m, [1.0, 2.0], "{whole:?}");
+    }
+    let part = Part {
+        to: 1.0,
+        ..Part::WHOLE
+    };
+    let text = "t_s,position_m\n0,1\n1,2\n2,3".as_bytes();
+    assert!(read_part(text, "hand.csv", &part, &Layout::default()).is_ok());
+}
+
+#[test]
+fn columns_delimiters_units_and_decimal_commas_are_read_as_they_are_or_as_is_said() {
+    let nothing = laid_out(|_| ());
+    for text in [
+        "t_s;position_m\n0;0.012\n0.001;-0.003\n",
+        "t_s\tposition_mm\tnote, long\n0\t12\ta\n0.001\t-3\tb\n",
+        "t_ms,note,position_cm\n0,a,1.2\n1,b,-0.3\n",
+        "t,position_m\n s , [m] \n0,0.012\n0.001,-0.003\n",
+    ] {
+        let trace = parse_as(text, &nothing).unwrap().trace;
+        assert_eq!(
+            (trace.t_s[1], trace.position_m[0]),
+            (0.001, 0.012),
+            "{text:?}"
+        );
+        assert_eq!(trace.position_m[1], -0.003, "{text:?}");
+    }
+    let recorder = "Time [ms];Pos X;Pos Y\n0,0;12,0;7\n1,0;-3,0;7\n";
+    let said = laid_out(|layout| {
+        layout.columns = Layout::parse_columns("t=Time [ms], x=Pos X").unwrap();
+        layout.unit = Some(LengthUnit::Millimetre);
+        layout.decimal_comma = true;
+    });
+    let trace = parse_as(recorder, &said).unwrap().trace;
+    assert_eq!((trace.t_s[1], trace.position_m[1]), (0.001, -0.003));
+    // Without a word of it nothing is guessed.
+    let without = laid_out(|layout| layout.columns = said.columns.clone());
+    let error = parse_as(recorder, &without).unwrap_err();
+    assert!(
+        error.ends_with("; --decimal-comma reads numbers with a decimal comma"),
+        "{error}"
+    );
+    let error = parse_as(recorder, &nothing).unwrap_err();
+    assert!(error.contains("--columns t=NAME,x=NAME"), "{error}");
+    let error = parse_as(
+        "t_s;position_m\n0;0.5\n",
+        &laid_out(|layout| layout.decimal_comma = true),
+    );
+    assert!(
+        error
+            .unwrap_err()
+            .contains("`0.5` in column `position_m` is not a number")
+    );
+    let in_ms = laid_out(|layout| layout.time_unit = Some(TimeUnit::Millisecond));
+    let trace = parse_as("t_s,position_m\n0,1\n2,1\n", &in_ms)
+        .unwrap()
+        .trace;
+    assert_eq!(trace.t_s, [0.0, 0.002]);
+}
+
+#[test]
+fn units_that_contradict_each_other_are_refused() {
+    let in_mm = laid_out(|layout| layout.unit = Some(LengthUnit::Millimetre));
+    let nothing = laid_out(|_| ());
+    for (text, layout, words) in [
+        (
+            "t_s,position_m\ns,mm\n0,1\n",
+            &nothing,
+            "is mm by the unit row, and m by its name",
+        ),
+        (
+            "t_s,position_m\ns,cm\n0,1\n",
+            &in_mm,
+            "is mm by the caller, and cm by the unit row",
+        ),
+        (
+            "t_s,position_m\ns,inch\n0,1\n",
+            &nothing,
+            "`inch` in the unit row is no unit",
+        ),
+    ] {
+        let error = parse_as(text, layout).unwrap_err();
+        assert!(error.contains(words), "{error}");
+    }
+    let trace = parse_as("t_s,position_m\ns,mm\n0,1\n1,2\n", &in_mm)
+        .unwrap()
+        .trace;
+    assert_eq!(trace.position_m, [0.001, 0.002]);
+}
+
+#[test]
+fn samples_without_a_value_are_left_out_where_that_is_asked_for_and_counted() {
+    let text = "t_s,position_m,note\n0,1,\n1,,a\n2,NaN,\n,5,\n3,4,\n";
+    let held = parse_as(text, &laid_out(|layout| layout.skip_missing = true)).unwrap();
+    assert_eq!(held.trace.t_s, [0.0, 3.0]);
+    assert_eq!(held.notes.left_out, 3);
+    let error = parse_as(text, &laid_out(|_| ())).unwrap_err();
+    assert!(
+        error.starts_with("hand.csv:3:3: ``") && error.contains("--skip-missing"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -88,7 +226,11 @@ fn a_quote_that_nothing_closes_is_shown_where_it_opens() {
         "t_s,note,position_m\n0,\"a \"\"b\"\"\",1\n1,\"\",2\n",
         "t_s,note,position_m\n0,5\" long,1\n1,\"c\" \",2\n",
     ] {
-        assert_eq!(parse(text).unwrap().t_s.len(), 2, "{text:?}");
+        assert_eq!(
+            parse(&format!("{text}\n")).unwrap().t_s.len(),
+            2,
+            "{text:?}"
+        );
     }
 }
 
@@ -134,7 +276,7 @@ fn a_part_is_read_no_further_than_its_end() {
         to: 5.5,
         longest: 2.0,
     };
-    let held = read_part(endless(), "endless", &part, None).unwrap();
+    let held = read_part(endless(), "endless", &part, &Layout::default()).unwrap();
     assert_eq!(held.trace.t_s, [3.0, 4.0, 5.0]);
     assert_eq!(held.force_on_device_n, None);
 }
@@ -146,7 +288,7 @@ fn a_trace_that_is_too_long_is_refused_as_soon_as_that_shows() {
         longest: 50.0,
         ..Part::WHOLE
     };
-    let error = read_part(endless(), "endless", &part, None).unwrap_err();
+    let error = read_part(endless(), "endless", &part, &Layout::default()).unwrap_err();
     assert_eq!(
         error.to_string(),
         "endless:63:1: the trace goes on for more than 50 s after its first sample at 10 s"
@@ -161,7 +303,7 @@ fn forces_are_those_of_the_part() {
         to: 2.0,
         ..Part::WHOLE
     };
-    let held = read_part(text.as_bytes(), "hand.csv", &part, None).unwrap();
+    let held = read_part(text.as_bytes(), "hand.csv", &part, &Layout::default()).unwrap();
     assert_eq!(held.force_on_device_n.unwrap(), [-2.0, -3.0]);
 }
 
@@ -196,7 +338,7 @@ fn a_part_without_motion_says_where_the_trace_is() {
             to,
             ..Part::WHOLE
         };
-        let error = read_part(text.as_bytes(), "hand.csv", &part, None).unwrap_err();
+        let error = read_part(text.as_bytes(), "hand.csv", &part, &Layout::default()).unwrap_err();
         let words = words.replace("{needed}", needed);
         assert!(error.to_string().ends_with(&words), "{error}");
     }
@@ -207,12 +349,12 @@ fn a_missing_column_names_the_nearest() {
     assert_eq!(
         message("# x\nposition_m,time_s\n0,1\n"),
         "hand.csv:2:12: the header has no column `t_s`, the nearest is `time_s`; needed are \
-         `t_s` [s] and `position_m` [m], separated by commas, in any order"
+         `t_s` [s] and `position_m` [m], separated by commas, semicolons or tabs, in any order"
     );
     assert_eq!(
         message("t_s,posiiton_m\n0,1\n"),
         "hand.csv:1:5: the header has no column `position_m`, the nearest is `posiiton_m`; \
-         needed are `t_s` [s] and `position_m` [m], separated by commas, in any order"
+         needed are `t_s` [s] and `position_m` [m], separated by commas, semicolons or tabs, in any order"
     );
 }
 
@@ -224,7 +366,7 @@ fn a_header_that_is_nothing_like_it_is_marked_whole() {
     assert_eq!(
         error.to_string(),
         "hand.csv:1:1: the header has no column `t_s`; needed are `t_s` [s] and `position_m` \
-         [m], separated by commas, in any order"
+         [m], separated by commas, semicolons or tabs, in any order"
     );
 }
 
@@ -313,8 +455,8 @@ fn an_empty_file_is_no_trace() {
         let error = message(text);
         assert!(
             error.ends_with(
-                "the file is empty; a trace begins with a header that names `t_s` and \
-                 `position_m`"
+                "the file is empty; a trace begins with a header that names its columns: `t_s` and \
+                 `position_m`, or in a world t, x, y and z"
             ),
             "{error}"
         );
@@ -349,12 +491,6 @@ fn a_line_without_end_is_refused() {
     // The same bytes in a line that ends are a header, of which the names are wrong.
     let ends = read("x,".repeat(1000).as_bytes(), "x.csv").unwrap_err();
     assert!(matches!(ends, TraceError::Invalid { .. }), "{ends:?}");
-}
-
-#[test]
-fn a_last_line_without_a_newline_is_a_sample_of_a_file() {
-    let trace = read("t_s,position_m\n0,0.01\n0.001,0.0123".as_bytes(), "end.csv").unwrap();
-    assert_eq!(trace.position_m, [0.01, 0.0123]);
 }
 
 #[test]

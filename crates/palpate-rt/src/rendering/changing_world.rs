@@ -1,5 +1,6 @@
 //! A world in the loop that another one can take the place of, from any thread.
 
+use palpate::Actuation;
 use palpate_device::clock::Clock;
 use palpate_device::{Device, Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
@@ -334,6 +335,14 @@ impl Renders for ChangingWorld {
 
     fn learned_lateness(&self) -> f64 {
         self.world.learned_lateness()
+    }
+
+    fn actuation(&self) -> Actuation<f64> {
+        self.world.actuation()
+    }
+
+    fn limit_to(&mut self, device: usize, limits: &SafetyParams) {
+        self.world.limit_to(device, limits);
     }
 
     fn created_energy(&self) -> f64 {

@@ -1,5 +1,6 @@
 //! The local model of a slow host in the loop, and the host's end of it.
 
+use palpate::Actuation;
 use palpate_device::clock::Clock;
 use palpate_device::{Device, Vector, Wrench};
 use palpate_record::recording::{ContactTick, Flags, Phase};
@@ -12,6 +13,7 @@ use palpate_world::{Limited, Mode, Sample, WorldError};
 use super::frame::WorldFrame;
 use super::renders::{Answer, Fresh, Renders};
 use crate::control_loop::ControlLoop;
+use crate::created_energy::CreatedEnergy;
 use crate::safety::SafetyParams;
 use crate::setup::SetupError;
 
@@ -34,12 +36,9 @@ pub struct LocalWorld {
     /// Whether what was held is what acted: the renderer is told of no delay and no lag.
     acts_at_once: bool,
     limited: Limited,
-    /// What the books said of created energy at the last sample `[J]`.
-    booked: f64,
-    /// As much of it as was created while the motors were on `[J]`.
-    created: f64,
-    /// Whether the last sample was refused, or there was none: what a sample then changes is from outside.
-    is_new: bool,
+    created: CreatedEnergy,
+    /// The largest force that the loop lets through to the device `[N]`.
+    largest_force: f64,
     contacts: Vec<ContactTick>,
 }
 
@@ -104,9 +103,8 @@ pub fn local_world(
     let world = LocalWorld {
         acts_at_once: actuation.delay == 0.0 && actuation.lag == 0.0,
         limited: Limited::default(),
-        booked: 0.0,
-        created: 0.0,
-        is_new: true,
+        created: CreatedEnergy::default(),
+        largest_force: f64::INFINITY,
         contacts: Vec::with_capacity(renderer.params().contacts),
         renderer,
         state,
@@ -181,13 +179,9 @@ impl Renders for LocalWorld {
         let fault = output.fault.map(|fault| fault.fault);
         self.limited = output.limited;
         self.host.tell(self.state.progress());
-        let booked = self.state.books().created();
-        let is_from_outside = sample.was_off || self.is_new || fault.is_some();
-        if !is_from_outside {
-            self.created += booked - self.booked;
-        }
-        self.booked = booked;
-        self.is_new = fault.is_some();
+        let largest_force = self.largest_force;
+        let booked = self.renderer.created_energy(&self.state, |_| largest_force);
+        self.created.close(booked, fault.is_some(), sample.was_off);
         if let Some(asked) = asked.first_mut() {
             *asked = Wrench {
                 force: self.frame.on_device(force),
@@ -245,8 +239,16 @@ impl Renders for LocalWorld {
             .with(Flags::LIMITED_FORCE, self.limited.force)
     }
 
+    fn actuation(&self) -> Actuation<f64> {
+        self.renderer.in_loop().actuation
+    }
+
+    fn limit_to(&mut self, _: usize, limits: &SafetyParams) {
+        self.largest_force = limits.largest_force;
+    }
+
     fn created_energy(&self) -> f64 {
-        self.created
+        self.created.counted()
     }
 }
 

@@ -1,6 +1,6 @@
 //! One contact along an axis of the device's space, as the loop renders it.
 
-use palpate::{AlongAxis, Output, ParameterError};
+use palpate::{Actuation, AlongAxis, Output, ParameterError};
 use palpate_device::{Vector, Wrench};
 use palpate_record::recording::{ContactTick, Flags};
 
@@ -141,6 +141,15 @@ impl Renders for OneContact {
 
     fn flags(&self) -> Flags {
         self.said.flags
+    }
+
+    fn actuation(&self) -> Actuation<f64> {
+        self.rendered.rendering().loop_params.actuation
+    }
+
+    fn slew_limit(&self) -> f64 {
+        let limit = self.rendered.rendering().loop_params.slew_limit;
+        limit.unwrap_or(f64::INFINITY)
     }
 
     fn learned_lateness(&self) -> f64 {

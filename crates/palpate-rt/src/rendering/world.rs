@@ -1,5 +1,6 @@
 //! A world, as the loop renders it.
 
+use palpate::Actuation;
 use palpate_device::{Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
 use palpate_world::{
@@ -9,6 +10,8 @@ use palpate_world::{
 use super::frame::WorldFrame;
 use super::renders::{Answer, Fresh, Renders};
 use super::world_rows::WorldRows;
+use crate::created_energy::CreatedEnergy;
+use crate::safety::SafetyParams;
 use crate::setup::SetupError;
 
 /// How a tool turns, and so what its device has to be able to do.
@@ -50,12 +53,9 @@ pub struct RenderedWorld {
     /// Whether what was held is what acted: the renderer is told of no delay and no lag.
     acts_at_once: bool,
     limited: Limited,
-    /// What the books said of created energy at the last sample `[J]`.
-    booked: f64,
-    /// As much of it as was created while the motors were on `[J]`.
-    created: f64,
-    /// Whether the last sample was refused, or there was none: what a sample then changes is from outside.
-    is_new: bool,
+    created: CreatedEnergy,
+    /// The largest force `[N]` and torque `[N m]` that the loop lets through to each device.
+    largest: Vec<[f64; 2]>,
     rows: WorldRows,
 }
 
@@ -108,9 +108,8 @@ impl RenderedWorld {
             frames,
             turns,
             limited: Limited::default(),
-            booked: 0.0,
-            created: 0.0,
-            is_new: true,
+            created: CreatedEnergy::default(),
+            largest: vec![[f64::INFINITY; 2]; tools],
             rows: WorldRows::new(world, &state),
             state,
             renderer,
@@ -144,9 +143,9 @@ impl RenderedWorld {
     pub(super) fn go_on(&mut self, before: &Self, succession: &Succession) {
         let past = (&before.renderer, &before.state);
         self.renderer.go_on(&mut self.state, past, succession);
-        self.booked = self.state.books().created();
-        self.created = before.created;
-        self.is_new = before.is_new;
+        self.largest.clone_from(&before.largest);
+        let booked = self.booked();
+        self.created.go_on(&before.created, booked);
     }
 
     /// Makes other wrenches, which are to be held in place of those of the last step, so small that the limits of the world's
@@ -156,6 +155,16 @@ impl RenderedWorld {
             [&mut wrench.force, &mut wrench.torque]
         });
         self.limited = self.limited.and(limited);
+    }
+
+    /// The books of created energy, as of the last sample `[J]`.
+    fn booked(&self) -> f64 {
+        self.renderer.created_energy(&self.state, |device| {
+            self.largest
+                .get(device)
+                .copied()
+                .unwrap_or([f64::INFINITY; 2])
+        })
     }
 
     /// Tells the renderer what was sent to a device, or held by it, in the axes of the device.
@@ -225,13 +234,8 @@ impl Renders for RenderedWorld {
         }
         let fault = output.fault.map(|fault| fault.fault);
         self.limited = output.limited;
-        let booked = self.state.books().created();
-        let is_from_outside = sample.was_off || self.is_new || fault.is_some();
-        if !is_from_outside {
-            self.created += booked - self.booked;
-        }
-        self.booked = booked;
-        self.is_new = fault.is_some();
+        let booked = self.booked();
+        self.created.close(booked, fault.is_some(), sample.was_off);
         Answer {
             coordinate: 0.0,
             fault,
@@ -269,7 +273,17 @@ impl Renders for RenderedWorld {
             .with(Flags::LIMITED_GUARD, self.limited.guard)
     }
 
+    fn actuation(&self) -> Actuation<f64> {
+        self.renderer.in_loop().actuation
+    }
+
+    fn limit_to(&mut self, device: usize, limits: &SafetyParams) {
+        if let Some(largest) = self.largest.get_mut(device) {
+            *largest = [limits.largest_force, limits.largest_torque];
+        }
+    }
+
     fn created_energy(&self) -> f64 {
-        self.created
+        self.created.counted()
     }
 }

@@ -20,6 +20,7 @@ pub use trip::Trip;
 use std::time::Duration;
 
 use oscillation::Oscillation;
+use palpate::Actuation;
 use palpate_device::{Vector, Wrench};
 use recoveries::Recoveries;
 
@@ -32,10 +33,12 @@ pub struct Bounded {
     pub slew: bool,
     /// It was still coming back after a start or a trip.
     pub soft_start: bool,
+    /// It is none: a safety stop that stays holds the motors off.
+    pub stopped: bool,
 }
 
 impl Bounded {
-    /// Whether any limit acted.
+    /// Whether any limit changed a force. A safety stop is no limit.
     #[must_use]
     pub fn any(self) -> bool {
         self.force || self.slew || self.soft_start
@@ -100,6 +103,10 @@ struct SoftStart {
 #[derive(Clone, Debug)]
 pub struct Safety {
     params: SafetyParams,
+    /// Factor from a command to the force that the limits bound, at least 1.
+    gain: f64,
+    /// Fastest change of the force that the rendering allows `[N/s]`.
+    rendered_slew: f64,
     period: f64,
     /// What was commanded last.
     commanded: Wrench,
@@ -134,6 +141,8 @@ impl Safety {
             away: 0.0,
             withheld: false,
             params,
+            gain: 1.0,
+            rendered_slew: f64::INFINITY,
             period,
             commanded: Wrench::NONE,
             last_position: None,
@@ -141,6 +150,20 @@ impl Safety {
             soft: None,
             missing: 0,
         })
+    }
+
+    /// Follows the rendering: the limits bound both a command and the command times the modelled gain of `actuation`, and
+    /// the force changes no faster than `slew_limit` `[N/s]` (infinite: by [`SafetyParams::slew_limit`] alone).
+    #[must_use]
+    pub fn rendering(mut self, actuation: &Actuation<f64>, slew_limit: f64) -> Self {
+        self.follow(actuation, slew_limit);
+        self
+    }
+
+    /// Does what [`rendering`](Self::rendering) does, while the loop runs.
+    pub(crate) fn follow(&mut self, actuation: &Actuation<f64>, slew_limit: f64) {
+        self.gain = actuation.limit_gain();
+        self.rendered_slew = slew_limit;
     }
 
     /// The limits.
@@ -233,8 +256,8 @@ impl Safety {
             ..
         } = self.params;
         // Before it comes in: what is shortened afterwards is there at once.
-        let force = shortened(rendered.wrench.force, largest_force);
-        let torque = shortened(rendered.wrench.torque, largest_torque);
+        let force = shortened(rendered.wrench.force, largest_force / self.gain);
+        let torque = shortened(rendered.wrench.torque, largest_torque / self.gain);
         bounded.force = force.is_some() || torque.is_some();
         let mut wrench = Wrench {
             force: force.unwrap_or(rendered.wrench.force),
@@ -257,9 +280,11 @@ impl Safety {
         // Nobody knows for how much of the time before it no force was commanded.
         let is_back = recovered.is_some() || was_withheld;
         let elapsed = rendered.elapsed.filter(|_| !is_back);
-        let elapsed = elapsed.unwrap_or(self.period);
+        // A time that is no time allows no change.
+        let elapsed = elapsed.unwrap_or(self.period).max(0.0);
+        let slew_limit = slew_limit.min(self.rendered_slew) / self.gain;
         let force = slewed(self.commanded.force, wrench.force, slew_limit * elapsed);
-        let largest_change = torque_slew_limit * elapsed;
+        let largest_change = torque_slew_limit / self.gain * elapsed;
         let torque = slewed(self.commanded.torque, wrench.torque, largest_change);
         bounded.slew = force.is_some() || torque.is_some();
         wrench = Wrench {
@@ -373,7 +398,10 @@ impl Safety {
         }
         Verdict {
             wrench: Wrench::NONE,
-            bounded: Bounded::default(),
+            bounded: Bounded {
+                stopped: self.trip.is_some_and(|trip| !trip.is_passing()),
+                ..Bounded::default()
+            },
             tripped,
             recovered,
         }

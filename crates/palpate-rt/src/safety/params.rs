@@ -10,11 +10,12 @@ use palpate_device::{Capabilities, Vector};
 /// [`for_device`](Self::for_device) fits it to one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SafetyParams {
-    /// Largest length of the force `[N]`.
+    /// Largest length of the force `[N]`: of a command, and of a command times the modelled gain of the actuator.
     pub largest_force: f64,
-    /// Largest length of the torque `[N m]`.
+    /// Largest length of the torque likewise `[N m]`.
     pub largest_torque: f64,
-    /// Largest change of the force per second `[N/s]`; infinite: none.
+    /// Largest change of the same force per second `[N/s]`, also in soft starts; infinite: none. Only a safety stop, a refused
+    /// sample or the end of the loop takes a force to 0 at once.
     pub slew_limit: f64,
     /// Largest change of the torque per second `[N m/s]`; infinite: none.
     pub torque_slew_limit: f64,
@@ -83,7 +84,8 @@ impl SafetyParams {
     }
 
     /// Limits for a loop of somebody else's: a largest force `[N]` and torque `[N m]`, none where there is no number, and a
-    /// soft start `[s]`. Nothing trips on speed, on created energy or on how often a force came back.
+    /// soft start `[s]`. Created energy stops it as it stops [`ControlLoop`](crate::ControlLoop); speed and the number of
+    /// recoveries do not.
     #[must_use]
     pub fn bounding(force: Option<f64>, torque: Option<f64>, soft_start: f64) -> Self {
         let limits = Self::default();
@@ -92,10 +94,6 @@ impl SafetyParams {
             largest_torque: torque.unwrap_or(f64::MAX),
             soft_start,
             largest_speed: f64::INFINITY,
-            oscillation: OscillationParams {
-                energy: f64::INFINITY,
-                ..limits.oscillation
-            },
             recoveries: RecoveryParams {
                 too_many: None,
                 ..limits.recoveries

@@ -1,7 +1,13 @@
 //! Safety by itself: what it lets through.
 
+use palpate::Actuation;
 use palpate_device::Wrench;
+use palpate_rt::BoundedWorld;
 use palpate_rt::safety::{OscillationParams, Rendered, Safety, SafetyParams, Trip};
+use palpate_world::{
+    BasicParams, Body, Contact, ContactLaw, Motion, Party, Sample, Shape, Tool, World, WorldLoop,
+    WorldRenderer,
+};
 
 /// A fresh sample a millisecond after the last.
 fn sample(position: [f64; 3], force: f64) -> Rendered {
@@ -264,4 +270,132 @@ fn forces_of_any_size_are_shortened() {
         let [x, y, _] = safety.judge(&with([size, -size, 0.0].into())).wrench.force;
         assert!((x.hypot(y) - 20.0).abs() < 1e-12 && y == -x, "{size}");
     }
+}
+
+/// Whatever is asked for, consecutive forces differ by at most the slew limit times the period, except where a safety stop or a
+/// refused sample takes the force off.
+#[test]
+fn the_slew_limit_holds_in_soft_starts_and_recoveries() {
+    const PERIOD: f64 = 0.001;
+    let of_loop = 300.0;
+    let mut random = 1_u64;
+    let mut draw = move || {
+        random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (random >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    for soft_start in [0.0, 0.004, 0.05] {
+        for gain in [0.5, 1.0, 2.0] {
+            // As `pipe` and the bindings have it: the slew limit is the rendering's, and the safety has none of its own.
+            let limits = SafetyParams::bounding(Some(20.0), None, soft_start);
+            let safety = Safety::new(limits, PERIOD).unwrap();
+            let mut safety = safety.rendering(&Actuation::default().with_gain(gain), of_loop);
+            let largest = gain.max(1.0);
+            let (mut before, mut moved, mut soft) = (0.0_f64, 0, 0);
+            for tick in 0..4000 {
+                let asked = 60.0 * (draw() - 0.5) + 20.0 * (0.01 * f64::from(tick)).sin();
+                let mut rendered = sample(HERE, asked);
+                rendered.refused = draw() < 0.01;
+                rendered.stalled = draw() < 0.01;
+                let verdict = if draw() < 0.02 {
+                    safety.missing()
+                } else {
+                    safety.judge(&rendered)
+                };
+                let force = verdict.wrench.force[0];
+                assert!(force.abs() * largest <= 20.0 + 1e-12, "{tick}: {force} N");
+                let is_taken_off = force == 0.0;
+                let change = (force - before).abs() * largest;
+                assert!(
+                    is_taken_off || change <= of_loop * PERIOD + 1e-12,
+                    "{tick}: {before} to {force} N"
+                );
+                moved += i32::from(change > 0.9 * of_loop * PERIOD);
+                soft += i32::from(verdict.bounded.soft_start && verdict.bounded.slew);
+                before = force;
+            }
+            assert!(moved > 1000, "{moved}");
+            assert!(soft > 0 || soft_start == 0.0, "{soft}");
+        }
+    }
+}
+
+/// A point over a floor, in a loop of somebody else's at 1 kHz whose forces are limited.
+fn floor_within(force_limit: f64, stiffness: f64) -> BoundedWorld {
+    let floor = Shape::HalfSpace {
+        normal: [0.0, 0.0, 1.0],
+        offset: 0.0,
+    };
+    let world = World {
+        tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.0 })],
+        bodies: vec![Body::new("floor", floor, Motion::Fixed)],
+        contacts: vec![Contact {
+            between: [Party::Any, Party::Any],
+            law: ContactLaw::spring(stiffness),
+        }],
+        joints: Vec::new(),
+    };
+    let in_loop = WorldLoop::new(0.001);
+    let renderer = WorldRenderer::new(&world, in_loop, BasicParams::default()).unwrap();
+    let limits = SafetyParams::bounding(Some(force_limit), None, 0.2);
+    BoundedWorld::new(renderer, limits).unwrap()
+}
+
+/// A mass of 0.05 kg that a hand presses with 5 N on a floor, in a loop of somebody else's at 1 kHz; the tick of the safety stop
+/// and the energy that was created by the world's books.
+fn pressed(stiffness: f64, ticks: usize) -> (Option<usize>, f64) {
+    const PERIOD: f64 = 0.001;
+    let mut world = floor_within(20.0, stiffness);
+    let (mut position, mut velocity) = (1e-3, 0.0);
+    let mut stopped = None;
+    for tick in 0..ticks {
+        let held = world.step(&Sample::at(&[[0.0, 0.0, position]]));
+        let force = held.wrenches[0].force[2];
+        let is_stopped = held.bounded.stopped;
+        if is_stopped {
+            assert_eq!(force, 0.0);
+            stopped.get_or_insert(tick);
+        }
+        assert_eq!(world.trip() == Some(Trip::Oscillation), is_stopped);
+        let acceleration = (force - 5.0 - 2.0 * velocity) / 0.05;
+        position += PERIOD * velocity + 0.5 * PERIOD * PERIOD * acceleration;
+        velocity += PERIOD * acceleration;
+        // A hand that catches what falls.
+        position = position.max(-0.02);
+    }
+    let created = world.state().books().created();
+    if stopped.is_some() {
+        world.restart();
+        assert_eq!(world.trip(), None);
+    }
+    (stopped, created)
+}
+
+#[test]
+fn a_bounded_world_that_creates_energy_is_stopped() {
+    let (stopped, _) = pressed(20_000.0, 2000);
+    assert!(stopped.is_some_and(|tick| tick < 1000), "{stopped:?}");
+    let (stopped, created) = pressed(300.0, 2000);
+    assert_eq!(stopped, None, "{created} J");
+}
+
+/// A hand that is stronger than the motor gets through its limit: nothing is created, though the contact stores more than the
+/// limited force takes in.
+#[test]
+fn a_press_through_the_force_limit_is_no_oscillation() {
+    let mut world = floor_within(5.0, 1000.0);
+    let mut most_in_books: f64 = 0.0;
+    for tick in 0..800 {
+        let turn = 2.0 * std::f64::consts::PI * f64::from(tick) / 800.0;
+        let position = 1e-3 - 0.015 * (1.0 - turn.cos());
+        let held = world.step(&Sample::at(&[[0.0, 0.0, position]]));
+        assert!(!held.bounded.stopped, "{tick}");
+        most_in_books = most_in_books.max(world.state().books().created());
+        // What a held spring of 1 N/mm creates at the speeds of this press, under 0.12 m/s.
+        let created = world.created_energy();
+        assert!(created.abs() < 2e-3, "{tick}: {created} J");
+    }
+    // By the books alone it would have stopped: 5 N over 29 mm are 133 mJ, and the spring has 421 mJ.
+    assert!(most_in_books > 0.25, "{most_in_books} J");
 }

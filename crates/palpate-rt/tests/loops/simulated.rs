@@ -101,8 +101,9 @@ fn a_renderer_that_is_told_how_forces_act_hears_what_was_sent() {
                 "{delay:?} {lag} {gain} {limit}"
             );
             let by_motor = simulated(&weak, MethodName::Coupled, wide());
+            // The motor clips the command, and the safety also what the gain makes of it.
             let safe = SafetyParams {
-                largest_force: limit.min(1e6),
+                largest_force: (limit * gain.max(1.0)).min(1e6),
                 ..wide()
             };
             let by_safety = simulated(&late, MethodName::Coupled, safe);

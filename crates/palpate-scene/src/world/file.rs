@@ -21,7 +21,7 @@ use super::place::WorldPlaces;
 use super::shape::{RawShape, unit};
 use super::{Coupling, WorldActuator, WorldDevice, WorldRender, WorldScene, WorldTiming};
 use crate::fault::{SceneError, SceneErrors, Span};
-use crate::recover;
+use crate::{period_question, recover};
 
 /// The version of scene files that say a world.
 pub(crate) const WORLD_FORMAT: i64 = 2;
@@ -84,6 +84,7 @@ struct RawContact {
     damping_n_s_per_m: Option<Spanned<f64>>,
     friction: Option<Spanned<f64>>,
     friction_stiffness_n_per_m: Option<Spanned<f64>>,
+    friction_damping_n_s_per_m: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize, Default)]
@@ -200,7 +201,7 @@ impl WorldFile {
     }
 
     /// A line on each mesh that was read from a file of its own: its size, and what was left out of it. One on a world
-    /// without contacts or bodies.
+    /// without contacts or bodies, and on a period that is likely to be in milliseconds.
     #[must_use]
     pub fn notes(&self) -> &[String] {
         &self.notes
@@ -218,7 +219,7 @@ impl WorldFile {
 pub(super) struct Reading {
     pub(super) places: WorldPlaces,
     faults: Vec<(Span, String)>,
-    /// What is said of meshes, and of a world without contacts or bodies.
+    /// What is said of meshes, of a world without contacts or bodies, and of its period.
     notes: Vec<String>,
     /// Where files of meshes are looked for.
     folder: PathBuf,
@@ -244,6 +245,8 @@ impl Reading {
         self.places
             .take(WorldPart::Loop, Field::Period, raw.r#loop.period_s.clone());
         let period = self.number("period_s", raw.r#loop.period_s.clone(), Range::Positive);
+        let question = period_question("loop.period_s", "period_s = 0.001", period);
+        self.notes.extend(question);
         let timed = [
             &raw.told.delay_s,
             &raw.told.lag_s,
@@ -580,15 +583,30 @@ impl Reading {
         let mut or = |field, value: Option<Spanned<f64>>, default: f64| {
             value.map_or(default, |value| self.places.take(place, field, value))
         };
+        let damping = or(Field::Damping, raw.damping_n_s_per_m, 0.0);
+        let friction = or(Field::Friction, raw.friction, 0.0);
+        let friction_stiffness = or(
+            Field::FrictionStiffness,
+            raw.friction_stiffness_n_per_m,
+            usual,
+        );
+        let usual = ContactLaw::usual_friction_damping(stiffness, damping, friction_stiffness);
+        // The damping itself or a stiffness is wrong, and is reported by its own key.
+        let usual = if out_of_range("", usual, Range::NotNegative).is_some() {
+            0.0
+        } else {
+            usual
+        };
         Contact {
             between,
             law: ContactLaw {
                 stiffness,
-                damping: or(Field::Damping, raw.damping_n_s_per_m, 0.0),
-                friction: or(Field::Friction, raw.friction, 0.0),
-                friction_stiffness: or(
-                    Field::FrictionStiffness,
-                    raw.friction_stiffness_n_per_m,
+                damping,
+                friction,
+                friction_stiffness,
+                friction_damping: or(
+                    Field::FrictionDamping,
+                    raw.friction_damping_n_s_per_m,
                     usual,
                 ),
             },

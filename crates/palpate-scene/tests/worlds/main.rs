@@ -97,6 +97,8 @@ fn a_world_is_read_with_its_devices_bodies_and_contacts() {
     assert_eq!((law.friction, law.damping), (0.3, 0.5));
     // Without one of its own, friction is as stiff as the contact.
     assert_eq!(law.friction_stiffness, 4000.0);
+    // The same share of damping to stiffness as the contact.
+    assert_eq!(law.friction_damping, 0.5);
     assert_eq!(scene.world.contacts[0].between[1], Party::Any);
 }
 

@@ -41,6 +41,7 @@ pub fn as_judged(scene: &WorldScene) -> judge::WorldScene {
                         damping: law.damping,
                         friction: law.friction,
                         friction_stiffness: law.friction_stiffness,
+                        friction_damping: law.friction_damping,
                     },
                 });
             }

@@ -65,6 +65,9 @@ pub struct WorldRun {
     pub books: Books,
     /// Energy that contacts have by their overlap at the first sample `[J]`: nobody created it.
     pub found_at_start: f64,
+    /// What the books say of created energy at the end, found at the start included `[J]`:
+    /// [`WorldRenderer::created_energy`].
+    booked: f64,
     /// Samples that the renderer refused.
     pub refused: usize,
     /// The first of them, and why.
@@ -80,6 +83,19 @@ pub struct WorldRun {
     /// Samples at which the fastest contact or joint asked for more sub-steps than a tick has: see
     /// [`Effort::too_fast`](palpate_world::Effort::too_fast).
     pub too_fast: usize,
+    /// How often a tool or body went through a solid and came out of its far side.
+    pub went_through: usize,
+    /// The first time.
+    pub first_through: Option<Through>,
+}
+
+/// A tool or body that went through a solid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Through {
+    /// When it was found on the far side `[s]`.
+    pub time: f64,
+    /// Names of the one that went, and of the solid.
+    pub names: [String; 2],
 }
 
 /// A sample that the renderer refused.
@@ -124,11 +140,11 @@ pub enum WorldBenchError {
 }
 
 impl WorldRun {
-    /// Energy that held forces created `[J]`: what [`Books::created`] says, without the energy of contacts that overlap at the
-    /// first sample.
+    /// Energy that held forces created `[J]`: what [`WorldRenderer::created_energy`] says, without the energy of contacts that
+    /// overlap at the first sample.
     #[must_use]
     pub fn created(&self) -> f64 {
-        self.books.created() - self.found_at_start
+        self.booked - self.found_at_start
     }
 }
 
@@ -262,12 +278,16 @@ impl WorldBench {
             limited: 0,
             guarded: 0,
             found_at_start: 0.0,
+            booked: 0.0,
             coarse: 0,
             crowded: 0,
             too_fast: 0,
+            went_through: 0,
+            first_through: None,
         };
         let end = grid.edge(grid.intervals());
         let period = self.params.period;
+        let unlimited = |_| [f64::INFINITY; 2];
         let guard_limits = matches!(renderer.in_loop().guard, WorldGuard::Limit(_));
         while plant.time() < end - 0.5 * period {
             let (mut measured, mut turned) = (plant.measure(), plant.measure_orientations());
@@ -300,8 +320,15 @@ impl WorldBench {
             run.commanded.push(output.forces.to_vec());
             run.commanded_torques.push(output.torques.to_vec());
             plant.hold_wrenches(output.forces, output.torques);
+            for pair in state.gone_through() {
+                run.went_through += 1;
+                run.first_through.get_or_insert_with(|| Through {
+                    time,
+                    names: pair.map(|side| renderer.name_of(side).to_owned()),
+                });
+            }
             if is_first {
-                run.found_at_start = state.books().created();
+                run.found_at_start = renderer.created_energy(&state, unlimited);
             }
         }
         let devices = 0..self.judged.devices.len();
@@ -316,6 +343,7 @@ impl WorldBench {
         }
         let (forces, torques) = (&run.delivered, &run.delivered_torques);
         run.judgement = WorldJudgement::of_wrenches(&self.judged, &self.ideal, forces, torques)?;
+        run.booked = renderer.created_energy(&state, unlimited);
         run.books = state.books().clone();
         Ok(run)
     }

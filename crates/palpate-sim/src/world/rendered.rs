@@ -46,6 +46,7 @@ pub fn as_rendered(scene: &judge::WorldScene) -> World {
             damping: pair.law.damping,
             friction: pair.law.friction,
             friction_stiffness: pair.law.friction_stiffness,
+            friction_damping: pair.law.friction_damping,
         },
     });
     World {

@@ -69,6 +69,18 @@ pub struct DeviceReport {
     /// Time constant of the actuator's lag `[s]`; left out where it is 0.
     #[serde(skip_serializing_if = "is_zero")]
     pub lag_s: f64,
+    /// Standard deviation of the delay in the renderer's model `[s]`; left out where it is 0.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub delay_deviation_s: f64,
+    /// Standard deviation of the lag in the renderer's model `[s]`; left out where it is 0.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub lag_deviation_s: f64,
+    /// Standard deviation of the gain in the renderer's model, over the gain; left out where it is 0.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub gain_deviation: f64,
+    /// Standard deviation of the sensor's noise in the renderer's model `[m]`; left out where it is 0.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub sensor_noise_m: f64,
     /// Stiffest contact that the first resonance allows `[N/m]`; left out where no resonance is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stiffest_by_resonance_n_per_m: Option<f64>,
@@ -266,6 +278,10 @@ impl Advice {
                 delay_samples: delay.whole_samples(),
                 delay_fraction: delay.fraction(),
                 lag_s: bounce.lag,
+                delay_deviation_s: bounce.told.delay_deviation.unwrap_or(0.0),
+                lag_deviation_s: bounce.told.lag_deviation.unwrap_or(0.0),
+                gain_deviation: bounce.told.gain_deviation.unwrap_or(0.0),
+                sensor_noise_m: bounce.told.sensor_noise.unwrap_or(0.0),
                 stiffest_by_resonance_n_per_m: None,
                 object_mass_kg: Some(bounce.object_mass).filter(|mass| mass.is_finite()),
                 gap_m: bounce.gap,

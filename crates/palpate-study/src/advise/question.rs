@@ -1,7 +1,9 @@
 //! What is asked of an advice, as far as somebody says it.
 
 use palpate_calibrate::{Calibration, Quantity};
+use palpate_scene::Told;
 
+use crate::calibrated;
 use crate::map::{Bounce, BounceDevice, MapParams, SEARCHED};
 
 /// A device and a contact on it. What nobody states is taken from the device file.
@@ -23,6 +25,10 @@ pub struct Question<'a> {
     pub delay: Option<f64>,
     /// Time constant of the force after that `[s]`; 0 where neither says one.
     pub lag: Option<f64>,
+    /// Standard deviation of the delay `[periods]`; 0 where neither says one.
+    pub delay_deviation: Option<f64>,
+    /// Standard deviation of the lag `[s]`; 0 where neither says one.
+    pub lag_deviation: Option<f64>,
     /// Contact stiffness `[N/m]`; `None` asks for limits only.
     pub stiffness: Option<f64>,
     /// Object mass `[kg]`; infinite for a wall.
@@ -59,7 +65,26 @@ impl Question<'_> {
             told_period: 1.0,
             delay: self.delay.or(delay).unwrap_or(0.0),
             lag: self.lag.or(known(Quantity::Lag)).unwrap_or(0.0),
+            told: self.deviations(),
         })
+    }
+
+    /// What the renderer knows of the deviations of its model: of a value that is stated, only a stated deviation.
+    fn deviations(&self) -> Told {
+        let taken = |quantity: Quantity| match quantity {
+            Quantity::Delay | Quantity::DelayPlusLag => self.delay.is_none(),
+            Quantity::Lag => self.lag.is_none(),
+            Quantity::SensorNoise => self.encoder_quantum.is_none(),
+            _ => true,
+        };
+        let of_file = self.file.map(|file| calibrated::deviations(file, taken));
+        let of_file = of_file.unwrap_or_default();
+        let stated = self.delay_deviation.map(|periods| periods * self.period);
+        Told {
+            delay_deviation: stated.or(of_file.delay_deviation),
+            lag_deviation: self.lag_deviation.or(of_file.lag_deviation),
+            ..of_file
+        }
     }
 }
 
@@ -80,6 +105,8 @@ mod tests {
             period: 1e-3,
             delay: None,
             lag: None,
+            delay_deviation: None,
+            lag_deviation: None,
             stiffness: None,
             object_mass: 0.1,
         }
@@ -100,6 +127,30 @@ mod tests {
         assert_eq!(found.device.mass, 0.2);
         assert_eq!(found.device.encoder_quantum, 1e-5);
         assert_eq!((found.delay, found.lag), (2.0, 0.0));
+        // A deviation of the file is one of the renderer's model; one that is stated replaces it.
+        file.set(
+            Quantity::DelayPlusLag,
+            Known::found(2e-3, 2e-5, "least squares"),
+        );
+        file.set(Quantity::CommandJitter, Known::given(1.5e-5, "given"));
+        file.set(Quantity::Gain, Known::found(2.0, 0.1, "a spring"));
+        file.set(Quantity::SensorNoise, Known::given(4e-6, "given"));
+        let told = asked(&file).bounce().unwrap().told;
+        assert_eq!(told.delay_deviation, Some(2.5e-5));
+        assert_eq!(
+            (told.lag_deviation, told.gain_deviation),
+            (None, Some(0.05))
+        );
+        assert_eq!((told.delay, told.gain), (None, None));
+        assert_eq!(told.sensor_noise, Some(4e-6));
+        let other = Question {
+            delay: Some(2.0),
+            lag_deviation: Some(1e-5),
+            ..asked(&file)
+        };
+        let told = other.bounce().unwrap().told;
+        assert_eq!(told.delay_deviation, None);
+        assert_eq!(told.lag_deviation, Some(1e-5));
         // Not the sum, once the delay itself is known.
         file.set(Quantity::Delay, Known::given(1e-3, "given"));
         assert_eq!(asked(&file).bounce().unwrap().delay, 1.0);

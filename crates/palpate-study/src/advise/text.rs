@@ -128,6 +128,9 @@ impl Advice {
                 nearer.error_percent[1].map_or_else(|| "-".into(), percent)
             ));
         }
+        if let Some(reason) = self.reason_against_coupled() {
+            answer.push_str(&reason);
+        }
         if contact.force_per_count_n > 0.0 {
             answer.push_str(&format!(
                 " One count of the encoder is {} N.",
@@ -141,6 +144,39 @@ impl Advice {
             percent(contact.hold_floor_percent)
         ));
         answer
+    }
+
+    /// Why another method than coupled rendering is recommended, though its force errs less: it swings.
+    fn reason_against_coupled(&self) -> Option<String> {
+        let Verdict::Yes { method, .. } = self.verdict else {
+            return None;
+        };
+        let coupled = self.methods.iter().find(|one| one.method == "coupled")?;
+        let own = coupled.by_itself?;
+        let error = own.error_percent[1]?;
+        let (_, chosen) = self.chosen()?;
+        if method == "coupled" || error >= chosen.error_percent[1]? {
+            return None;
+        }
+        let swings = [
+            (own.resting_swing, "at rest", "the weight"),
+            (own.pressed_swing, "pressed", "the force that presses"),
+        ];
+        let swings: Vec<String> = swings
+            .into_iter()
+            .filter_map(|(swing, when, of)| {
+                let swing = swing.filter(|swing| *swing >= RESTS_BELOW)?;
+                Some(format!("{when} by {} % of {of}", percent(100.0 * swing)))
+            })
+            .collect();
+        (!swings.is_empty()).then(|| {
+            format!(
+                " coupled comes nearer, to {} %, but its force swings {}; allowed are {} %.",
+                percent(error),
+                swings.join(" and "),
+                percent(100.0 * RESTS_BELOW)
+            )
+        })
     }
 
     fn reach_in_words(&self) -> String {
@@ -194,6 +230,17 @@ impl Advice {
         };
         if device.lag_s > 0.0 {
             delay.push_str(&format!(", lag of {} s", device.lag_s));
+        }
+        for (what, deviation, unit) in [
+            ("delay", device.delay_deviation_s, " s"),
+            ("lag", device.lag_deviation_s, " s"),
+            ("gain", 100.0 * device.gain_deviation, " %"),
+            ("sensor", device.sensor_noise_m, " m"),
+        ] {
+            if deviation > 0.0 {
+                let deviation = digits(deviation);
+                delay.push_str(&format!(", {what} known to {deviation}{unit}"));
+            }
         }
         if let Some(stiffest) = device.stiffest_by_resonance_n_per_m {
             delay.push_str(&format!(

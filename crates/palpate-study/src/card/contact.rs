@@ -1,8 +1,9 @@
 //! One contact on a card: recorded and judged against the ideal on its motion, or simulated.
 
+use super::file_name;
 use palpate_record::recording::{Flags, Recording, Row};
 use palpate_scene::method::MethodName;
-use palpate_scene::{Scene, SceneFile};
+use palpate_scene::{Scene, SceneFile, Told};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
 use palpate_sim::run::{Reference, Run};
@@ -84,7 +85,7 @@ impl ContactCard {
     /// Why there is none: no contact, no scene, or a motion on which nothing can be rendered.
     pub(super) fn recorded(recording: &Recording, ticks: &Ticks) -> Result<Self, String> {
         let file = scene_of(recording).map_err(|error| error.to_string())?;
-        let name = recording.path().display();
+        let name = file_name(recording.path());
         if !recording.has_one_contact_each {
             return Err(format!(
                 "{name} has several contacts in a tick; the page shows one"
@@ -124,7 +125,7 @@ impl ContactCard {
         let source = format!(
             "the strongest contact of {}: its motion, rendered again by {} at the recorded instants, against the \
              ideal on that motion",
-            recording.path().display(),
+            file_name(recording.path()),
             scene.method
         );
         Ok(Self {
@@ -140,7 +141,11 @@ impl ContactCard {
     ///
     /// # Errors
     /// Why there is none.
-    pub(super) fn simulated(device: &DeviceCard, stiffness: f64) -> Result<Self, String> {
+    pub(super) fn simulated(
+        device: &DeviceCard,
+        deviations: &Told,
+        stiffness: f64,
+    ) -> Result<Self, String> {
         let value = |key| device.value(key);
         let number = |key, otherwise: f64| value(key).unwrap_or(otherwise);
         let (Some(mass), Some(period)) = (value("device_mass_kg"), value("period_s")) else {
@@ -185,7 +190,8 @@ method = "coupled"
             duration(mass, stiffness, hand, period),
         );
         let file = SceneFile::parse("the simulated contact", &text);
-        let scene = file.map_err(|error| error.to_string())?.scene;
+        let mut scene = file.map_err(|error| error.to_string())?.scene;
+        scene.told = *deviations;
         let method = MethodName::Coupled;
         let bench = Bench::new(&scene).map_err(|error| error.to_string())?;
         let run = bench.run(method).map_err(|error| error.to_string())?;

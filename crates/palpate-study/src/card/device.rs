@@ -1,5 +1,6 @@
 //! The device of a card: its name, and every number that is known of it with where it comes from.
 
+use super::file_name;
 use palpate_calibrate::Quantity;
 use palpate_record::recording::Recording;
 use serde::Serialize;
@@ -78,7 +79,7 @@ impl<'a> Receipt<'a> {
             key,
             value,
             standard_deviation: None,
-            source: format!("{what} {}", self.recording.path().display()),
+            source: format!("{what} {}", file_name(self.recording.path())),
         })
     }
 }
@@ -93,11 +94,11 @@ impl DeviceCard {
         let (name, name_from) = match (sources.name, named, sources.device_file) {
             (Some(name), ..) => (name.to_owned(), "--name".to_owned()),
             (None, Some(name), _) => {
-                let path = first.map(|receipt| receipt.recording.path().display().to_string());
+                let path = first.map(|receipt| file_name(receipt.recording.path()));
                 (name.to_owned(), path.unwrap_or_default())
             }
-            (None, None, Some((path, _))) => ("a device without a name".into(), path.to_owned()),
-            (None, None, None) => ("a device without a name".into(), "nobody".into()),
+            (None, None, Some((path, _))) => (format!("device of {path}"), path.to_owned()),
+            (None, None, None) => ("unnamed device".into(), "no --name was given".into()),
         };
         let mut numbers = Vec::new();
         let mut put = |number: Option<NumberCard>| numbers.extend(number);
@@ -195,7 +196,7 @@ impl DeviceCard {
 fn refuse_several(receipts: &[Receipt<'_>]) -> Result<(), CardError> {
     let mut named = receipts
         .iter()
-        .filter_map(|receipt| Some((receipt.recording.path().display(), receipt.name()?)));
+        .filter_map(|receipt| Some((file_name(receipt.recording.path()), receipt.name()?)));
     let Some((first, of_first)) = named.next() else {
         return Ok(());
     };

@@ -15,6 +15,7 @@ mod timing;
 
 use palpate_calibrate::Calibration;
 use palpate_record::recording::{Recording, RecordingError};
+use palpate_scene::Told;
 use palpate_scene::method::MethodName;
 use serde::Serialize;
 
@@ -26,7 +27,9 @@ pub use device::{DeviceCard, NumberCard};
 pub use reach::{MethodReachCard, ReachCard};
 pub use timing::{Distribution, Histogram, TimingCard};
 
+use crate::calibrated;
 use crate::map::BounceError;
+use crate::recording;
 use ticks::Ticks;
 
 /// Name and version of the JSON report.
@@ -78,9 +81,9 @@ pub struct Sources<'a> {
     pub name: Option<&'a str>,
     /// Recordings of its loop.
     pub recordings: &'a [Recording],
-    /// A device file, with its path.
+    /// A device file, with its [`file_name`].
     pub device_file: Option<(&'a str, &'a Calibration)>,
-    /// The report of the calibration, with its path.
+    /// The report of the calibration, with its [`file_name`].
     pub calibration_run: Option<(&'a str, CalibrationRun)>,
     /// Stiffness of the contact that is asked about `[N/m]`; that of the first recording where nothing says so.
     pub stiffness: Option<f64>,
@@ -90,6 +93,15 @@ pub struct Sources<'a> {
     pub methods: &'a [MethodName],
     /// When it is made, as UTC.
     pub made: String,
+}
+
+/// How far the work on a card is.
+#[derive(Clone, Copy, Debug)]
+pub enum CardProgress<'a> {
+    /// A part begins.
+    Part(&'a str),
+    /// A step is done, of the number that [`Card::steps`] says.
+    Step,
 }
 
 /// Why there is no card.
@@ -119,11 +131,21 @@ pub enum CardError {
 }
 
 impl Card {
-    /// Makes the card; `begins` hears of each part of the work.
+    /// Number of [steps](CardProgress::Step) of the work, if the device's mass and period are known.
+    #[must_use]
+    pub fn steps(methods: usize) -> usize {
+        methods * ReachCard::lines()
+    }
+
+    /// Makes the card; `progress` hears of the parts and steps of the work.
     ///
     /// # Errors
     /// A recording that cannot be read, recordings of several devices, and numbers that no map takes.
-    pub fn of(sources: &Sources<'_>, begins: impl Fn(&str)) -> Result<Self, CardError> {
+    pub fn of(
+        sources: &Sources<'_>,
+        progress: impl Fn(CardProgress<'_>) + Sync,
+    ) -> Result<Self, CardError> {
+        let begins = |part| progress(CardProgress::Part(part));
         begins("reading");
         let mut read = Vec::new();
         for recording in sources.recordings {
@@ -143,6 +165,7 @@ impl Card {
             .stiffness
             .or(device.stiffness_of_scene)
             .unwrap_or(USUAL_STIFFNESS);
+        let deviations = deviations(sources);
         begins("a contact");
         let mut no_contact = Vec::new();
         let mut contact = None;
@@ -156,13 +179,14 @@ impl Card {
             }
         }
         if contact.is_none() {
-            match ContactCard::simulated(&device, stiffness) {
+            match ContactCard::simulated(&device, &deviations, stiffness) {
                 Ok(found) => contact = Some(found),
                 Err(why) => no_contact.push(why),
             }
         }
         begins("what can be rendered");
-        let reach = ReachCard::of(&device, stiffness, sources.methods)?;
+        let step = || progress(CardProgress::Step);
+        let reach = ReachCard::of(&device, &deviations, stiffness, sources.methods, step)?;
         let mut card = Self {
             format: FORMAT,
             palpate_version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -183,7 +207,7 @@ impl Card {
 
     /// Adds a file that was written.
     pub fn wrote(&mut self, path: &std::path::Path) {
-        self.files.push(path.display().to_string());
+        self.files.push(file_name(path));
     }
 
     /// The checks that ended in a warning.
@@ -192,6 +216,30 @@ impl Card {
             .iter()
             .filter(|check| check.outcome == Outcome::Warning)
     }
+}
+
+/// Deviations of the renderer's model: those of the device file, else those of the first recording.
+fn deviations(sources: &Sources<'_>) -> Told {
+    if let Some((_, calibration)) = sources.device_file {
+        return calibrated::deviations(calibration, |_| true);
+    }
+    let told = sources.recordings.first().map(recording::report::told);
+    let told = told.unwrap_or_default();
+    let value = |key: &str| told.get(key).copied();
+    let gain = value("gain").unwrap_or(1.0);
+    Told {
+        delay_deviation: value("delay_deviation_s"),
+        lag_deviation: value("lag_deviation_s"),
+        gain_deviation: value("gain_deviation").map(|deviation| deviation / gain),
+        ..Told::default()
+    }
+}
+
+/// Name of a file without its folder: the page is made to be sent.
+#[must_use]
+pub fn file_name(path: &std::path::Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
 }
 
 /// How the data were obtained, a sentence for each source.
@@ -207,7 +255,7 @@ fn obtained(sources: &Sources<'_>) -> Vec<String> {
             );
             format!(
                 "Recording {}, made by palpate {}{written}.",
-                recording.path().display(),
+                file_name(recording.path()),
                 recording.receipt.palpate_version
             )
         })

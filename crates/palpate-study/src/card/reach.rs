@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use palpate_scene::Told;
 use palpate_scene::method::MethodName;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use serde::Serialize;
@@ -37,6 +38,10 @@ pub struct ReachCard {
     pub delay_s: f64,
     /// Lag of its motor `[s]`.
     pub lag_s: f64,
+    /// Standard deviation of the delay in the renderer's model `[s]`.
+    pub delay_deviation_s: f64,
+    /// Standard deviation of the lag in the renderer's model `[s]`.
+    pub lag_deviation_s: f64,
     /// Viscous friction `[N s/m]`.
     pub viscous_friction_n_s_per_m: f64,
     /// Quantum of its position sensor `[m]`.
@@ -102,11 +107,19 @@ struct Limits {
 }
 
 impl ReachCard {
-    /// With the numbers of `device`; none where its mass or its period is not known.
+    /// Lines of contacts of a method: the wall, the object, then the masses of the figure.
+    pub(super) fn lines() -> usize {
+        2 + steps(MASSES, MASSES_PER_DECADE).len()
+    }
+
+    /// With the numbers of `device`; none where its mass or its period is not known. `done` is called after each line of
+    /// each method.
     pub(super) fn of(
         device: &DeviceCard,
+        deviations: &Told,
         stiffness: f64,
         methods: &[MethodName],
+        done: impl Fn() + Sync,
     ) -> Result<Option<Self>, BounceError> {
         let (Some(mass), Some(period)) = (device.value("device_mass_kg"), device.value("period_s"))
         else {
@@ -141,6 +154,7 @@ impl ReachCard {
             told_period: 1.0,
             delay: delay / period,
             lag,
+            told: *deviations,
         };
         let per_kappa = mass / (period * period);
         let heaviest = stiffness * period * period;
@@ -168,8 +182,7 @@ impl ReachCard {
             .iter()
             .map(|share| share * mass)
             .collect();
-        // The wall, the object, then the masses of the figure.
-        let lines = 2 + masses.len();
+        let lines = Self::lines();
         let tasks: Vec<(MethodName, usize)> = methods
             .iter()
             .flat_map(|method| (0..lines).map(|line| (*method, line)))
@@ -184,7 +197,9 @@ impl ReachCard {
                     of: if line == 1 { &lighter } else { &stiffer },
                     halvings: if line < 2 { HALVINGS } else { 0 },
                 };
-                line.limits(|bounce, ask_good| judge(bounce, method, ask_good))
+                let limits = line.limits(|bounce, ask_good| judge(bounce, method, ask_good));
+                done();
+                limits
             })
             .collect::<Result<_, _>>()?;
         let of_methods = methods.iter().zip(found.chunks(lines)).map(|(method, of)| {
@@ -206,6 +221,8 @@ impl ReachCard {
             period_s: period,
             delay_s: delay,
             lag_s: lag,
+            delay_deviation_s: deviations.delay_deviation.unwrap_or(0.0),
+            lag_deviation_s: deviations.lag_deviation.unwrap_or(0.0),
             viscous_friction_n_s_per_m: viscous,
             sensor_quantum_m: quantum,
             assumed,

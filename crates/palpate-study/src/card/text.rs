@@ -116,13 +116,19 @@ impl super::ReachCard {
     /// What was computed, in words.
     #[must_use]
     pub fn in_words(&self) -> String {
+        let known_to = |deviation: f64| match deviation {
+            0.0 => String::new(),
+            _ => format!(" ± {} ms", digits(1e3 * deviation)),
+        };
         let known = format!(
-            "Computed for a device of {} kg at a period of {} ms, with a delay of {} ms, a lag of {} ms, {} N s/m of \
+            "Computed for a device of {} kg at a period of {} ms, with a delay of {} ms{}, a lag of {} ms{}, {} N s/m of \
              friction and sensor steps of {} um, by a renderer that is told these numbers",
             digits(self.device_mass_kg),
             digits(1e3 * self.period_s),
             digits(1e3 * self.delay_s),
+            known_to(self.delay_deviation_s),
             digits(1e3 * self.lag_s),
+            known_to(self.lag_deviation_s),
             digits(self.viscous_friction_n_s_per_m),
             digits(1e6 * self.sensor_quantum_m)
         );

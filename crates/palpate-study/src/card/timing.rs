@@ -1,5 +1,6 @@
 //! How a loop kept time: its durations, each as quantiles and as a histogram.
 
+use super::file_name;
 use palpate_record::recording::{Recording, Tick};
 use serde::Serialize;
 
@@ -86,7 +87,7 @@ impl TimingCard {
             Distribution::of(ticks.all.iter().map(|row| of(&row.tick)), bins)
         };
         Self {
-            recording: recording.path().display().to_string(),
+            recording: file_name(recording.path()),
             palpate_version: recording.receipt.palpate_version.clone(),
             scene: scene.as_ref().map(|scene| scene.title.clone()),
             method: scene.as_ref().map(|scene| scene.method.name().to_owned()),

@@ -3,11 +3,12 @@
 use std::fmt;
 
 use comfy_table::CellAlignment;
+use palpate_scene::Scene;
 use serde::Serialize;
 
 use super::OverHeights;
 use crate::suite::Column;
-use crate::text::{digits, lines, number, percent, plain_table};
+use crate::text::{digits, drawn_title, lines, number, percent, plain_table};
 use crate::tune::{HEIGHT_RANGE, HEIGHTS, Spread};
 
 /// Name and version of the JSON report.
@@ -38,6 +39,9 @@ pub struct HeightsReport {
 pub struct SceneReport {
     /// The scene's title.
     pub title: String,
+    /// Seed of the random numbers of jitter, drops and sensor noise, of which this is one draw; none if nothing is random.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
     /// FRE that no held force can be below `[%]`.
     pub hold_floor_percent: f64,
     /// One entry for each column.
@@ -103,11 +107,12 @@ impl HeightsReport {
 }
 
 impl SceneReport {
-    /// What [`over_heights`](super::over_heights) gave for the scene called `title`.
+    /// What [`over_heights`](super::over_heights) gave for the `scene`.
     #[must_use]
-    pub fn new(title: &str, columns: &[Column], found: &[OverHeights]) -> Self {
+    pub fn new(scene: &Scene, columns: &[Column], found: &[OverHeights]) -> Self {
         Self {
-            title: title.into(),
+            title: scene.title.clone(),
+            seed: scene.random_seed(),
             // The floor is the ideal's, whatever the column.
             hold_floor_percent: found.first().map_or(0.0, |one| one.own.hold_floor),
             columns: columns
@@ -141,7 +146,8 @@ impl fmt::Display for HeightsReport {
             writeln!(
                 f,
                 "\n{}; floor {:.2} %\n",
-                scene.title, scene.hold_floor_percent
+                drawn_title(&scene.title, scene.seed),
+                scene.hold_floor_percent
             )?;
             let header = [
                 "method",

@@ -48,6 +48,8 @@ pub struct Bounce {
     pub delay: f64,
     /// Time constant of the force after that, a first-order lag `[s]`.
     pub lag: f64,
+    /// Model values of the renderer besides those: deviations of delay, lag and gain, and the noise of the sensor.
+    pub told: Told,
 }
 
 /// Constant forces that drive device and object together.
@@ -197,8 +199,8 @@ impl Bounce {
         }
     }
 
-    /// The renderer of `method`, made from what it is told: the contact, the encoder and the delay as
-    /// they are, period and mass perhaps wrong.
+    /// The renderer of `method` with its model values: contact, encoder, delay and lag as they are, with their
+    /// deviations; period and mass perhaps wrong.
     ///
     /// # Errors
     /// A parameter outside its range, or settings that do not make the method.
@@ -207,11 +209,13 @@ impl Bounce {
         method: MethodName,
         settings: Settings,
     ) -> Result<AnyRenderer<f64>, BounceError> {
-        let mut told = self.scene(0.0, 1);
-        told.loop_params.period *= self.told_period;
-        told.told_device_mass = Some(self.device.told_mass * self.device.mass);
-        told.settings.insert(method, settings);
-        told.renderer(method)
+        let mut scene = self.scene(0.0, 1);
+        scene.loop_params.period *= self.told_period;
+        scene.told_device_mass = Some(self.device.told_mass * self.device.mass);
+        scene.told = self.told;
+        scene.settings.insert(method, settings);
+        scene
+            .renderer(method)
             .map_err(|error| BounceError::Method { method, error })
     }
 }

@@ -1,6 +1,7 @@
 //! The cells of a map: which scene follows from which index.
 
 use super::bounce::{Bounce, BounceDevice, Forces, Plant};
+use palpate_scene::Told;
 use palpate_scene::method::MethodName;
 
 /// Both axes reach from the smaller to the larger of these.
@@ -25,6 +26,10 @@ pub struct MapParams {
     pub delay: f64,
     /// Time constant of the force after that, a first-order lag `[periods]`.
     pub lag: f64,
+    /// Standard deviation of the delay in the renderer's model `[periods]`.
+    pub delay_deviation: f64,
+    /// Standard deviation of the lag in the renderer's model `[periods]`.
+    pub lag_deviation: f64,
     /// Period that the renderer is told, over the true one.
     pub told_period: f64,
 }
@@ -75,6 +80,8 @@ impl Default for MapParams {
             gap: 0.05,
             delay: 0.0,
             lag: 0.0,
+            delay_deviation: 0.0,
+            lag_deviation: 0.0,
             told_period: 1.0,
         }
     }
@@ -142,6 +149,11 @@ impl MapParams {
                 told_period: self.told_period,
                 delay: self.delay,
                 lag: self.lag * self.period,
+                told: Told {
+                    delay_deviation: Some(self.delay_deviation * self.period),
+                    lag_deviation: Some(self.lag_deviation * self.period),
+                    ..Told::default()
+                },
             },
         }
     }

@@ -95,6 +95,7 @@ fn known(limit: Result<Limit, BounceError>) -> Result<Option<Limit>, BounceError
 mod tests {
     use super::*;
     use crate::map::MapParams;
+    use palpate_scene::Told;
 
     #[test]
     fn what_is_faithful_is_stable_and_coupled_reaches_farthest() {
@@ -109,6 +110,7 @@ mod tests {
             told_period: 1.0,
             delay: 0.0,
             lag: 0.0,
+            told: Told::default(),
         };
         let methods = [MethodName::Hfcr, MethodName::Coupled];
         let reach = bounce.reach(&methods, 20.0, || {}).unwrap();

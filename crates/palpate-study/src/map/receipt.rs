@@ -58,6 +58,14 @@ pub fn of(params: &MapParams, (number, of): (usize, usize)) -> Vec<(String, Stri
     if params.lag != 0.0 {
         receipt.push(("lag_periods", params.lag.to_string()));
     }
+    for (key, deviation) in [
+        ("delay_deviation_periods", params.delay_deviation),
+        ("lag_deviation_periods", params.lag_deviation),
+    ] {
+        if deviation != 0.0 {
+            receipt.push((key, deviation.to_string()));
+        }
+    }
     receipt.extend(forces);
     receipt.extend(Stay::criterion());
     receipt

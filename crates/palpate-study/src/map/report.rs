@@ -77,6 +77,15 @@ pub struct SceneReport {
     pub encoder_quantum_m: f64,
     /// Delay of the loop `[samples]`.
     pub delay_samples: f64,
+    /// Time constant of the actuator `[periods]`; left out where it is 0.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub lag_periods: f64,
+    /// Standard deviation of the delay in the renderer's model `[periods]`; left out where it is 0.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub delay_deviation_periods: f64,
+    /// Standard deviation of the lag in the renderer's model `[periods]`; left out where it is 0.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub lag_deviation_periods: f64,
     /// Device mass that the renderer is told, over the true one.
     pub told_mass_factor: f64,
     /// Period that the renderer is told, over the true one.
@@ -145,6 +154,10 @@ impl MapReport {
     pub fn new(map: &Map, speed: Option<Speed>) -> Result<Self, NoNumber> {
         let value = |key: &str| map.value(key).unwrap_or("unknown").to_owned();
         let number = |key: &str| receipt::number(map, key);
+        let or_zero = |key: &str| match map.value(key) {
+            None => Ok(0.0),
+            Some(_) => receipt::number(map, key),
+        };
         let forces = match map.value("forces") {
             Some("balanced") => format!(
                 "equal and opposite, approaching at {} m/s²",
@@ -180,6 +193,9 @@ impl MapReport {
                 viscous_friction_n_s_per_m: number("viscous_friction_n_s_per_m")?,
                 encoder_quantum_m: number("encoder_quantum_m")?,
                 delay_samples: number("delay_samples")?,
+                lag_periods: or_zero("lag_periods")?,
+                delay_deviation_periods: or_zero("delay_deviation_periods")?,
+                lag_deviation_periods: or_zero("lag_deviation_periods")?,
                 told_mass_factor: number("told_mass_factor")?,
                 told_period_factor: number("told_period_factor")?,
                 start_heights: number("start_heights")?,
@@ -206,6 +222,11 @@ impl MapReport {
     pub fn kept(&mut self, path: &Path) {
         self.kept.push(path.display().to_string());
     }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// Whether the loop is stable from every start height.
@@ -348,6 +369,17 @@ impl fmt::Display for MapReport {
         for (name, value, usual) in [
             ("encoder quantum [m]", scene.encoder_quantum_m, 0.0),
             ("delay [samples]", scene.delay_samples, 0.0),
+            ("lag [periods]", scene.lag_periods, 0.0),
+            (
+                "deviation of the delay [periods]",
+                scene.delay_deviation_periods,
+                0.0,
+            ),
+            (
+                "deviation of the lag [periods]",
+                scene.lag_deviation_periods,
+                0.0,
+            ),
             ("told mass x", scene.told_mass_factor, 1.0),
             ("told period x", scene.told_period_factor, 1.0),
         ] {

@@ -337,7 +337,10 @@ impl fmt::Display for RecordingReport {
         writeln!(f, "  missed deadlines: {}", self.missed_deadlines)?;
         if let Some(created) = self.most_created_energy_j {
             let created = digits(1e3 * created);
-            writeln!(f, "  held forces created: at most {created} mJ")?;
+            writeln!(
+                f,
+                "  held forces created: at most {created} mJ, if the loop is as modelled"
+            )?;
         }
         for (name, count) in &self.flags {
             writeln!(f, "  {name}: {count}")?;

@@ -5,20 +5,24 @@ mod demo;
 mod drawing;
 #[cfg(any(test, feature = "schema"))]
 mod in_json;
+mod motion;
 mod parameters;
 mod receipt;
 mod recording;
 mod replayed;
+mod seeds;
 mod text;
 mod timing;
 
 pub use actuator::{of as actuator_of, told as told_lines};
 pub use demo::DemoReport;
 pub use drawing::DrawingReport;
+pub use motion::RecordedMotion;
 pub use parameters::of as parameters_of;
 pub use receipt::{plant_receipt, receipt};
 pub use recording::FromRecording;
 pub use replayed::{HandReport, Replayed};
+pub use seeds::OverSeeds;
 pub use timing::of as timing_of;
 
 use palpate::{Contact, Difficulty, LoopParams, Mass, Side};
@@ -28,6 +32,8 @@ use palpate_sim::run::{Reference, Run};
 use palpate_testbed::metrics::Rebound;
 use serde::Serialize;
 use serde_json::Value;
+
+use crate::suite::Spread;
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate report 1";
@@ -67,9 +73,18 @@ pub struct Report {
     /// Of a recording that a loop has made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recording: Option<FromRecording>,
+    /// Of a recorded motion: its samples, gaps, and what was interpolated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motion: Option<RecordedMotion>,
     /// What else is not perfect about the loop.
     #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
     pub timing: serde_json::Map<String, Value>,
+    /// Seed of the random numbers of jitter, drops and sensor noise, the first of several; none if nothing is random.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
+    /// Number of seeds, which follow each other, if there are several. Every value outside `over_seeds` is then of the first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seeds: Option<usize>,
     /// Lag and gain of the actuator, and what the renderer was told of delay, lag and gain, by key with the
     /// unit; empty where that is a delay of whole samples only.
     #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
@@ -91,6 +106,9 @@ pub struct Report {
     pub window_s: f64,
     /// FRE that no held force can be below `[%]`; none without contact.
     pub hold_floor_percent: Option<f64>,
+    /// How the hold floor is spread over several seeds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hold_floor_over_seeds: Option<Spread>,
     /// Collisions of the ideal in the window.
     pub ideal_collisions: usize,
     /// Error of the ideal's impulses relative to the largest; 0 where it is exact.
@@ -163,6 +181,9 @@ pub struct MethodReport {
     pub rendered_collisions: usize,
     /// One entry for each collision of the ideal that ends in the window.
     pub collisions: Vec<CollisionReport>,
+    /// How its values are spread over several seeds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub over_seeds: Option<OverSeeds>,
 }
 
 /// A collision of the ideal, and the rendered one beside it.
@@ -208,6 +229,10 @@ pub struct Subject<'a> {
     pub delay: Delay,
     /// What else is not perfect about the loop.
     pub timing: Timing,
+    /// Standard deviation of the sensor's noise `[m]`.
+    pub sensor_noise: f64,
+    /// Seed of the random numbers; none if nothing is random.
+    pub seed: Option<u64>,
 }
 
 impl<'a> Subject<'a> {
@@ -221,6 +246,8 @@ impl<'a> Subject<'a> {
             device_mass: Some(scene.device.mass()),
             delay: scene.delay,
             timing: scene.timing.clone(),
+            sensor_noise: scene.device.noise(),
+            seed: scene.random_seed(),
         }
     }
 
@@ -234,6 +261,8 @@ impl<'a> Subject<'a> {
             device_mass: setup.device_mass,
             delay: setup.delay(),
             timing: Timing::default(),
+            sensor_noise: 0.0,
+            seed: None,
         }
     }
 }
@@ -278,11 +307,14 @@ impl Report {
             delay_samples: subject.delay.whole_samples(),
             replay: None,
             recording: None,
+            motion: None,
             timing: timing::of(subject.delay, &subject.timing),
+            seed: subject.seed,
+            seeds: None,
             actuator: serde_json::Map::new(),
             says_what_columns_are: true,
             delay_fraction: subject.delay.fraction(),
-            timing_in_words: timing::in_words(subject.delay, &subject.timing),
+            timing_in_words: timing::in_words(subject),
             samples: runs.first().map_or(0, |run| run.ticks.len()),
             window_periods,
             window_s: window_periods as f64 * period,
@@ -290,6 +322,7 @@ impl Report {
                 .iter()
                 .find_map(|run| run.force.fidelity)
                 .map(|fidelity| fidelity.hold_floor),
+            hold_floor_over_seeds: None,
             ideal_collisions: profile.collisions().len(),
             ideal_error: reference.error,
             ideal_leaves_box_at_s: reference.leaves_box_at,
@@ -314,6 +347,11 @@ impl Report {
     /// Says which recording that was.
     pub fn recorded(&mut self, recording: FromRecording) {
         self.recording = Some(recording);
+    }
+
+    /// Says how the recorded motion covers the loop's samples.
+    pub fn moved(&mut self, motion: RecordedMotion) {
+        self.motion = Some(motion);
     }
 
     /// Says what the actuator does and what the renderer was told of it: values by key with the unit.
@@ -399,6 +437,7 @@ impl MethodReport {
                     }
                 })
                 .collect(),
+            over_seeds: None,
         }
     }
 }

@@ -77,6 +77,11 @@ pub fn receipt(
     for (name, value) in timing_of(subject.delay, &subject.timing) {
         lines.push((format!("loop_{name}"), value.to_string()));
     }
+    if let Some(seed) = subject.seed
+        && lines.iter().all(|(name, _)| name != "loop_seed")
+    {
+        lines.push(("loop_seed".to_owned(), seed.to_string()));
+    }
     for run in runs {
         for (name, value) in parameters_of(&run.parameters) {
             let value = value
@@ -103,6 +108,9 @@ pub fn plant_receipt(scene: &Scene) -> Vec<(String, String)> {
     // A radius of 0 is none.
     if scene.object_radius != 0.0 {
         numbers.push(("object_radius_m", scene.object_radius));
+    }
+    if device.noise() > 0.0 {
+        numbers.push(("device_noise_m", device.noise()));
     }
     numbers.extend(
         device

@@ -5,7 +5,8 @@ use std::fmt;
 use comfy_table::{Cell, CellAlignment, Table};
 use palpate::Mass;
 
-use super::{CollisionReport, MethodReport, Report};
+use super::{CollisionReport, MethodReport, OverSeeds, Report};
+use crate::suite::Spread;
 use crate::text::{
     E, FRE, WIDTH, counted, digits, hanging, legend, lines, number, percent, plain_table, short,
     whole, width, wrapped,
@@ -25,6 +26,9 @@ impl fmt::Display for Report {
         if let Some(replayed) = &self.replay {
             writeln!(f, "{}", wrapped(&replayed.in_words()))?;
         }
+        if let Some(motion) = &self.motion {
+            writeln!(f, "{}", wrapped(&motion.in_words()))?;
+        }
         if !self.actuator.is_empty() {
             let values = self.actuator.iter();
             let values: Vec<String> = values
@@ -36,21 +40,33 @@ impl fmt::Display for Report {
                 hanging(&format!("actuator: {}", values.join(", ")), 2)
             )?;
         }
-        if !self.timing_in_words.is_empty() {
-            let samples = counted(self.samples, "sample");
-            writeln!(
-                f,
-                "{}",
-                wrapped(&format!("{}: {samples}", self.timing_in_words))
-            )?;
+        let imperfect = self.imperfections();
+        if !imperfect.is_empty() {
+            // The number of samples is that of one draw.
+            let line = match self.seeds {
+                Some(_) => imperfect,
+                None => format!("{imperfect}: {}", counted(self.samples, "sample")),
+            };
+            writeln!(f, "{}", wrapped(&line))?;
         }
         let [window, floor] = self.window();
         writeln!(f, "{}\n{}\n", wrapped(&window), wrapped(&floor))?;
-        writeln!(f, "{}\n", self.methods_in_words())?;
+        if self.seeds.is_some() {
+            writeln!(f, "{}\n", lines(&self.spread_table()))?;
+            writeln!(f, "A value: median over the seeds (least to largest).\n")?;
+        } else {
+            writeln!(f, "{}\n", self.methods_in_words())?;
+        }
         if self.says_what_columns_are && self.hold_floor_percent.is_some() {
             writeln!(f, "{}\n", legend(&[E, FRE, LEAKS]))?;
         }
+        if self.seed.is_some() && self.seeds.is_none() {
+            let draw = "The numbers are of one draw of the random numbers; `simulate --seeds 20` shows how they vary from \
+                        seed to seed.";
+            writeln!(f, "{}\n", wrapped(draw))?;
+        }
         if let [method] = self.methods.as_slice()
+            && self.seeds.is_none()
             && !method.collisions.is_empty()
         {
             const MOST_COLLISIONS: usize = 12;
@@ -89,15 +105,29 @@ impl Report {
         }
     }
 
+    /// What is not perfect about loop and sensor, with the seeds of what is random.
+    fn imperfections(&self) -> String {
+        let mut words = self.timing_in_words.clone();
+        match (self.seed, self.seeds) {
+            (None, _) => {}
+            (Some(seed), None) => words += &format!(", one draw of seed {seed}"),
+            (Some(first), Some(count)) => {
+                let last = first.saturating_add(count as u64 - 1);
+                words += &format!(", seeds {first} to {last}");
+            }
+        }
+        words
+    }
+
     /// Difficulty, loop and floor in a line.
     pub(crate) fn in_short(&self) -> String {
         let kappa = self
             .kappa
             .map_or_else(String::new, |kappa| format!("kappa {}, ", digits(kappa)));
         let delay = self.delay();
-        let timing = match self.timing_in_words.as_str() {
+        let timing = match self.imperfections().as_str() {
             "" => String::new(),
-            words => format!("\n  {words}"),
+            words => format!("\n{}", hanging(&format!("  {words}"), 2)),
         };
         let floor = self.hold_floor_percent.map_or_else(
             || "no contact".into(),
@@ -134,9 +164,11 @@ impl Report {
 
     /// What is judged, and what no method can do better than.
     fn window(&self) -> [String; 2] {
-        let floor = match self.hold_floor_percent {
-            Some(floor) => format!("no held force can be nearer to the ideal than {floor:.2} %"),
-            None => "the ideal has no contact, so there is no force error".into(),
+        let nearer = "no held force can be nearer to the ideal than";
+        let floor = match (self.hold_floor_percent, self.hold_floor_over_seeds) {
+            (_, Some(floors)) => format!("{nearer} {} %", spread(floors, |value| short(value, 2))),
+            (Some(floor), None) => format!("{nearer} {floor:.2} %"),
+            (None, None) => "the ideal has no contact, so there is no force error".into(),
         };
         let integrated = if self.ideal_error > 0.0 {
             format!(
@@ -189,6 +221,67 @@ impl Report {
             text += &hanging(&format!(" {method}: {remarks}"), 3);
         }
         text
+    }
+
+    /// The numbers of each method over several seeds.
+    fn spread_table(&self) -> Table {
+        let lossless = self
+            .methods
+            .iter()
+            .any(|method| method.energy_drift_percent.is_some());
+        let mut header = vec![
+            "method",
+            "E %",
+            "FRE %",
+            "FRE/floor",
+            "peak N",
+            "pull N",
+            "leak mJ",
+            "|leak| mJ",
+        ];
+        if lossless {
+            header.push("drift %");
+        }
+        let remarks = |method: &MethodReport| {
+            let over = method.over_seeds.as_ref();
+            over.map_or_else(String::new, OverSeeds::remarks)
+        };
+        if self
+            .methods
+            .iter()
+            .any(|method| !remarks(method).is_empty())
+        {
+            header.push("seeds");
+        }
+        let mut table = plain_table(CellAlignment::Left, &header);
+        for method in &self.methods {
+            let Some(over) = &method.over_seeds else {
+                continue;
+            };
+            let cell = |it: Option<Spread>, format: &dyn Fn(f64) -> String| {
+                let text = it.map_or_else(|| "-".into(), |it| spread(it, format));
+                Cell::new(text).set_alignment(CellAlignment::Right)
+            };
+            let millijoules = |it: Spread| Some(it.times(1e3));
+            let mut cells = vec![
+                Cell::new(method.method),
+                cell(over.mean_force_error_percent, &percent),
+                cell(over.force_rendering_error_percent, &percent),
+                cell(over.error_over_floor, &|ratio| short(ratio, 2)),
+                cell(Some(over.peak_force_n), &digits),
+                cell(Some(over.strongest_pull_n), &digits),
+                cell(millijoules(over.leak_held_j), &digits),
+                cell(millijoules(over.absolute_leak_held_j), &digits),
+            ];
+            if lossless {
+                cells.push(cell(over.energy_drift_percent, &percent));
+            }
+            if header.last() == Some(&"seeds") {
+                cells.push(Cell::new(remarks(method)));
+            }
+            table.add_row(cells);
+        }
+        table
     }
 
     fn method_table(&self, with_remarks: bool) -> Table {
@@ -262,6 +355,12 @@ impl MethodReport {
         }
         remarks.join(", ")
     }
+}
+
+/// The median with the range: `4.4 (3.1 to 7.9)`.
+fn spread(it: Spread, format: impl Fn(f64) -> String) -> String {
+    let [median, least, largest] = [it.median, it.least, it.largest].map(format);
+    format!("{median} ({least} to {largest})")
 }
 
 fn collision_table(method: &MethodReport, most: usize) -> Table {

@@ -3,6 +3,8 @@
 use palpate_scene::{Delay, Dropped, Jitter, Timing};
 use serde_json::{Map, Value, json};
 
+use super::Subject;
+
 /// Every imperfection, by key; empty for a loop that is perfect but for a delay of whole samples.
 #[must_use]
 pub fn of(delay: Delay, timing: &Timing) -> Map<String, Value> {
@@ -53,8 +55,9 @@ pub fn of(delay: Delay, timing: &Timing) -> Map<String, Value> {
     named
 }
 
-/// The same in words, each thing after a comma; but a delay in periods.
-pub fn in_words(delay: Delay, timing: &Timing) -> String {
+/// The imperfections of a subject's loop and the noise of its sensor in words, without a delay in periods.
+pub(super) fn in_words(subject: &Subject) -> String {
+    let (delay, timing) = (subject.delay, &subject.timing);
     let mut words = Vec::new();
     let milliseconds = |seconds: f64| crate::text::digits(1e3 * seconds);
     if delay.seconds() > 0.0 {
@@ -92,6 +95,10 @@ pub fn in_words(delay: Delay, timing: &Timing) -> String {
             collapse.from,
             collapse.until
         ));
+    }
+    if subject.sensor_noise > 0.0 {
+        let noise = crate::text::digits(1e6 * subject.sensor_noise);
+        words.push(format!("sensor noise {noise} um"));
     }
     words.join(", ")
 }

@@ -36,6 +36,7 @@ pub(super) fn base(chance: &mut Chance) -> RandomPlant {
     let tremor = tremor(chance, user_force);
     let per_stiffness = PERIOD * PERIOD;
     RandomPlant {
+        seed: 0,
         index: 0,
         redrawn: 0,
         kappa: stiffness * per_stiffness / mass,

@@ -31,6 +31,8 @@ const MOST_DRAWS: u32 = 1000;
 /// A plant drawn at random.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RandomPlant {
+    /// Seed of the draws.
+    pub seed: u64,
     /// Its number, from 0.
     pub index: usize,
     /// How often it was drawn again because its object and device did not part three times.
@@ -90,6 +92,7 @@ pub(super) fn colliding(
             all = all && collides(&scene).map_err(|error| DrawError::Bench(index, error))?;
         }
         if all {
+            plant.seed = seed;
             plant.index = index;
             plant.redrawn = redrawn;
             plant.scene.title = format!("{kind} {index} of seed {seed}");
@@ -141,6 +144,7 @@ fn draw(chance: &mut Chance) -> RandomPlant {
     let stiffness = kappa * mass / (period * period);
     let object_mass = stiffness * period * period / object_kappa;
     RandomPlant {
+        seed: 0,
         index: 0,
         redrawn: 0,
         kappa,

@@ -20,7 +20,7 @@ pub use column::{Column, ColumnError, Dampings};
 pub use draw::{DrawError, RandomPlant};
 pub use score::{Score, plants, scores};
 pub use set::{Condition, Set, Telling};
-pub use spread::{Summary, quantile, summary};
+pub use spread::{Spread, Summary, quantile, summary};
 pub use steps::Step;
 
 use std::ops::Range;
@@ -30,7 +30,8 @@ use rayon::prelude::*;
 
 use palpate_sim::closed_loop::{Bench, LoopError};
 
-/// Delays that every plant of the paper's set is judged with `[samples]`.
+/// Delays that every plant of the paper's set is judged with `[samples]`, in the renderer's model too. The last one
+/// is judged without it in the model as well.
 pub const DELAYS: [usize; 2] = [0, 1];
 
 /// Most plants that may be asked for.

@@ -3,11 +3,11 @@
 use std::fmt;
 use std::path::Path;
 
-use comfy_table::CellAlignment;
+use comfy_table::{Cell, CellAlignment, Table};
 use serde::Serialize;
 
 use super::spread::summary_of;
-use super::{COLLISIONS, Column, Condition, Judged, Score, Set, Summary, plants, scores};
+use super::{COLLISIONS, Column, Condition, Judged, Score, Set, Spread, Summary, plants, scores};
 use crate::text::{E, FRE, counted, legend, lines, number, percent, plain_table, short, wrapped};
 
 /// Name and version of the JSON report.
@@ -23,9 +23,12 @@ pub struct SuiteReport {
     /// Name of the set, where it is not the paper's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub set: Option<&'static str>,
-    /// Seed of the draws.
+    /// Seed of the draws, the first of several.
     pub seed: u64,
-    /// Number of plants.
+    /// Number of seeds, which follow each other, where there are several: the quantiles are then those of all plants.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seeds: Option<usize>,
+    /// Number of plants, of all seeds together.
     pub plants: usize,
     /// Draws that were thrown away because object and device did not part often enough.
     pub redrawn: u64,
@@ -40,6 +43,9 @@ pub struct SuiteReport {
     pub files: Vec<String>,
     #[serde(skip)]
     in_words: Vec<String>,
+    /// Of each condition, whether it is a delay that is not in the model.
+    #[serde(skip)]
+    unmodelled: Vec<bool>,
 }
 
 /// What a column did on all plants.
@@ -51,7 +57,9 @@ pub struct ColumnReport {
     pub name: String,
     /// Name of the method.
     pub method: &'static str,
-    /// One entry for each delay, of the paper's set.
+    /// Whether the delay in the renderer's model changed its error on a plant.
+    pub models_delay: bool,
+    /// One entry for each delay, modelled and not, of the paper's set.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub delays: Vec<ConditionReport>,
     /// One entry for each condition, of every other set.
@@ -67,6 +75,9 @@ pub struct ConditionReport {
     /// Delay of the loop, of the paper's set `[samples]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub delay_samples: Option<usize>,
+    /// Delay in the renderer's model, of the paper's set `[samples]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub model_delay_samples: Option<usize>,
     /// The condition in words, of every other set.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub condition: Option<String>,
@@ -82,6 +93,39 @@ pub struct ConditionReport {
     pub limited_plants: usize,
     /// Share of all samples at which one did.
     pub limited_samples_percent: f64,
+    /// How the quantiles of each seed are spread over the seeds, where there are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub over_seeds: Option<OverSeeds>,
+}
+
+/// How the quantiles of each seed's plants are spread over the seeds.
+#[derive(Clone, Copy, Serialize)]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct OverSeeds {
+    /// Median of E `[%]`.
+    pub median_percent: Spread,
+    /// What nine tenths of E are below `[%]`.
+    pub quantile_90_percent: Spread,
+    /// Largest E `[%]`.
+    pub largest_percent: Spread,
+    /// Median of FRE over the hold floor.
+    pub error_over_floor: Spread,
+    /// Plants on which the loop ran away.
+    pub diverged: Spread,
+}
+
+impl OverSeeds {
+    fn new(summaries: &[Summary]) -> Option<Self> {
+        let spread = |value: &dyn Fn(&Summary) -> f64| Spread::new(summaries.iter().map(value));
+        Some(Self {
+            median_percent: spread(&|of| of.error[0])?,
+            quantile_90_percent: spread(&|of| of.error[2])?,
+            largest_percent: spread(&|of| of.error[3])?,
+            error_over_floor: spread(&|of| of.error_over_floor[0])?,
+            diverged: spread(&|of| of.diverged as f64)?,
+        })
+    }
 }
 
 /// An infinite one is `null` in JSON.
@@ -103,10 +147,14 @@ pub struct Quantiles {
 }
 
 impl ConditionReport {
-    fn new(condition: Condition, summary: &Summary) -> Self {
+    fn new(condition: Condition, summary: &Summary, of_seeds: &[Summary]) -> Self {
         let [median, three_quarters, nine_tenths, largest] = summary.error;
         Self {
             delay_samples: condition.delay(),
+            model_delay_samples: condition.model_delay(),
+            over_seeds: (of_seeds.len() > 1)
+                .then(|| OverSeeds::new(of_seeds))
+                .flatten(),
             condition: condition.delay().is_none().then(|| condition.to_string()),
             mean_force_error_percent: Quantiles {
                 median,
@@ -147,9 +195,34 @@ impl SuiteReport {
         Self::of_scores(set, seed, columns, &scores(judged))
     }
 
+    /// The report on the scores of several seeds, from the first on, those of each seed together.
+    #[must_use]
+    pub fn of_seeds(set: Set, first: u64, columns: &[Column], of_seeds: &[Vec<Score>]) -> Self {
+        let [scores] = of_seeds else {
+            let redrawn = |scores: &Vec<Score>| of_plants(scores).map(redrawn).sum::<u64>();
+            return Self {
+                seeds: Some(of_seeds.len()),
+                plants: of_seeds.iter().map(|scores| plants(scores)).sum(),
+                redrawn: of_seeds.iter().map(redrawn).sum(),
+                ..Self::made(set, first, columns, &of_seeds.concat(), of_seeds)
+            };
+        };
+        Self::of_scores(set, first, columns, scores)
+    }
+
     /// The same from the scores of all plants, those of each plant together.
     #[must_use]
     pub fn of_scores(set: Set, seed: u64, columns: &[Column], scores: &[Score]) -> Self {
+        Self::made(set, seed, columns, scores, &[])
+    }
+
+    fn made(
+        set: Set,
+        seed: u64,
+        columns: &[Column],
+        scores: &[Score],
+        of_seeds: &[Vec<Score>],
+    ) -> Self {
         let conditions = set.conditions();
         let reports = |index: usize, of_delays: bool| -> Vec<ConditionReport> {
             let places = conditions.iter().enumerate();
@@ -157,18 +230,22 @@ impl SuiteReport {
                 .filter(|(_, condition)| condition.delay().is_some() == of_delays)
                 .filter_map(|(place, condition)| {
                     let summary = summary_of(scores, index, place)?;
-                    Some(ConditionReport::new(*condition, &summary))
+                    let of_seeds: Vec<Summary> = of_seeds
+                        .iter()
+                        .filter_map(|scores| summary_of(scores, index, place))
+                        .collect();
+                    Some(ConditionReport::new(*condition, &summary, &of_seeds))
                 })
                 .collect()
         };
-        let of_plants = || scores.chunk_by(|a, b| a.plant == b.plant).map(|of| &of[0]);
-        let ideal_errors = of_plants().map(|one| one.ideal_error);
+        let ideal_errors = of_plants(scores).map(|one| one.ideal_error);
         Self {
             format: FORMAT,
             set: (set != Set::Paper).then(|| set.name()),
             seed,
+            seeds: None,
             plants: plants(scores),
-            redrawn: of_plants().map(|one| u64::from(one.redrawn)).sum(),
+            redrawn: of_plants(scores).map(redrawn).sum(),
             collisions: COLLISIONS,
             ideal_error: ideal_errors.fold(0.0, f64::max),
             columns: columns
@@ -177,12 +254,17 @@ impl SuiteReport {
                 .map(|(index, column)| ColumnReport {
                     name: column.name.clone(),
                     method: column.method.name(),
+                    models_delay: models_delay(&conditions, scores, index),
                     delays: reports(index, true),
                     conditions: reports(index, false),
                 })
                 .collect(),
             files: Vec::new(),
             in_words: conditions.iter().map(ToString::to_string).collect(),
+            unmodelled: conditions
+                .iter()
+                .map(|condition| matches!(condition, Condition::UnmodelledDelay(_)))
+                .collect(),
         }
     }
 
@@ -192,69 +274,155 @@ impl SuiteReport {
     }
 }
 
+/// The first score of each plant.
+fn of_plants(scores: &[Score]) -> impl Iterator<Item = &Score> {
+    scores.chunk_by(|a, b| a.plant == b.plant).map(|of| &of[0])
+}
+
+/// Whether the errors of a column with an unmodelled delay are others than those of the condition before.
+fn models_delay(conditions: &[Condition], scores: &[Score], column: usize) -> bool {
+    let errors = |condition: usize| {
+        let of = move |score: &&Score| score.column == column && score.condition == condition;
+        scores.iter().filter(of).map(|score| score.error.to_bits())
+    };
+    (1..conditions.len())
+        .filter(|&place| matches!(conditions[place], Condition::UnmodelledDelay(_)))
+        .any(|place| !errors(place - 1).eq(errors(place)))
+}
+
+fn redrawn(score: &Score) -> u64 {
+    u64::from(score.redrawn)
+}
+
 impl fmt::Display for SuiteReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let seeds = self.seeds.map_or_else(
+            || format!("seed {}", self.seed),
+            |seeds| format!("seeds {} to {}", self.seed, self.seed + seeds as u64 - 1),
+        );
         let drawn = format!(
-            "{}{}, seed {}, {} each; {} were drawn again for want of collisions",
+            "{}{}, {seeds}, {} each; {} were drawn again for want of collisions",
             counted(self.plants, "random plant"),
             self.set
                 .map_or_else(String::new, |set| format!(" of the set {set}")),
-            self.seed,
             counted(self.collisions, "collision"),
             self.redrawn
         );
         writeln!(f, "{}", wrapped(&drawn))?;
+        if self.seeds.is_some() {
+            let each = "A value: median over the seeds (least-largest of a seed).";
+            writeln!(f, "{each}")?;
+        }
         for (place, condition) in self.in_words.iter().enumerate() {
             writeln!(f, "\n{condition}\n")?;
-            let header = [
-                "method",
-                "E % median",
-                "75 %",
-                "90 %",
-                "max",
-                "FRE/floor median",
-                "90 %",
-                "peak/ideal median",
-                "max",
-                "diverged",
-                "limited plants",
-                "samples %",
-            ];
-            let limited = self
+            let unmodelled = self.unmodelled[place];
+            let columns: Vec<_> = self
                 .columns
                 .iter()
-                .any(|column| column.found(place).limited_plants > 0);
-            let header = &header[..header.len() - if limited { 0 } else { 2 }];
-            let mut table = plain_table(CellAlignment::Left, header);
-            let ratio = |value: Option<f64>| number(value, |ratio| short(ratio, 2));
-            for column in &self.columns {
-                let found = column.found(place);
-                let error = &found.mean_force_error_percent;
-                let mut cells = vec![
-                    (&*column.name).into(),
-                    number(Some(error.median), percent),
-                    number(error.quantile_75, percent),
-                    number(error.quantile_90, percent),
-                    number(error.largest, percent),
-                    ratio(Some(found.error_over_floor.median)),
-                    ratio(found.error_over_floor.quantile_90),
-                    ratio(Some(found.peak_over_ideal_peak.median)),
-                    ratio(found.peak_over_ideal_peak.largest),
-                    number(Some(found.diverged as f64), |count| count.to_string()),
-                ];
-                if limited {
-                    let count = |count: f64| count.to_string();
-                    cells.push(number(Some(found.limited_plants as f64), count));
-                    cells.push(number(Some(found.limited_samples_percent), percent));
-                }
-                table.add_row(cells);
+                .filter(|column| !unmodelled || column.models_delay)
+                .map(|column| (&*column.name, column.found(place)))
+                .collect();
+            if !columns.is_empty() {
+                let table = if self.seeds.is_some() {
+                    spread_table(&columns)
+                } else {
+                    quantile_table(&columns)
+                };
+                writeln!(f, "{}", lines(&table))?;
             }
-            writeln!(f, "{}", lines(&table))?;
+            if columns.len() < self.columns.len() {
+                let same =
+                    "The model of the delay changes nothing for the other methods: as above.";
+                writeln!(f, "{}{same}", if columns.is_empty() { "" } else { "\n" })?;
+            }
         }
         writeln!(f, "\n{}\n", legend(&[E, FRE]))?;
+        if self.seeds.is_none() {
+            writeln!(
+                f,
+                "{}\n",
+                wrapped(
+                    "These are the plants of one seed; --seeds 7 shows how the numbers vary from seed to seed."
+                )
+            )?;
+        }
         for file in &self.files {
             writeln!(f, "wrote {file}")?;
         }
         Ok(())
     }
+}
+
+/// The quantiles of each column, of one seed.
+fn quantile_table(columns: &[(&str, &ConditionReport)]) -> Table {
+    let header = [
+        "method",
+        "E % median",
+        "75 %",
+        "90 %",
+        "max",
+        "FRE/floor median",
+        "90 %",
+        "peak/ideal median",
+        "max",
+        "diverged",
+        "limited plants",
+        "samples %",
+    ];
+    let limited = columns.iter().any(|(_, found)| found.limited_plants > 0);
+    let header = &header[..header.len() - if limited { 0 } else { 2 }];
+    let mut table = plain_table(CellAlignment::Left, header);
+    let ratio = |value: Option<f64>| number(value, |ratio| short(ratio, 2));
+    for (name, found) in columns {
+        let error = &found.mean_force_error_percent;
+        let mut cells = vec![
+            (*name).into(),
+            number(Some(error.median), percent),
+            number(error.quantile_75, percent),
+            number(error.quantile_90, percent),
+            number(error.largest, percent),
+            ratio(Some(found.error_over_floor.median)),
+            ratio(found.error_over_floor.quantile_90),
+            ratio(Some(found.peak_over_ideal_peak.median)),
+            ratio(found.peak_over_ideal_peak.largest),
+            number(Some(found.diverged as f64), |count| count.to_string()),
+        ];
+        if limited {
+            let count = |count: f64| count.to_string();
+            cells.push(number(Some(found.limited_plants as f64), count));
+            cells.push(number(Some(found.limited_samples_percent), percent));
+        }
+        table.add_row(cells);
+    }
+    table
+}
+
+/// The spread of each column's quantiles over the seeds.
+fn spread_table(columns: &[(&str, &ConditionReport)]) -> Table {
+    let header = [
+        "method",
+        "E % median",
+        "90 %",
+        "max",
+        "FRE/floor median",
+        "diverged",
+    ];
+    let mut table = plain_table(CellAlignment::Left, &header);
+    for (name, found) in columns {
+        let mut cells = vec![Cell::new(name)];
+        if let Some(over) = &found.over_seeds {
+            let spreads = [
+                (over.median_percent, 1),
+                (over.quantile_90_percent, 1),
+                (over.largest_percent, 1),
+                (over.error_over_floor, 2),
+                (over.diverged, 0),
+            ];
+            cells.extend(spreads.map(|(spread, decimals)| {
+                Cell::new(spread.in_short(decimals)).set_alignment(CellAlignment::Right)
+            }));
+        }
+        table.add_row(cells);
+    }
+    table
 }

@@ -16,7 +16,7 @@ use crate::text::counted;
 /// A family of plants with the conditions under which they are judged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Set {
-    /// Wide ranges of everything, perfect actuators: without delay and with one sample of it.
+    /// Wide ranges of everything, perfect actuators: without delay, and with one sample of it, modelled and not.
     #[default]
     Paper,
     /// Desktop devices at 1 kHz with real actuators, told nothing, the truth, and a calibration.
@@ -32,8 +32,10 @@ pub enum Set {
 /// Under which condition a plant is judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Condition {
-    /// A known delay `[samples]` of a loop that is perfect otherwise.
+    /// A delay `[samples]` of a loop that is perfect otherwise, which every renderer's model has.
     Delay(usize),
+    /// The same delay, 0 in every renderer's model.
+    UnmodelledDelay(usize),
     /// What the renderer is told of the actuator.
     Told(Telling),
     /// One thing that is not perfect.
@@ -79,7 +81,12 @@ impl Set {
     #[must_use]
     pub fn conditions(self) -> Vec<Condition> {
         match self {
-            Self::Paper => DELAYS.map(Condition::Delay).to_vec(),
+            Self::Paper => {
+                let [none, one] = DELAYS;
+                let modelled = [none, one].map(Condition::Delay);
+                let unmodelled = [Condition::UnmodelledDelay(one)];
+                [&modelled[..], &unmodelled].concat()
+            }
             Self::Desk | Self::Real => {
                 let tellings = [Telling::Nothing, Telling::Truth, Telling::Calibrated];
                 tellings.map(Condition::Told).to_vec()
@@ -151,7 +158,17 @@ impl Condition {
     #[must_use]
     pub fn delay(self) -> Option<usize> {
         match self {
+            Self::Delay(delay) | Self::UnmodelledDelay(delay) => Some(delay),
+            Self::Told(_) | Self::Step(_) => None,
+        }
+    }
+
+    /// The delay in the model of the renderer, of a condition that is a delay `[samples]`.
+    #[must_use]
+    pub fn model_delay(self) -> Option<usize> {
+        match self {
             Self::Delay(delay) => Some(delay),
+            Self::UnmodelledDelay(_) => Some(0),
             Self::Told(_) | Self::Step(_) => None,
         }
     }
@@ -162,6 +179,10 @@ impl Condition {
         let mut scene = plant.scene.clone();
         match self {
             Self::Delay(delay) => scene.delay = Delay::samples(delay),
+            Self::UnmodelledDelay(delay) => {
+                scene.delay = Delay::samples(delay);
+                scene.told.delay = Some(0.0);
+            }
             Self::Told(telling) => telling.tell(&mut scene),
             Self::Step(step) => step.change(&mut scene),
         }
@@ -237,7 +258,10 @@ impl fmt::Display for Condition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Delay(0) => f.write_str("no delay"),
-            Self::Delay(delay) => write!(f, "{} of delay", counted(*delay, "sample")),
+            Self::Delay(delay) => write!(f, "{} of delay, modelled", counted(*delay, "sample")),
+            Self::UnmodelledDelay(delay) => {
+                write!(f, "{} of delay, unmodelled", counted(*delay, "sample"))
+            }
             Self::Told(Telling::Nothing) => f.write_str("told nothing"),
             Self::Told(Telling::Truth) => f.write_str("told the truth"),
             Self::Told(Telling::Calibrated) => f.write_str("told as calibrated"),

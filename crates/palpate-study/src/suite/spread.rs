@@ -1,6 +1,9 @@
 //! How results are spread over the plants.
 
+use serde::Serialize;
+
 use super::{Judged, Score, scores};
+use crate::text::short;
 
 /// What a column did over all plants under one condition.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,6 +66,51 @@ pub(super) fn summary_of(scores: &[Score], column: usize, condition: usize) -> O
         },
         peak_ratio: [quantile(&peaks, 0.5)?, quantile(&peaks, 1.0)?],
     })
+}
+
+/// How a value is spread over the seeds of random numbers. An infinite one is `null` in JSON.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct Spread {
+    /// Median of the seeds.
+    pub median: f64,
+    /// The least of a seed.
+    pub least: f64,
+    /// The largest of a seed.
+    pub largest: f64,
+}
+
+impl Spread {
+    /// The spread of one value for each seed; `None` without one.
+    #[must_use]
+    pub fn new(values: impl IntoIterator<Item = f64>) -> Option<Self> {
+        let mut sorted: Vec<f64> = values.into_iter().collect();
+        sorted.sort_by(f64::total_cmp);
+        Some(Self {
+            median: quantile(&sorted, 0.5)?,
+            least: *sorted.first()?,
+            largest: *sorted.last()?,
+        })
+    }
+
+    /// The spread of each value times a positive factor.
+    #[must_use]
+    pub fn times(self, factor: f64) -> Self {
+        Self {
+            median: factor * self.median,
+            least: factor * self.least,
+            largest: factor * self.largest,
+        }
+    }
+
+    /// The median with the range: `68.2 (45.1-70.3)`.
+    #[must_use]
+    pub fn in_short(&self, decimals: usize) -> String {
+        let [median, least, largest] =
+            [self.median, self.least, self.largest].map(|value| short(value, decimals));
+        format!("{median} ({least}-{largest})")
+    }
 }
 
 /// The value below which a `share` of the `sorted` values lies, on straight lines between

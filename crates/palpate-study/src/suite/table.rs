@@ -1,13 +1,15 @@
 //! The rows of a suite as CSV: a plant, a delay, a column.
 
 use std::io::Write;
+use std::ops::Range;
 
-use super::{COLLISIONS, Column, Condition, Judged, Set, Trial};
+use super::{COLLISIONS, Column, Judged, Set, Trial};
 use palpate::Mass;
 use palpate_record::run::{Cell, RunWriteError, RunWriter};
 
 /// What is said of a plant, in every row of it.
-const PLANT: [&str; 24] = [
+const PLANT: [&str; 25] = [
+    "seed",
     "plant",
     "redrawn",
     "device_mass_kg",
@@ -72,7 +74,7 @@ const TRIAL: [&str; 10] = [
 pub fn write(
     writer: &mut dyn Write,
     set: Set,
-    seed: u64,
+    seeds: &Range<u64>,
     columns: &[Column],
     judged: &[Judged],
 ) -> Result<(), RunWriteError> {
@@ -81,9 +83,12 @@ pub fn write(
     let in_words: Vec<String> = conditions.iter().map(ToString::to_string).collect();
     let mut receipt = vec![
         ("palpate_version", env!("CARGO_PKG_VERSION").to_owned()),
-        ("seed", seed.to_string()),
+        ("seed", seeds.start.to_string()),
         ("plants", judged.len().to_string()),
     ];
+    if seeds.end - seeds.start > 1 {
+        receipt.push(("seeds", (seeds.end - seeds.start).to_string()));
+    }
     if !is_paper {
         receipt.push(("set", set.name().to_owned()));
     }
@@ -94,7 +99,7 @@ pub fn write(
         .collect();
     let mut header = PLANT.to_vec();
     if is_paper {
-        header.push("delay_samples");
+        header.extend(["delay_samples", "model_delay_samples"]);
     } else {
         header.extend(ACTUATOR);
         header.push("condition");
@@ -109,12 +114,13 @@ pub fn write(
         }
         for trial in &one.trials {
             let mut row: Vec<Cell> = plant.iter().copied().map(Cell::from).collect();
-            row.push(match conditions[trial.condition] {
-                Condition::Delay(delay) => Cell::from(delay as f64),
-                Condition::Told(_) | Condition::Step(_) => {
-                    Cell::from(in_words[trial.condition].as_str())
+            let condition = conditions[trial.condition];
+            match (condition.delay(), condition.model_delay()) {
+                (Some(delay), Some(model)) => {
+                    row.extend([delay, model].map(|delay| Cell::from(delay as f64)));
                 }
-            });
+                _ => row.push(Cell::from(in_words[trial.condition].as_str())),
+            }
             row.extend(trial_cells(trial, columns));
             file.row(&row)?;
         }
@@ -131,6 +137,7 @@ fn plant_cells(one: &Judged) -> [f64; PLANT.len()] {
         scene.device.tremor().as_ref().map_or(f64::NAN, value)
     };
     [
+        plant.seed as f64,
         plant.index as f64,
         f64::from(plant.redrawn),
         scene.device.mass(),

@@ -3,12 +3,13 @@
 use std::fmt;
 
 use comfy_table::CellAlignment;
+use palpate_scene::Scene;
 use serde::Serialize;
 
 use super::{Quantity, Swept};
 use crate::suite::Column;
 use crate::text::{
-    ABSOLUTE_LEAK, FRE, digits, legend, lines, number, percent, plain_table, wrapped,
+    ABSOLUTE_LEAK, FRE, digits, drawn_title, legend, lines, number, percent, plain_table, wrapped,
 };
 use crate::tune::HEIGHTS;
 
@@ -28,6 +29,9 @@ pub struct SweepReport {
     pub format: &'static str,
     /// The scene's title.
     pub title: String,
+    /// Seed of the random numbers of jitter, drops and sensor noise, of which this is one draw; none if nothing is random.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
     /// What is varied: `friction`, `box` or `damping`.
     pub over: &'static str,
     /// Unit of the values; empty for a factor.
@@ -89,10 +93,10 @@ pub struct ColumnReport {
 }
 
 impl SweepReport {
-    /// The report on what [`sweep`](super::sweep) gave for the scene called `title` at `values`.
+    /// The report on what [`sweep`](super::sweep) gave for the `scene` at `values`.
     #[must_use]
     pub fn new(
-        title: &str,
+        scene: &Scene,
         quantity: Quantity,
         values: &[f64],
         columns: &[Column],
@@ -100,7 +104,8 @@ impl SweepReport {
     ) -> Self {
         Self {
             format: FORMAT,
-            title: title.to_owned(),
+            title: scene.title.clone(),
+            seed: scene.random_seed(),
             over: quantity.name(),
             unit: quantity.unit(),
             values: values
@@ -153,7 +158,7 @@ impl fmt::Display for SweepReport {
             "" => String::new(),
             unit => format!(" {unit}"),
         };
-        writeln!(f, "{}", wrapped(&self.title))?;
+        writeln!(f, "{}", wrapped(&drawn_title(&self.title, self.seed)))?;
         for at in &self.values {
             writeln!(
                 f,

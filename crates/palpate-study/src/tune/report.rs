@@ -8,7 +8,9 @@ use palpate_scene::method::{MethodName, Setting, SettingKey};
 use serde::{Serialize, Serializer};
 
 use super::{HEIGHT_RANGE, HEIGHTS, Objective, Spread, TunedPoint, best};
-use crate::text::{ABSOLUTE_LEAK, E, digits, legend, lines, number, percent, plain_table, wrapped};
+use crate::text::{
+    ABSOLUTE_LEAK, E, digits, drawn_title, legend, lines, number, percent, plain_table, wrapped,
+};
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate tune 1";
@@ -23,6 +25,9 @@ pub struct TuneReport {
     pub format: &'static str,
     /// The scene's title.
     pub title: String,
+    /// Seed of the random numbers of jitter, drops and sensor noise, of which this is one draw; none if nothing is random.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
     /// Name of the method.
     pub method: &'static str,
     /// The scene key of what was tried.
@@ -119,6 +124,7 @@ impl TuneReport {
         Self {
             format: FORMAT,
             title: scene.title.clone(),
+            seed: scene.random_seed(),
             method: method.name(),
             setting: setting.key,
             start_heights: HEIGHTS,
@@ -158,7 +164,7 @@ fn words(key: SettingKey) -> &'static str {
 
 impl fmt::Display for TuneReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}", wrapped(&self.title))?;
+        writeln!(f, "{}", wrapped(&drawn_title(&self.title, self.seed)))?;
         let tried = format!(
             "{} of {}, {} values, {} start heights within ±{} %",
             words(self.setting),

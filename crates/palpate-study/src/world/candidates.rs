@@ -63,6 +63,9 @@ const DAMPINGS: [f64; 15] = [
     0.0, 0.02, 0.04, 0.07, 0.1, 0.14, 0.2, 0.28, 0.4, 0.56, 0.8, 1.1, 1.6, 2.3, 3.2,
 ];
 
+/// Stiffnesses over K of couplings that are tried if no stiffer one can be used.
+const SOFTER: [f64; 8] = [0.03, 0.01, 0.003, 0.001, 3e-4, 1e-4, 3e-5, 1e-5];
+
 impl Tunable {
     /// All of them, in the order of tables.
     pub const ALL: [Self; 3] = [Self::VirtualDamper, Self::VirtualCoupling, Self::GodObject];
@@ -115,14 +118,39 @@ impl Tunable {
         self.with_dampings(scale, |coupling| self.dampings(scale, coupling))
     }
 
+    /// Softer couplings, to be tried if none of the [`candidates`](Self::candidates) can be used; none of the damper, whose
+    /// spring is that of the contact.
+    #[must_use]
+    pub fn softer(self, scale: Scale) -> Vec<WorldSettings> {
+        let couplings = match self {
+            Self::VirtualDamper => Vec::new(),
+            Self::VirtualCoupling => Self::avatars(scale, &SOFTER, &[0.1, 0.5, 2.0]),
+            Self::GodObject => Self::proxies(scale, &SOFTER),
+        };
+        Self::each(scale, couplings, |coupling| self.dampings(scale, coupling))
+    }
+
     /// Each coupling with these dampings `[N s/m]`.
     pub fn with_dampings(
         self,
         scale: Scale,
         dampings: impl Fn(&Coupling) -> Vec<f64>,
     ) -> Vec<WorldSettings> {
+        let couplings = match self {
+            Self::VirtualDamper => vec![Coupling::default()],
+            Self::VirtualCoupling => Self::avatars(scale, &[0.1, 0.3, 1.0, 3.0], &[0.1, 0.5]),
+            Self::GodObject => Self::proxies(scale, &[0.1, 0.3, 1.0]),
+        };
+        Self::each(scale, couplings, dampings)
+    }
+
+    fn each(
+        scale: Scale,
+        couplings: Vec<Coupling>,
+        dampings: impl Fn(&Coupling) -> Vec<f64>,
+    ) -> Vec<WorldSettings> {
         let mut all = Vec::new();
-        for coupling in self.couplings(scale) {
+        for coupling in couplings {
             all.extend(
                 dampings(&coupling)
                     .into_iter()
@@ -136,28 +164,27 @@ impl Tunable {
         all
     }
 
-    fn couplings(self, scale: Scale) -> Vec<Coupling> {
-        match self {
-            Self::VirtualDamper => vec![Coupling::default()],
-            Self::VirtualCoupling => {
-                let parts = [0.1, 0.3, 1.0, 3.0].into_iter();
-                let parts = parts.flat_map(|k| [0.1, 0.5].map(|m| (k, m)));
-                parts
-                    .map(|(k, m)| Coupling {
-                        stiffness: Some(k * scale.stiffness),
-                        mass: Some(m * scale.mass),
-                        rotational_stiffness: scale.turned(k * scale.stiffness),
-                        inertia: scale.turned(m * scale.mass),
-                    })
-                    .collect()
-            }
-            Self::GodObject => [0.1, 0.3, 1.0]
-                .map(|share| Coupling {
-                    stiffness: Some(share * scale.stiffness),
-                    ..Coupling::default()
-                })
-                .into(),
-        }
+    /// Couplings of a virtual coupling: stiffnesses over K, each with masses over m.
+    fn avatars(scale: Scale, stiffnesses: &[f64], masses: &[f64]) -> Vec<Coupling> {
+        let parts = stiffnesses.iter();
+        let parts = parts.flat_map(|k| masses.iter().map(|m| (*k, *m)));
+        parts
+            .map(|(k, m)| Coupling {
+                stiffness: Some(k * scale.stiffness),
+                mass: Some(m * scale.mass),
+                rotational_stiffness: scale.turned(k * scale.stiffness),
+                inertia: scale.turned(m * scale.mass),
+            })
+            .collect()
+    }
+
+    /// Couplings of a god-object: stiffnesses over K.
+    fn proxies(scale: Scale, stiffnesses: &[f64]) -> Vec<Coupling> {
+        let proxy = |share: &f64| Coupling {
+            stiffness: Some(share * scale.stiffness),
+            ..Coupling::default()
+        };
+        stiffnesses.iter().map(proxy).collect()
     }
 
     fn dampings(self, scale: Scale, coupling: &Coupling) -> Vec<f64> {

@@ -7,9 +7,9 @@ use palpate_scene::world::WorldScene;
 use palpate_sim::world::{WorldBench, WorldBenchError, WorldRun};
 use serde::Serialize;
 
-use super::candidates::{Scale, Tunable};
+use super::candidates::Tunable;
 use super::setting::SettingReport;
-use super::tune::{best, tune};
+use super::tune::{WorldPointReport, best, none_found, search};
 use super::{WorldMethodReport, WorldReport};
 use crate::text::{E, FRE, digits, legend, percent, plain_table, short, whole, within, wrapped};
 use crate::tune::Objective;
@@ -84,7 +84,7 @@ pub struct WorldRow {
     pub result: WorldOutcome,
 }
 
-/// What a method did on a world, or why it cannot be set up.
+/// What a method did on a world, or why there is nothing to show.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[serde(untagged)]
@@ -95,6 +95,11 @@ pub enum WorldOutcome {
     Cannot {
         /// Why.
         cannot: String,
+    },
+    /// None of the settings that were tried can be used.
+    NoneFound {
+        /// How bad they are.
+        none_found: String,
     },
 }
 
@@ -169,9 +174,9 @@ impl WorldRows {
         for &method in methods {
             begun(method);
             let result = match row(scene, &bench, method) {
-                Ok((figures, floor)) => {
-                    hold_floor_percent = floor;
-                    WorldOutcome::Ran(Box::new(figures))
+                Ok((outcome, floor)) => {
+                    hold_floor_percent = floor.or(hold_floor_percent);
+                    outcome
                 }
                 Err(WorldBenchError::Rendering(faults)) => WorldOutcome::Cannot {
                     cannot: faults
@@ -226,27 +231,33 @@ impl WorldRows {
                 row[13] = text(run.settings.coupling_stiffness_n_per_m);
                 row[14] = text(run.settings.coupling_mass_kg);
             }
-            WorldOutcome::Cannot { cannot } => row[15].clone_from(cannot),
+            WorldOutcome::Cannot { cannot: why } | WorldOutcome::NoneFound { none_found: why } => {
+                row[15].clone_from(why);
+            }
         }
         row
     }
 }
 
-/// What a method did, and the hold floor `[%]`.
+/// What a method did, or that no setting of it can be used, and the hold floor `[%]`.
 fn row(
     scene: &WorldScene,
     bench: &WorldBench,
     method: &'static str,
-) -> Result<(WorldFigures, Option<f64>), WorldBenchError> {
+) -> Result<(WorldOutcome, Option<f64>), WorldBenchError> {
     let figures = |run: &WorldRun, tuned, settings| {
         let report = WorldReport::new(scene, bench, std::slice::from_ref(run));
         let floor = run.judgement.sum.as_ref().map(|sum| sum.hold_floor);
-        (WorldFigures::of(&report.methods[0], tuned, settings), floor)
+        let figures = WorldFigures::of(&report.methods[0], tuned, settings);
+        (WorldOutcome::Ran(Box::new(figures)), floor)
     };
     if let (Some(tunable), Err(_)) = (Tunable::named(method), scene.method(method)) {
-        let candidates = tunable.candidates(Scale::of(scene));
-        let tuned = tune(scene, bench, tunable, &candidates, || ())?;
+        let tuned = search(scene, bench, tunable, || ())?;
         let best = best(&tuned, Objective::Error).expect("some setting was tried");
+        if !best.is_usable() {
+            let none_found = none_found(tuned.len(), &WorldPointReport::of(best));
+            return Ok((WorldOutcome::NoneFound { none_found }, None));
+        }
         let settings = (&best.settings).into();
         return Ok(figures(&best.run, Some(tuned.len()), settings));
     }
@@ -309,7 +320,9 @@ impl fmt::Display for WorldComparison {
             let least = scene.least();
             for method in &scene.methods {
                 let (mark, cells) = match &method.result {
-                    WorldOutcome::Cannot { .. } => ("-", [const { None }; 5]),
+                    WorldOutcome::Cannot { .. } | WorldOutcome::NoneFound { .. } => {
+                        ("-", [const { None }; 5])
+                    }
                     WorldOutcome::Ran(run) => {
                         let mark = if !run.is_whole() {
                             BROKEN
@@ -347,6 +360,7 @@ impl fmt::Display for WorldComparison {
                 writeln!(f, "{line}")?;
                 let below = match &method.result {
                     WorldOutcome::Cannot { cannot } => format!("cannot be set up: {cannot}"),
+                    WorldOutcome::NoneFound { none_found } => none_found.clone(),
                     WorldOutcome::Ran(run) => match run.tuned {
                         Some(count) => format!("best of {count}: {}", run.settings.in_short()),
                         None => run.settings.in_short(),

@@ -16,6 +16,8 @@ use palpate_testbed::metrics::Fidelity;
 use palpate_testbed::world::{DeviceJudgement, Member, WorldIdeal};
 use serde::Serialize;
 
+use crate::report::RecordedMotion;
+
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate world 1";
 
@@ -47,6 +49,9 @@ pub struct WorldReport {
     /// Mean-force error of the ideal, computed again with coarser steps, against itself; none if it was
     /// computed once.
     pub ideal_error_percent: Option<f64>,
+    /// Of a recorded motion in a table: its samples, gaps, and what was interpolated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motion: Option<RecordedMotion>,
     /// Number of contacts that begin in the ideal's window.
     pub contacts: usize,
     /// Names of those that overlap at the start, so that a contact begins with that overlap.
@@ -57,6 +62,20 @@ pub struct WorldReport {
     pub decisive: Vec<DecisiveReport>,
     /// One entry for each method.
     pub methods: Vec<WorldMethodReport>,
+    /// Methods that were left out of all, with the reason.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<LeftOutReport>,
+}
+
+/// A method that was left out of all.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct LeftOutReport {
+    /// Name of the method.
+    pub method: &'static str,
+    /// Why it cannot be set up.
+    pub reason: String,
 }
 
 /// How much the sensor and the hand of a device decide about the error of its force.
@@ -106,6 +125,23 @@ pub struct WorldMethodReport {
     pub crowded_samples: usize,
     /// Samples at which the fastest contact or joint asked for more sub-steps than a tick has: it swings within a few periods.
     pub too_fast_samples: usize,
+    /// How often a tool or body went through a solid and came out of its far side.
+    pub went_through: usize,
+    /// The first time; none if none did.
+    pub first_through: Option<ThroughReport>,
+}
+
+/// A tool or body that went through a solid.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct ThroughReport {
+    /// When it was found on the far side.
+    pub time_s: f64,
+    /// Name of the one that went,
+    pub first: String,
+    /// and of the solid.
+    pub second: String,
 }
 
 /// A sample that the renderer refused, and why.
@@ -192,6 +228,15 @@ impl From<Fidelity> for FidelityReport {
 }
 
 impl WorldReport {
+    /// Adds the methods that the scene has no settings for, which `all` leaves out.
+    pub fn all_methods(&mut self, scene: &WorldScene) {
+        let left_out = WorldScene::METHODS.into_iter().filter_map(|method| {
+            let reason = scene.method(method).err()?.message.to_string();
+            Some(LeftOutReport { method, reason })
+        });
+        self.left_out.extend(left_out);
+    }
+
     /// The report of these runs on the bench of a scene.
     #[must_use]
     pub fn new(scene: &WorldScene, bench: &WorldBench, runs: &[WorldRun]) -> Self {
@@ -224,8 +269,10 @@ impl WorldReport {
             samples: runs.first().map_or(0, |run| run.positions.len()),
             chaotic_from_s: check.and_then(|check| check.chaotic_from),
             ideal_error_percent: check.map(|check| check.error),
+            motion: None,
             contacts: ideal.encounters.len(),
             overlapping_at_start: overlapping_at_start(scene, ideal),
+            left_out: Vec::new(),
             deepest_m: ideal.deepest(),
             decisive: decisive
                 .map(|(name, of)| DecisiveReport {
@@ -237,6 +284,13 @@ impl WorldReport {
                 .collect(),
             methods: runs.iter().map(|run| of_run(run, &of_devices)).collect(),
         }
+    }
+}
+
+impl WorldReport {
+    /// Says how the recorded motion covers the loop's samples.
+    pub fn moved(&mut self, motion: RecordedMotion) {
+        self.motion = Some(motion);
     }
 }
 
@@ -274,6 +328,15 @@ fn of_run(run: &WorldRun, of_devices: &[OfDevice<'_>]) -> WorldMethodReport {
         coarse_samples: run.coarse,
         crowded_samples: run.crowded,
         too_fast_samples: run.too_fast,
+        went_through: run.went_through,
+        first_through: run.first_through.as_ref().map(|through| {
+            let [first, second] = through.names.clone();
+            ThroughReport {
+                time_s: through.time,
+                first,
+                second,
+            }
+        }),
     }
 }
 

@@ -18,7 +18,11 @@ impl fmt::Display for WorldReport {
         if !self.title.is_empty() {
             writeln!(f, "{}", wrapped(&self.title))?;
         }
-        writeln!(f, "{}\n", wrapped(&self.conditions()))?;
+        writeln!(f, "{}", wrapped(&self.conditions()))?;
+        if let Some(motion) = &self.motion {
+            writeln!(f, "{}", wrapped(&motion.in_words()))?;
+        }
+        writeln!(f)?;
         writeln!(f, "{}\n", lines(&self.method_table()))?;
         if self.methods.iter().any(|method| method.sum.is_some()) {
             writeln!(f, "{}", lines(&self.axis_table()))?;
@@ -28,6 +32,14 @@ impl fmt::Display for WorldReport {
             writeln!(f, "\n{}", legend(&[E, FRE, LEAK]))?;
         } else {
             writeln!(f, "The ideal touches no tool in this window.")?;
+        }
+        for left_out in &self.left_out {
+            let line = format!("{} was left out: {}.", left_out.method, left_out.reason);
+            writeln!(f, "{}", wrapped(&line))?;
+        }
+        if !self.left_out.is_empty() {
+            let line = "`palpate compare` with the world tries settings of its own for them.";
+            writeln!(f, "{line}")?;
         }
         for line in self.remarks() {
             writeln!(f, "{}", wrapped(&line))?;
@@ -210,6 +222,20 @@ impl WorldReport {
                     "{}: at {} the forces exceeded the guard's bound.",
                     method.method,
                     counted(method.guarded_samples, "sample")
+                ));
+            }
+            if let Some(through) = &method.first_through {
+                let more = match method.went_through {
+                    1 => String::new(),
+                    count => format!(", and {count} times in all"),
+                };
+                remarks.push(format!(
+                    "{}: \"{}\" went through \"{}\" and came out of its far side at {} s{more}. E does not show it where the ideal \
+                     does the same: a thicker or stiffer solid, or a hull or mesh, which follow their surface, keep it out.",
+                    method.method,
+                    through.first,
+                    through.second,
+                    digits(through.time_s)
                 ));
             }
             let error = method.sum.map(|sum| sum.mean_force_error_percent);

@@ -12,7 +12,7 @@ use palpate_world::{Tool, WorldRenderer};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::candidates::Tunable;
+use super::candidates::{Scale, Tunable};
 use super::setting::SettingReport;
 use crate::text::{
     E, FRE, counted, digits, legend, number, percent, plain_table, short, whole, wrapped,
@@ -21,6 +21,9 @@ use crate::tune::Objective;
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate world-tune 1";
+
+/// E of no force at all `[%]`, or little less: a setting with more makes the force worse than none.
+pub const NO_FORCE_PERCENT: f64 = 100.0;
 
 /// A setting and what it does.
 #[derive(Clone, Debug)]
@@ -38,6 +41,14 @@ impl Tuned {
         let sum = self.run.judgement.sum.as_ref();
         sum.map(|sum| sum.mean_force_error)
             .map(|error| if error.is_nan() { f64::INFINITY } else { error })
+    }
+
+    /// Whether the renderer refuses no sample and the force is nearer to the ideal than no force at all, of which E is
+    /// [`NO_FORCE_PERCENT`]: it does not run away.
+    #[must_use]
+    pub fn is_usable(&self) -> bool {
+        let error = self.error();
+        self.run.refused == 0 && error.is_none_or(|error| error < NO_FORCE_PERCENT)
     }
 
     fn leak(&self) -> f64 {
@@ -80,6 +91,25 @@ pub fn tune(
     settings.par_iter().map(one).collect()
 }
 
+/// Judges a method with its [`candidates`](Tunable::candidates) and, if none of them can be used, with
+/// [softer couplings](Tunable::softer). `done` is called after each.
+///
+/// # Errors
+/// As [`tune`].
+pub fn search(
+    scene: &WorldScene,
+    bench: &WorldBench,
+    tunable: Tunable,
+    done: impl Fn() + Sync,
+) -> Result<Vec<Tuned>, WorldBenchError> {
+    let scale = Scale::of(scene);
+    let mut tuned = tune(scene, bench, tunable, &tunable.candidates(scale), &done)?;
+    if !tuned.iter().any(Tuned::is_usable) {
+        tuned.extend(tune(scene, bench, tunable, &tunable.softer(scale), &done)?);
+    }
+    Ok(tuned)
+}
+
 /// The one of the least error or leak, of those that have some. A setting with which the renderer refuses samples comes after
 /// all with which it refuses fewer: without a force there is no leak.
 #[must_use]
@@ -111,7 +141,9 @@ pub struct WorldTuneReport {
     pub hold_floor_percent: Option<f64>,
     /// Mean-force error of the ideal against itself, computed with coarser steps.
     pub ideal_error_percent: Option<f64>,
-    /// The setting that was chosen.
+    /// Whether a setting can be used: the renderer refuses no sample, and E is less than that of no force, 100 %.
+    pub found: bool,
+    /// The setting that was chosen: the least bad one if none can be used.
     pub best: WorldPointReport,
     /// Every setting that was tried.
     pub curve: Vec<WorldPointReport>,
@@ -138,7 +170,7 @@ pub struct WorldPointReport {
 }
 
 impl WorldPointReport {
-    fn of(tuned: &Tuned) -> Self {
+    pub(super) fn of(tuned: &Tuned) -> Self {
         let sum = tuned.run.judgement.sum.as_ref();
         Self {
             settings: (&tuned.settings).into(),
@@ -170,6 +202,7 @@ impl WorldTuneReport {
             period_s: scene.timing.period,
             hold_floor_percent: sum.map(|sum| sum.hold_floor),
             ideal_error_percent: bench.self_check().map(|check| check.error),
+            found: best.is_usable(),
             best: WorldPointReport::of(best),
             curve: tuned.iter().map(WorldPointReport::of).collect(),
             files: Vec::new(),
@@ -248,6 +281,10 @@ impl fmt::Display for WorldTuneReport {
             );
             writeln!(f, "{}", wrapped(&words))?;
         }
+        if !self.found {
+            writeln!(f, "{}", wrapped(&none_found(self.curve.len(), &self.best)))?;
+            return self.end(f);
+        }
         let end = match self.best.settings.coupling_stiffness_n_per_m {
             _ if !self.has_largest_damping() => "",
             None => " It has the largest damping that was tried; a larger one may be better.",
@@ -263,10 +300,32 @@ impl fmt::Display for WorldTuneReport {
         for (key, value) in self.best.settings.values() {
             writeln!(f, "  {key} = {value}")?;
         }
+        self.end(f)
+    }
+}
+
+impl WorldTuneReport {
+    fn end(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", legend(&[E, FRE]))?;
         for file in &self.files {
             writeln!(f, "wrote {file}")?;
         }
         Ok(())
     }
+}
+
+/// Why none of so many settings can be used, with the least bad one.
+pub(super) fn none_found(count: usize, best: &WorldPointReport) -> String {
+    let least = match (best.refused_samples, best.mean_force_error_percent) {
+        (0, Some(error)) => format!("the least E is {} %", percent(error)),
+        (0, None) => "every one ran away".into(),
+        (refused, _) => format!(
+            "the renderer refuses samples with every one, at least {}",
+            counted(refused, "sample")
+        ),
+    };
+    format!(
+        "no setting found: of {count} that were tried none comes nearer to the ideal than no force, E {NO_FORCE_PERCENT} %; {least}, with {}",
+        best.settings.in_short()
+    )
 }

@@ -3,7 +3,7 @@
 use super::contact::{Acceleration, Contact, Placed, Touch, WorldError};
 use super::joints::{Bearing, Hold};
 use super::layout::Layout;
-use super::scene::{FreeMotion, Member, WorldDevice, WorldScene};
+use super::scene::{ContactLaw, FreeMotion, Member, WorldDevice, WorldScene};
 use super::surface::Feature;
 use super::vector::{Rotation, Vec3, quaternion_rate};
 
@@ -59,6 +59,8 @@ pub(super) struct Instant {
     pub normal_forces: Vec<f64>,
     /// Deflection of each bristle that acts `[m]`.
     pub bristles: Vec<Vec3>,
+    /// What damping adds to the force of each bristle on the first `[N]`.
+    pub bristle_dampers: Vec<Vec3>,
     /// Slip of each bristle, e · v_t − (μ N/k_t)′; 0 unless it slips `[m/s]`.
     pub slips: Vec<f64>,
     /// What the joints do.
@@ -165,6 +167,7 @@ impl System {
             touches: vec![touch; contacts],
             normal_forces: vec![0.0; contacts],
             bristles: vec![Vec3::ZERO; contacts],
+            bristle_dampers: vec![Vec3::ZERO; contacts],
             slips: vec![0.0; contacts],
             holds: vec![Hold::default(); self.joints.len()],
             accelerations: vec![Acceleration::default(); members],
@@ -243,7 +246,10 @@ impl System {
             let (normal_force, bristle) = self.push(number, condition.mode, &touch, state);
             now.normal_forces[number] = normal_force;
             now.bristles[number] = bristle;
-            let force = touch.normal * normal_force - bristle * contact.law.friction_stiffness;
+            let damper = damper(&contact.law, condition.mode, &touch, normal_force, bristle);
+            now.bristle_dampers[number] = damper;
+            let force =
+                touch.normal * normal_force - bristle * contact.law.friction_stiffness + damper;
             for (member, force) in [(contact.first, force), (contact.second, -force)] {
                 now.forces[member] += force;
                 let arm = touch.point - now.placed[member].position;
@@ -421,7 +427,9 @@ impl System {
             bristle_rate.write(&mut rates[place..]);
             let sums = layout.contact_sums(number);
             rates[sums] = normal_force;
-            let force = touch.normal * normal_force - now.bristles[number] * law.friction_stiffness;
+            let damper = now.bristle_dampers[number];
+            let force = touch.normal * normal_force - now.bristles[number] * law.friction_stiffness
+                + damper;
             force.write(&mut rates[sums + 1..]);
             rates[sums + 4] = match condition.mode {
                 Mode::Free => 0.0,
@@ -432,7 +440,8 @@ impl System {
                         self.raw_normal_force(number, touch).max(0.0)
                     };
                     let in_normal = (push - law.stiffness * touch.penetration) * touch.rate;
-                    in_normal + law.friction * normal_force * now.slips[number]
+                    let in_bristle = -damper.dot(touch.tangential());
+                    in_normal + law.friction * normal_force * now.slips[number] + in_bristle
                 }
             };
         }
@@ -481,6 +490,21 @@ const SPEED: f64 = 0.1;
 /// force that begins at 0 has a bristle without length, and the equations would be stiff without bound. A bristle this short holds
 /// k_t times as much `[N]`, 0.2 mN at 2 kN/m; energy does not depend on where it points.
 const TURNED_WITHIN: f64 = 1e-7;
+
+/// What damping adds to the force -k_t z of a bristle on the first `[N]`: both together are cut to μ N.
+fn damper(law: &ContactLaw, mode: Mode, touch: &Touch, normal_force: f64, bristle: Vec3) -> Vec3 {
+    if law.friction_damping == 0.0 || !matches!(mode, Mode::Stick | Mode::Slip) {
+        return Vec3::ZERO;
+    }
+    let elastic = bristle * -law.friction_stiffness;
+    let both = elastic - touch.tangential() * law.friction_damping;
+    let (size, largest) = (both.norm(), law.friction * normal_force);
+    if size > largest {
+        both * (largest / size) - elastic
+    } else {
+        both - elastic
+    }
+}
 
 /// Where the bristle of a sliding contact points; one without length points along the motion.
 pub(super) fn slip_direction(bristle: Vec3, touch: &Touch) -> Vec3 {

@@ -145,6 +145,7 @@ fn shared(law: &ContactLaw, count: f64) -> ContactLaw {
         stiffness: law.stiffness / count,
         damping: law.damping / count,
         friction_stiffness: law.friction_stiffness / count,
+        friction_damping: law.friction_damping / count,
         ..*law
     }
 }

@@ -213,7 +213,7 @@ impl Shape {
 }
 
 /// The law of a contact with penetration p and its rate p′: N = max(0, K p + B p′) while p > 0; friction is a
-/// bristle of stiffness k_t whose deflection is cut to μ N/k_t.
+/// bristle of stiffness k_t whose deflection z is cut to μ N/k_t, and its force is k_t z + B_t v_t, cut to μ N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactLaw {
     /// K, above 0 `[N/m]`.
@@ -224,6 +224,8 @@ pub struct ContactLaw {
     pub friction: f64,
     /// k_t, above 0 `[N/m]`.
     pub friction_stiffness: f64,
+    /// B_t, at least 0 `[N s/m]`.
+    pub friction_damping: f64,
 }
 
 impl ContactLaw {
@@ -235,6 +237,7 @@ impl ContactLaw {
             damping: 0.0,
             friction: 0.0,
             friction_stiffness: stiffness,
+            friction_damping: 0.0,
         }
     }
 
@@ -520,6 +523,10 @@ impl Pair {
         not_negative(&format!("{name}.law.damping"), &[law.damping])?;
         not_negative(&format!("{name}.law.friction"), &[law.friction])?;
         let bristle = format!("{name}.law.friction_stiffness");
-        above_zero(&bristle, &[law.friction_stiffness])
+        above_zero(&bristle, &[law.friction_stiffness])?;
+        not_negative(
+            &format!("{name}.law.friction_damping"),
+            &[law.friction_damping],
+        )
     }
 }

@@ -13,6 +13,7 @@ const LAW: ContactLaw = ContactLaw {
     damping: 1.5,
     friction: 0.3,
     friction_stiffness: 2000.0,
+    friction_damping: 0.0,
 };
 const DURATION: f64 = 0.12;
 

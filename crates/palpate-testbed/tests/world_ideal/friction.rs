@@ -86,6 +86,46 @@ fn a_sliding_block_stops_where_friction_has_taken_its_energy() {
     }
 }
 
+/// A block that friction holds and F pulls from t = 0 on, with a damped bristle: x = F/k_t (1 − exp(−γt) (cos ωt + γ/ω sin ωt)) with
+/// γ = B_t/(2m), ω² = k_t/m − γ². In the end the damper has taken F²/(2 k_t).
+#[test]
+fn a_block_that_friction_holds_swings_by_the_damping_of_its_bristle() {
+    let (mass, pull, stiffness, damping) = (0.05, 0.05, 2000.0, 2.0);
+    let shape = Shape::Box {
+        half_extents: [0.03, 0.02, 0.005],
+    };
+    let weight = mass * GRAVITY;
+    let mut block = body(shape, mass, [0.0, 0.0, 0.005 - weight / stiffness]);
+    motion(&mut block).force = [0.8 * pull, 0.6 * pull, -weight];
+    // It does not tilt.
+    motion(&mut block).inertia = [1e6; 3];
+    let law = ContactLaw {
+        friction_damping: damping,
+        ..ContactLaw::spring(stiffness).rough(0.4, stiffness)
+    };
+    let scene = WorldScene {
+        joints: Vec::new(),
+        bodies: vec![block, half_space([0.0, 0.0, 1.0], 0.0)],
+        pairs: vec![pair(Member::Body(0), Member::Body(1), law)],
+        ..WorldScene::default()
+    };
+    let ideal = solve(&scene, 0.001, 300);
+    let rate = 0.5 * damping / mass;
+    let omega = (stiffness / mass - rate * rate).sqrt();
+    for state in &ideal.states {
+        let phase = omega * state.time;
+        let swing = (-rate * state.time).exp() * (phase.cos() + rate / omega * phase.sin());
+        let way = pull / stiffness * (1.0 - swing);
+        let [x, y, _] = state.bodies[0].position;
+        assert!((x - 0.8 * way).abs() < 1e-10 && (y - 0.6 * way).abs() < 1e-10);
+        let balance = state.books.balance() - ideal.states[0].books.balance();
+        assert!(balance.abs() < 1e-13, "{balance}");
+    }
+    let expected = 0.5 * pull * pull / stiffness;
+    let dissipated = ideal.states.last().unwrap().books.dissipated;
+    assert!((dissipated / expected - 1.0).abs() < 1e-3, "{dissipated}");
+}
+
 /// A point pressed with N and pulled at once with less than half of μ N, so that it does not overshoot, is held by the bristle, z = F/k_t; with more it slides.
 #[test]
 fn a_point_sticks_up_to_the_limit_and_slides_beyond_it() {

@@ -1,5 +1,7 @@
 //! What is told of an engine's bodies: once, and at each of its steps.
 
+use nalgebra::Vector6;
+
 use crate::{
     Body, Contact, ContactLaw, Motion, Party, Quaternion, Shape, Tool, Vector, World, WorldError,
     WorldField, WorldPart,
@@ -75,6 +77,12 @@ impl BodyNow {
             angular_acceleration: [0.0; 3],
             mobility: [[0.0; 6]; 6],
         }
+    }
+
+    /// Velocity `[m/s]` and angular velocity `[rad/s]`.
+    pub(super) fn twist(&self) -> Vector6<f64> {
+        let [v, w] = [&self.velocity, &self.angular_velocity];
+        Vector6::new(v[0], v[1], v[2], w[0], w[1], w[2])
     }
 
     pub(super) fn is_finite(&self) -> bool {

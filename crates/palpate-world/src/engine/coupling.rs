@@ -5,8 +5,11 @@ use palpate::Fault;
 use super::image::{Image, ImageOffset};
 use super::meeting::Meeting;
 use super::pairs::Pair;
-use super::state::{EngineBooks, EngineContact, EngineState, Period, PortBook, TrackedDevice};
+use super::state::{
+    BodyPortBook, EngineBooks, EngineContact, EngineState, Period, PortBook, TrackedDevice,
+};
 use super::touch::Touch;
+use crate::books::withheld_share;
 use crate::commands::Commands;
 use crate::interval::MOST_TIMES;
 use crate::method::coupled::{Coupled, LEAST_FORCE};
@@ -89,6 +92,7 @@ impl Coupling {
             meeting,
             offsets: vec![ImageOffset::none(); bodies],
             is_body_touched: vec![false; bodies],
+            pushed: vec![None; bodies],
             devices: devices
                 .map(|priors| TrackedDevice::new(priors, Vector3::zeros()))
                 .collect(),
@@ -105,6 +109,7 @@ impl Coupling {
             books: EngineBooks {
                 contacts: vec![ContactBook::default(); pairs.len()],
                 devices: vec![PortBook::default(); tools],
+                bodies: vec![BodyPortBook::default(); bodies],
             },
         }
     }
@@ -138,6 +143,26 @@ impl Coupling {
                 None
             }
         }
+    }
+
+    /// Energy that the contacts of tools store and their limited forces do not give back `[J]`: see
+    /// [`WorldRenderer::created_energy`](crate::WorldRenderer::created_energy).
+    pub fn withheld(
+        &self,
+        pairs: &[Pair],
+        state: &EngineState,
+        largest: impl Fn(usize) -> f64,
+    ) -> f64 {
+        let gain = self.in_loop.actuation.limit_gain();
+        let books = state.books.contacts.iter().zip(pairs);
+        books
+            .filter_map(|(book, pair)| {
+                let tool = pair.toucher.tool().filter(|_| book.stored > 0.0)?;
+                let limit = self.in_loop.force_limits.get(tool);
+                let most = limit.map_or(largest(tool), |limit| limit.min(largest(tool))) / gain;
+                Some(book.stored * withheld_share(state.intended[tool].norm(), most))
+            })
+            .sum()
     }
 
     /// Says what was really sent to a tool for the last [`hold`](Self::hold) `[N]`.
@@ -320,6 +345,7 @@ impl Coupling {
         for offset in &mut state.offsets {
             *offset = ImageOffset::none();
         }
+        state.pushed.fill(None);
         for device in &mut state.devices {
             device.period = None;
         }
@@ -369,7 +395,9 @@ impl Coupling {
             state.intended[tool] = intended;
             let mut sent = intended;
             let norm = intended.norm();
-            if let Some(&most) = self.in_loop.force_limits.get(tool)
+            let most = self.in_loop.force_limits.get(tool);
+            let most = most.map(|most| most / self.in_loop.actuation.limit_gain());
+            if let Some(most) = most
                 && norm > most
             {
                 sent *= most / norm;

@@ -75,7 +75,7 @@ impl Image {
     pub fn of(body: &BodyNow, offset: &ImageOffset) -> Self {
         let [w, x, y, z] = body.orientation;
         let turned = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
-        let twist = six(&body.velocity, &body.angular_velocity);
+        let twist = body.twist();
         Self {
             position: Vector3::from(body.position) + linear(&offset.0),
             orientation: Rotation::from_scaled_axis(angular(&offset.0)) * turned,
@@ -186,7 +186,7 @@ impl Image {
     /// How much farther it has come in the step of `h` `[s]` than the body does that `stepping` moves under the mean
     /// wrench.
     pub fn ahead_of(&self, body: &BodyNow, stepping: Stepping, h: f64) -> Vector6<f64> {
-        let before = six(&body.velocity, &body.angular_velocity);
+        let before = body.twist();
         let gained = self.acceleration * h + self.mobility * self.impulse;
         let velocity = match stepping {
             Stepping::MeanVelocity => before + gained * 0.5,

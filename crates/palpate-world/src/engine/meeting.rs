@@ -92,13 +92,14 @@ impl Meeting {
             };
             touch.place = found.place;
             let now = relative(&self.tools, &self.images, pair, &touch.place);
-            let rate = rate(&self.tools, &self.images, pair, &found);
+            let ahead = ahead(&self.tools, &self.images, pair, &found.place);
+            let rate = pair.rate_of(&found.normal, &ahead);
             touch.press(
                 &pair.law,
-                found.penetration,
-                rate,
+                [found.penetration, rate],
                 found.normal,
                 &(now * half),
+                &ahead,
             );
             touch.relative = now;
             let image = &mut self.images[pair.body];
@@ -199,7 +200,7 @@ impl Meeting {
             Rates {
                 side,
                 square: (law.stiffness * along).max(tangential),
-                damping: law.damping * along,
+                damping: law.damping_rate(along, across),
             }
         }))
     }
@@ -328,14 +329,17 @@ pub(super) fn found(tools: &[Part], images: &[Image], pair: &Pair) -> Option<Fou
 
 /// How fast a pair gets deeper, as expected at the end of the sub-step `[m/s]`.
 pub(super) fn rate(tools: &[Part], images: &[Image], pair: &Pair, found: &Found) -> f64 {
-    let place = &found.place;
+    pair.rate_of(&found.normal, &ahead(tools, images, pair, &found.place))
+}
+
+/// Velocity of what touches against the image at `place`, as expected at the end of the sub-step `[m/s]`.
+fn ahead(tools: &[Part], images: &[Image], pair: &Pair, place: &Vector3) -> Vector3 {
     let touching = match pair.toucher {
         Toucher::Tool(tool) => tools[tool].ahead.velocity,
         Toucher::Body { body, .. } => images[body].velocity_at(&images[body].ahead, place),
     };
     let image = &images[pair.body];
-    let ahead = touching - image.velocity_at(&image.ahead, place);
-    pair.rate_of(&found.normal, &ahead)
+    touching - image.velocity_at(&image.ahead, place)
 }
 
 /// Velocity of what touches against the image at `place` `[m/s]`.

@@ -31,4 +31,4 @@ mod touch;
 
 pub use body::{BodyNow, BodyWrench, EngineBody, PlacedShape, Stepping};
 pub use renderer::EngineRenderer;
-pub use state::{EngineBooks, EngineContact, EngineOutput, EngineState, PortBook};
+pub use state::{BodyPortBook, EngineBooks, EngineContact, EngineOutput, EngineState, PortBook};

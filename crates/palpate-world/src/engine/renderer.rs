@@ -82,20 +82,29 @@ impl EngineRenderer {
             self.coupling.let_go(state);
             return;
         }
+        state.book_ports(bodies);
         let images = state.meeting.images.iter_mut();
         for ((image, body), offset) in images.zip(bodies).zip(&state.offsets) {
             *image = Image::of(body, offset);
         }
         state.look(&self.pairs, |book| &mut book.observed);
+        state.add_work(&self.pairs, -1.0);
         if !self.coupling.meet(&self.pairs, state, h) {
             return;
         }
+        state.add_work(&self.pairs, 1.0);
         let EngineState {
-            meeting, offsets, ..
+            meeting,
+            offsets,
+            pushed,
+            ..
         } = state;
         for (number, body) in bodies.iter().enumerate() {
             let image = &meeting.images[number];
             wrenches[number] = image.wrench(h);
+            if let Some(pushed) = &mut pushed[number] {
+                pushed.impulse = image.impulse;
+            }
             offsets[number].0 += image.ahead_of(body, self.stepping, h);
             state.is_body_touched[number] |= image.impulse.norm() > 0.0;
         }
@@ -105,6 +114,13 @@ impl EngineRenderer {
     pub fn hold<'s>(&self, state: &'s mut EngineState) -> EngineOutput<'s> {
         self.coupling.hold(&self.pairs, state);
         state.output()
+    }
+
+    /// Energy that held forces created `[J]`: [`EngineBooks::created`](super::EngineBooks::created), where a contact whose force is
+    /// limited stores what the limited force gives back. `largest` gives the largest force `[N]` that may reach a tool besides the
+    /// limits of the loop, infinite where there is none.
+    pub fn created_energy(&self, state: &EngineState, largest: impl Fn(usize) -> f64) -> f64 {
+        state.books().created() - self.coupling.withheld(&self.pairs, state, largest)
     }
 
     /// Says what was really sent to a tool for the last [`EngineRenderer::hold`] `[N]`, where it is not that force. A

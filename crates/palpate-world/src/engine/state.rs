@@ -1,7 +1,9 @@
 //! What is remembered from period to period, and what can be read from it.
 
+use nalgebra::Vector6;
 use palpate::Fault;
 
+use super::body::BodyNow;
 use super::image::ImageOffset;
 use super::meeting::Meeting;
 use super::pairs::Pair;
@@ -21,6 +23,8 @@ pub struct EngineState {
     pub(super) offsets: Vec<ImageOffset>,
     /// Whether a tool touched the body in the period.
     pub(super) is_body_touched: Vec<bool>,
+    /// Of each body, what the tools did to it in the engine's step that has not been seen to end.
+    pub(super) pushed: Vec<Option<Pushed>>,
     pub(super) devices: Vec<TrackedDevice>,
     pub(super) tracking: Tracking,
     pub(super) commands: Commands,
@@ -124,6 +128,31 @@ pub struct PortBook {
     pub carried: f64,
 }
 
+/// Energy at the port between a body of the renderer's own, an image or a copy, and the body of an engine or of a slow host, up to
+/// where that was last seen `[J]`.
+///
+/// `host_work - work` is energy that was made (positive) or lost because the host's body was pushed by a mean wrench, and went
+/// another way than the renderer's.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct BodyPortBook {
+    /// Work of the tools on the renderer's body; of a copy but for periods that the loop has missed.
+    pub work: f64,
+    /// Work of their wrench on the host's body, from one time that it was seen to the next.
+    pub host_work: f64,
+}
+
+/// What the tools did to a body in an engine's step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pushed {
+    /// Velocity `[m/s]` and angular velocity `[rad/s]` of the engine's body where the step began.
+    pub twist: Vector6<f64>,
+    /// Impulse of the tools `[N s]`, `[N m s]`.
+    pub impulse: Vector6<f64>,
+    /// Their work on the image `[J]`.
+    pub work: f64,
+}
+
 /// The books of contacts with an engine's bodies.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
@@ -133,6 +162,23 @@ pub struct EngineBooks {
     pub contacts: Vec<ContactBook>,
     /// Of each device.
     pub devices: Vec<PortBook>,
+    /// Of each body.
+    pub bodies: Vec<BodyPortBook>,
+}
+
+impl EngineBooks {
+    /// Energy that held forces have created since the start `[J]`: hands, contacts and the engine's bodies have gained it together.
+    /// What a body gives back that something in the engine holds or moves is not created. It fluctuates with the samples; a rising
+    /// sum is an instability.
+    #[must_use]
+    pub fn created(&self) -> f64 {
+        let contacts = self.contacts.iter();
+        let contacts = contacts.map(|book| book.observed + book.step_error - book.work_on_avatar);
+        let devices = self.devices.iter();
+        let devices = devices.map(|book| book.port_work + book.carried);
+        let bodies = self.bodies.iter().map(|book| book.host_work - book.work);
+        contacts.sum::<f64>() + devices.sum::<f64>() + bodies.sum::<f64>()
+    }
 }
 
 impl EngineState {
@@ -159,6 +205,37 @@ impl EngineState {
     #[must_use]
     pub fn books(&self) -> &EngineBooks {
         &self.books
+    }
+
+    /// The engine's `bodies` are seen where a step ended: books what the tools did to each in it. The next step begins.
+    pub(super) fn book_ports(&mut self, bodies: &[BodyNow]) {
+        let pushed = self.pushed.iter_mut().zip(&mut self.books.bodies);
+        for ((pushed, book), body) in pushed.zip(bodies) {
+            let twist = body.twist();
+            if let Some(pushed) = pushed {
+                // What it has gained of kinetic energy by them, however the engine integrates its position.
+                let work = pushed.impulse.dot(&(0.5 * (pushed.twist + twist)));
+                if work.is_finite() && pushed.work.is_finite() {
+                    book.host_work += work;
+                    book.work += pushed.work;
+                }
+            }
+            *pushed = Some(Pushed {
+                twist,
+                impulse: Vector6::zeros(),
+                work: 0.0,
+            });
+        }
+    }
+
+    /// Adds `times` the work that the tools' contacts have done on each image since the period began.
+    pub(super) fn add_work(&mut self, pairs: &[Pair], times: f64) {
+        for (touch, pair) in self.meeting.touches.iter().zip(pairs) {
+            let pushed = self.pushed.get_mut(pair.body).and_then(Option::as_mut);
+            if let Some(pushed) = pushed.filter(|_| pair.toucher.tool().is_some()) {
+                pushed.work += times * (touch.work - touch.work_on_avatar);
+            }
+        }
     }
 
     /// Looks at the contacts anew, and books what their stored energy changed by.

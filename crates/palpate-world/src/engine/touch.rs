@@ -15,6 +15,8 @@ pub(super) struct Touch {
     pub penetration: f64,
     pub bristle: Vector3,
     normal_force: f64,
+    /// Part of the friction force that is the bristle's damping `[N]`.
+    by_rubbing: Vector3,
     /// How fast the two were expected to approach at the sub-step's end `[m/s]`.
     expected: f64,
     /// By how much faster they did approach `[m/s]`. The next sub-step adds this to what it expects, if it is as long.
@@ -44,6 +46,7 @@ impl Touch {
             penetration: 0.0,
             bristle: none,
             normal_force: 0.0,
+            by_rubbing: none,
             expected: 0.0,
             missed: 0.0,
             force: none,
@@ -77,14 +80,15 @@ impl Touch {
         law.stored(self.penetration, &self.bristle)
     }
 
-    /// The surfaces overlap by `penetration` `[m]` at a `rate` that is expected `[m/s]`, and slide by `way` `[m]` beyond what they have.
+    /// The surfaces overlap by `penetration` `[m]` at a `rate` that is expected `[m/s]`, and slide by `way` `[m]` beyond what they
+    /// have, with a velocity that is `expected` at the sub-step's end `[m/s]`.
     pub fn press(
         &mut self,
         law: &PointLaw,
-        penetration: f64,
-        rate: f64,
+        [penetration, rate]: [f64; 2],
         normal: Vector3,
         way: &Vector3,
+        expected: &Vector3,
     ) {
         let from = if self.is_apart() { normal } else { self.normal };
         self.penetration = penetration;
@@ -106,6 +110,11 @@ impl Touch {
         self.bristle = bristle;
         self.normal = normal;
         self.force = normal * self.normal_force - bristle * law.friction_stiffness;
+        if law.friction_damping > 0.0 {
+            let across = expected - normal * normal.dot(expected);
+            self.by_rubbing = law.bristle_damping(&bristle, &across, self.normal_force);
+            self.force += self.by_rubbing;
+        }
     }
 
     /// The surfaces are apart: what the bristle stored is lost.
@@ -128,6 +137,9 @@ impl Touch {
         self.work_on_avatar += impulse.dot(avatar);
         let by_damping = self.normal_force - law.stiffness * self.penetration;
         self.dissipated += (-half * by_damping * self.normal.dot(relative)).max(0.0);
+        if law.friction_damping > 0.0 {
+            self.dissipated += (-half * self.by_rubbing.dot(relative)).max(0.0);
+        }
     }
 
     /// At the end of a sub-step the penetration grew at this `rate` `[m/s]`.

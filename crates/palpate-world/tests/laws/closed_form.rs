@@ -1,10 +1,11 @@
 //! One body, one contact, one line: the core has that in closed form.
 
 use palpate_world::{
-    ContactLaw, CoupledParams, Free, Prior, Sample, SubSteps, WorldLoop, WorldRenderer,
+    BasicParams, Body, ContactLaw, CoupledParams, Free, Motion, Prior, Sample, Shape, SubSteps,
+    WorldLoop, WorldRenderer,
 };
 
-use crate::common::{ball, world};
+use crate::common::{ball, leave_alone, plane, world};
 
 const PERIOD: f64 = 0.001;
 const MASS: f64 = 0.12;
@@ -73,4 +74,51 @@ fn along_a_line_the_forces_are_those_of_the_cores_closed_form() {
     assert!(pressed > 100, "{pressed}");
     assert!(fine < 1e-6, "{fine}");
     assert!(as_it_comes < 1e-3, "{as_it_comes}");
+}
+
+/// A block that friction holds, with a damped bristle: x = v/w sin(w t) exp(-g t) with g = B_t/(2m), w^2 = k_t/m - g^2. The ledger
+/// has the energy that it loses.
+#[test]
+fn a_block_that_friction_holds_swings_by_the_damping_of_its_bristle() {
+    let (mass, speed, stiffness, damping) = (0.05, 0.01, 2000.0, 2.0);
+    let weight = 9.81 * mass;
+    let free = Free {
+        // It does not tilt.
+        inertia: Some([1e6; 3]),
+        velocity: [0.8 * speed, 0.6 * speed, 0.0],
+        ..Free::of_mass(mass).pulled_by([0.0, 0.0, -weight])
+    };
+    let shape = Shape::Box {
+        half_extents: [0.03, 0.02, 0.005],
+    };
+    let block =
+        Body::new("block", shape, Motion::Free(free)).at([0.0, 0.0, 0.005 - weight / stiffness]);
+    let law = ContactLaw {
+        friction_damping: damping,
+        ..ContactLaw::spring(stiffness).with_friction(0.4)
+    };
+    let world = world(0.001, vec![block, plane("floor", [0.0, 0.0, 1.0])], law);
+    let method = BasicParams::default();
+    let renderer = WorldRenderer::new(&world, WorldLoop::new(PERIOD), method).unwrap();
+    let mut state = renderer.start();
+    let rate = 0.5 * damping / mass;
+    let omega = (stiffness / mass - rate * rate).sqrt();
+    let mut worst = 0.0_f64;
+    // The first sample begins the first interval.
+    leave_alone(&renderer, &mut state, 1);
+    for sample in 1..=100 {
+        leave_alone(&renderer, &mut state, 1);
+        let time = PERIOD * f64::from(sample);
+        let way = speed / omega * (omega * time).sin() * (-rate * time).exp();
+        let [x, y, _] = state.bodies()[0].position;
+        worst = worst.max((x - 0.8 * way).abs().max((y - 0.6 * way).abs()));
+    }
+    let kinetic = 0.5 * mass * speed * speed;
+    let dissipated = state.books().dissipated() / kinetic;
+    println!(
+        "off by {:.1e} of the largest way; dissipated {dissipated:.4} of the energy",
+        worst * omega / speed
+    );
+    assert!(worst < 0.01 * speed / omega, "{worst}");
+    assert!((0.97..1.0).contains(&dissipated), "{dissipated}");
 }

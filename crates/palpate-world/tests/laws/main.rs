@@ -17,6 +17,7 @@ mod cylinders;
 mod cylinders_anyhow;
 mod engine;
 mod engine_sub_steps;
+mod far_side;
 mod floor;
 mod god_object;
 mod going_on;

@@ -152,6 +152,7 @@ const LAW: ContactLaw = ContactLaw {
     damping: 4.0,
     friction: 0.0,
     friction_stiffness: 5000.0,
+    friction_damping: 0.0,
 };
 
 pub struct Case {

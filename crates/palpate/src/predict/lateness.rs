@@ -14,8 +14,10 @@ use crate::actuator::Held;
 /// observer has made of it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Lateness<S> {
-    /// Best guess `[s]`: negative where commands begin earlier than told.
+    /// The lateness to use `[s]`: negative where commands begin earlier than told, 0 while the guess is not significant.
     pub mean: S,
+    /// Best guess, significant or not `[s]`.
+    guess: S,
     /// Its variance `[s^2]`; none before the first sample.
     variance: Option<S>,
     answer: [S; PARTS],
@@ -24,6 +26,11 @@ pub(crate) struct Lateness<S> {
 /// By how much the deviation grows with every sample, in periods, up to what was told: a mass that is still
 /// to be learned looks like lateness at first.
 const DRIFT: f64 = 0.0003;
+/// Standard deviation of the displacement by a held force that no lateness explains, as a part of that displacement
+/// doubled: gain, hand and friction. Without it a contact at rest, whose force hardly changes, teaches a lateness that is none.
+const UNSURE: f64 = 0.005;
+/// The guess is used when it exceeds so many of its standard deviations.
+const DOUBTS: f64 = 3.0;
 /// The guess stays within so many of the deviations that were told.
 const MOST: f64 = 4.0;
 
@@ -50,17 +57,27 @@ impl<S: Scalar> Lateness<S> {
         answer[0] += device.mobility * held.step_moment;
         answer[1] += pushed;
         let seen = answer[0];
+        // What is not known of the force itself looks like lateness, too.
+        let unsure = S::from_f64(UNSURE) * device.mobility * held.mean * h * h;
         let variance = self.variance.unwrap_or(told * told);
-        let gain = variance * seen / (seen * seen * variance + update.variance);
+        let gain = variance * seen / (seen * seen * variance + update.variance + unsure * unsure);
         let drift = S::from_f64(DRIFT) * h;
         let left = (S::ONE - gain * seen) * variance + drift * drift;
         for (entry, by) in answer.iter_mut().zip(&update.gain) {
             *entry -= *by * seen;
         }
         let most = S::from_f64(MOST) * told;
-        let mean = (self.mean + gain * update.innovation).within(most);
+        // The innovation is against what is applied, not against the guess.
+        let surprise = update.innovation - seen * (self.guess - self.mean);
+        let guess = (self.guess + gain * surprise).within(most);
+        let doubt = S::from_f64(DOUBTS * DOUBTS) * left;
+        let mean = if guess * guess > doubt {
+            guess
+        } else {
+            S::ZERO
+        };
         let learned = mean - self.mean;
-        let mut sum = mean.abs() + left;
+        let mut sum = guess.abs() + left;
         for entry in answer {
             sum += entry.abs();
         }
@@ -69,9 +86,15 @@ impl<S: Scalar> Lateness<S> {
             return [S::ZERO; PARTS];
         }
         self.mean = mean;
+        self.guess = guess;
         self.variance = Some(left.min(told * told));
         self.answer = answer;
         answer.map(|entry| entry * learned)
+    }
+
+    /// Remaining standard deviation, as a part of the one that was `told`, above 0 `[s]`: 1 at first.
+    pub fn remaining(&self, told: S) -> S {
+        self.variance.map_or(S::ONE, |left| left.sqrt() / told)
     }
 
     /// The device was lost: what its state answers with is not known any more.

@@ -167,6 +167,22 @@ impl<S: Scalar> Method<S> for AnyMethod<S> {
     }
 
     #[inline]
+    fn is_limited(&self, memory: &AnyMemory<S>) -> bool {
+        match self {
+            Self::Basic(_) => false,
+            $(Self::$Variant(method) => method.is_limited(&part!(memory $($own)? $($shared)?)),)*
+        }
+    }
+
+    #[inline]
+    fn yields_to_limit(&self) -> bool {
+        match self {
+            Self::Basic(_) => false,
+            $(Self::$Variant(method) => Method::<S>::yields_to_limit(method),)*
+        }
+    }
+
+    #[inline]
     fn contact_damping(&self) -> S {
         match self {
             Self::Basic(_) => S::ZERO,

@@ -2,8 +2,10 @@
 //! between them is held.
 
 mod interval;
+mod saturation;
 
 use interval::{Avatar, Moved, rule};
+use saturation::Saturation;
 
 use super::method::{Ended, Method, MethodParams, Plan, Situation};
 use super::named::{FromSettings, MethodInfo, MethodName};
@@ -141,6 +143,7 @@ pub struct Coupled<S> {
     correction: bool,
     timing_deviation: S,
     flexure: Option<Flexure<S>>,
+    saturation: Saturation<S>,
 }
 
 /// What coupled rendering remembers.
@@ -161,6 +164,8 @@ pub struct CoupledMemory<S> {
     sensor_noise: SensorNoise<S>,
     /// Part of the avatar's speed that no force is going to make up for `[m/s]`.
     given_up: S,
+    /// Whether the force limit acts in the interval that the last force is for.
+    is_limited: bool,
     /// Shift of the object by placement over the last interval `[m]`.
     shift: S,
 }
@@ -225,6 +230,14 @@ impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
         let is_fast = |resonance: S| resonance * loop_params.period > S::from_f64(FAST_RESONANCE);
         let transmission = transmission.filter(|told| is_fast(told.resonance));
         let flexure = transmission.as_ref().map(Flexure::new);
+        let largest = match loop_params.force_limit {
+            // Command and delivered force are both limited.
+            Some(limit) => {
+                let actuation = &loop_params.actuation;
+                actuation.gain * limit / actuation.limit_gain()
+            }
+            None => S::INFINITY,
+        };
         Ok(Coupled {
             observer: if flexure.is_some() {
                 observer.with_flexure()
@@ -239,6 +252,10 @@ impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
             correction: self.correction,
             timing_deviation: loop_params.actuation.timing_deviation(),
             flexure,
+            saturation: Saturation {
+                force: largest,
+                penetration: largest / contact.stiffness,
+            },
         })
     }
 
@@ -275,6 +292,11 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         let before = observer.motion;
         let sway = memory.sway;
         let mut measurement = ended.measurement();
+        if self.timing_deviation > S::ZERO {
+            // A delay that has been learned is certain.
+            measurement.held.impulse_deviation = measurement.held.impulse_deviation
+                * memory.lateness.remaining(self.timing_deviation);
+        }
         let mut behind = S::ZERO;
         if let Some(flexure) = &self.flexure {
             // The centre of mass, by what the motor shows and how far the transmission is stretched.
@@ -322,6 +344,8 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         let (interval, response) =
             self.interval_past(motion, &device, start, memory.avatar.sway, ended, certainty);
         let touched = interval.course.impulse > S::ZERO;
+        // A limited force tells nothing of where the object belongs.
+        let response = response.filter(|_| !interval.is_saturated);
         memory.placed = match (lesson, &response) {
             (Some(lesson), Some(response)) => {
                 let placed = if touched && start.penetration <= S::ZERO {
@@ -421,6 +445,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         } else {
             S::ZERO
         };
+        memory.is_limited = interval.is_saturated;
         let mut mean = ((interval.course.impulse + owed) / period).max(S::ZERO);
         let apart = interval.course.impulse == S::ZERO;
         let least = S::from_f64(NEGLIGIBLE) * object_velocity.abs();
@@ -479,6 +504,16 @@ impl<S: Scalar> Method<S> for Coupled<S> {
     #[inline]
     fn lateness(&self, memory: &CoupledMemory<S>) -> S {
         memory.lateness.mean
+    }
+
+    #[inline]
+    fn is_limited(&self, memory: &CoupledMemory<S>) -> bool {
+        memory.is_limited
+    }
+
+    #[inline]
+    fn yields_to_limit(&self) -> bool {
+        true
     }
 
     #[inline]

@@ -89,6 +89,18 @@ pub trait Method<S: Scalar>: Copy + Debug {
         S::ZERO
     }
 
+    /// Whether the method has planned the last force within the force limit, and without the limit it would be another.
+    #[inline]
+    fn is_limited(&self, _memory: &Self::Memory) -> bool {
+        false
+    }
+
+    /// Whether the object moves as if the contact were a spring up to the force limit and that force beyond it.
+    #[inline]
+    fn yields_to_limit(&self) -> bool {
+        false
+    }
+
     /// Damping B with which the object moves in contact `[N s/m]`.
     fn contact_damping(&self) -> S {
         S::ZERO

@@ -54,6 +54,8 @@ pub struct Renderer<S, M> {
     speed_limit: S,
     force_limit: S,
     slew_limit: S,
+    /// Penetration from which on the contact yields, with the largest force; infinite where it does not `[m]`.
+    yields_at: S,
 }
 
 /// What reached the device over an interval that has ended.
@@ -81,19 +83,43 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         loop_params.check()?;
         let method = method.check(&contact, &loop_params)?;
         let unlimited = S::INFINITY;
+        let gain = loop_params.actuation.limit_gain();
+        // The limits hold for the command and for the force that the modelled gain makes of it.
+        let force_limit = loop_params.force_limit.unwrap_or(unlimited) / gain;
+        let motion = ObjectMotion::new(&contact, method.contact_damping(), loop_params.period);
+        // A wall does not move: its potential is that of the force which can be held.
+        let yields_at = if motion.is_wall() || method.yields_to_limit() {
+            loop_params.actuation.gain * force_limit / contact.stiffness
+        } else {
+            unlimited
+        };
         Ok(Self {
             contact,
             loop_params,
             method,
-            motion: ObjectMotion::new(&contact, method.contact_damping(), loop_params.period),
+            motion,
             actuator: Actuator::new(&loop_params.actuation, loop_params.period),
             sign: contact.side.sign(),
             per_period: S::ONE / loop_params.period,
             largest_gap: loop_params.bridged_gap(),
             speed_limit: loop_params.speed_limit.unwrap_or(unlimited),
-            force_limit: loop_params.force_limit.unwrap_or(unlimited),
-            slew_limit: loop_params.slew_limit.unwrap_or(unlimited),
+            force_limit,
+            slew_limit: loop_params.slew_limit.unwrap_or(unlimited) / gain,
+            yields_at,
         })
+    }
+
+    /// Kinetic energy of the object and elastic energy of the contact, `K p^2/2` up to the penetration at which it yields
+    /// to the force limit `[J]`.
+    #[inline]
+    fn stored_energy(&self, penetration: S, object_velocity: S) -> S {
+        let stored = self.motion.stored_energy(penetration, object_velocity);
+        let beyond = penetration - self.yields_at;
+        if beyond > S::ZERO {
+            stored - S::HALF * self.contact.stiffness * beyond * beyond
+        } else {
+            stored
+        }
     }
 
     /// The contact that is rendered.
@@ -180,9 +206,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                 object_velocity: state.object.velocity,
                 ..interval.start
             };
-            let stored = self
-                .motion
-                .stored_energy(start.penetration, start.object_velocity);
+            let stored = self.stored_energy(start.penetration, start.object_velocity);
             let moved = self
                 .motion
                 .advance(interval.rule, &start, self.motion.period());
@@ -245,10 +269,10 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                     passed,
                 }
             }
-            Some(learned) => Passed {
-                booked: state.under_way.passing(&self.actuator, h).held.mean,
-                passed: state.under_way.pass(&learned, h),
-            },
+            Some(learned) => {
+                let (booked, passed) = state.under_way.pass_learned(&self.actuator, &learned, h);
+                Passed { booked, passed }
+            }
         };
         match self.try_step(state, &sample, elapsed, &passed, adds) {
             Ok(output) => output,
@@ -335,9 +359,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                 };
                 let held_force = interval.reported.unwrap_or(*booked);
                 let closed = state.ledger.close(&Closing {
-                    stored: self
-                        .motion
-                        .stored_energy(device - object.position, object.velocity),
+                    stored: self.stored_energy(device - object.position, object.velocity),
                     port_work: held_force * device_moved,
                     virtual_force_work: virtual_force * moved.by,
                     original_work: interval.original_force * device_moved,
@@ -366,7 +388,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         let previous_penetration = match previous_penetration {
             Some(previous) if !teleported => previous,
             _ => {
-                let stored = self.motion.stored_energy(penetration, object.velocity);
+                let stored = self.stored_energy(penetration, object.velocity);
                 if !state.account_for(stored) {
                     return Err(Fault::Overflow);
                 }
@@ -403,7 +425,11 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         }
         let gain = self.actuator.gain();
         let intended = plan.force / gain;
-        let (mut wanted, mut limited) = self.bounded(intended, Limited::default());
+        let planned = Limited {
+            force: self.method.is_limited(&state.memory),
+            ..Limited::default()
+        };
+        let (mut wanted, mut limited) = self.bounded(intended, planned);
         if let Some(added) = adds(self.sign * wanted)
             && let sum = wanted + self.sign * added
             && sum.is_finite()
@@ -411,7 +437,8 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             (wanted, limited) = self.bounded(sum, limited);
         }
         let mut commanded = self.slewed(wanted, state.commanded, elapsed, &mut limited);
-        let claims = || gain * situation.ahead.magnitude();
+        // By the actuation of the loop, as the ledger.
+        let claims = || Ahead::new(&self.actuator, &state.under_way).impulse_to_come();
         let balance = state.ledger.balance();
         if let Some((bound, kept)) = self.guard_bound(balance, claims)
             && let bound = bound / gain
@@ -423,7 +450,9 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             }
         }
 
-        let original_force = situation.spring_force(&self.motion);
+        let original_force = situation
+            .spring_force(&self.motion)
+            .min(self.contact.stiffness * self.yields_at);
         let start = situation.start;
         state.commanded = commanded;
         state.under_way.send(Command {

@@ -200,6 +200,8 @@ pub fn explained<S: Scalar>(ledger: &Ledger<S>) -> f64 {
 /// The books, kept by someone who sees only samples and outputs.
 pub struct Auditor {
     stiffness: f64,
+    /// Largest force of the contact, to which it yields `[N]`.
+    largest: f64,
     mass: f64,
     last: Option<(Sample<f64>, Output<f64>)>,
     pub stored: f64,
@@ -222,6 +224,7 @@ impl Auditor {
         };
         Self {
             stiffness: contact.stiffness,
+            largest: f64::INFINITY,
             mass,
             last: None,
             stored: 0.0,
@@ -235,13 +238,25 @@ impl Auditor {
         }
     }
 
+    /// The same of a contact that yields to a force limit, as a wall does and any object by coupled rendering.
+    pub fn yielding_to(self, largest: f64) -> Self {
+        Self { largest, ..self }
+    }
+
+    /// The spring's force of a penetration, and what it stores.
+    fn spring(&self, penetration: f64) -> (f64, f64) {
+        let force = (self.stiffness * penetration.max(0.0)).min(self.largest);
+        // The area below the force, from the penetration of the largest one on a rectangle.
+        let beyond = (penetration.max(0.0) - force / self.stiffness).max(0.0);
+        (force, 0.5 * force * force / self.stiffness + force * beyond)
+    }
+
     /// For the positive side, and samples that all are good.
     pub fn observe(&mut self, sample: Sample<f64>, output: Output<f64>) {
         assert_eq!(output.fault, None);
         let penetration = sample.device_position - output.object_position;
-        let pressed = penetration.max(0.0);
-        let stored = 0.5 * self.mass * output.object_velocity.powi(2)
-            + 0.5 * self.stiffness * pressed.powi(2);
+        let (_, elastic) = self.spring(penetration);
+        let stored = 0.5 * self.mass * output.object_velocity.powi(2) + elastic;
         if let Some((before, held)) = self.last {
             let moved = sample.device_position - before.device_position;
             let port = held.force_on_object * moved;
@@ -249,7 +264,7 @@ impl Auditor {
             let moves = f64::from(self.mass > 0.0);
             let virtual_work =
                 moves * before.virtual_force * (output.object_position - held.object_position);
-            let spring = self.stiffness * (before.device_position - held.object_position).max(0.0);
+            let (spring, _) = self.spring(before.device_position - held.object_position);
             let leak = stored - self.stored - virtual_work - port;
             self.port_work += port;
             self.virtual_force_work += virtual_work;

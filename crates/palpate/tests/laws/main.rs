@@ -18,6 +18,7 @@ mod modified_force;
 mod outside;
 mod parameters;
 mod popc;
+mod pressed;
 mod readings;
 mod resting;
 mod seh;

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _palpate
 from .._arrays import known, numbers
+from .._fixed import Fixed, question_period
 from .._world_values import ContactBook, Effort, ToolState, Vector
 
 BODY_COLUMNS = 55
@@ -48,7 +49,8 @@ class EngineOutput(NamedTuple):
     forces: NDArray[np.float64]
     """Force on each device [N], a row for each."""
     limited: tuple[str, ...]
-    """Limits that acted: `force`, `offset` of an avatar or an image, `soft-start`."""
+    """Limits that acted: `force`, `offset` of an avatar or an image, `soft-start`, and `safety-stop`: the loop has
+    created energy, and all forces stay 0 until `reset()`."""
     effort: Effort
     """What the period has cost, over all steps of the engine."""
     fault: str | None
@@ -81,7 +83,7 @@ class PortBook(NamedTuple):
     """Work of the mean force of its contacts on the device."""
 
 
-class EngineContact(_palpate.EngineContact):
+class EngineContact(Fixed, _palpate.EngineContact):
     """Contacts of tools with bodies that another engine moves: what an adapter for an engine is made of.
 
     A period is
@@ -93,7 +95,7 @@ class EngineContact(_palpate.EngineContact):
         force = contact.hold()
 
     Args:
-        tools: Radius of each tool [m], by its name: a sphere, or a point of radius 0.
+        tools: Radius of each tool [m], at most 1, by its name: a sphere, or a point of radius 0.
         bodies: What may be touched.
         period: Time from sample to sample [s].
         device_mass: Effective mass of each device, right within a factor of 2 [kg]: one number for all, or three
@@ -102,6 +104,8 @@ class EngineContact(_palpate.EngineContact):
         damping: Material damping B [N s/m].
         friction: Coefficient of friction.
         friction_stiffness: Stiffness of the bristle of friction [N/m]; `None`: that of the contact.
+        friction_damping: Damping of the bristle of friction [N s/m]; `None`: `damping` times `friction_stiffness` over
+            `stiffness`.
         end_velocity: Whether a step moves a body by the velocity at its end, as semi-implicit Euler does, and not by
             the mean of start and end.
         encoder_quantum: Quantum of the position sensors [m]; 0: not known to have one.
@@ -129,6 +133,7 @@ class EngineContact(_palpate.EngineContact):
         damping: float = 0.0,
         friction: float = 0.0,
         friction_stiffness: float | None = None,
+        friction_damping: float | None = None,
         end_velocity: bool = True,
         encoder_quantum: float = 0.0,
         delay: float = 0.0,
@@ -137,10 +142,12 @@ class EngineContact(_palpate.EngineContact):
         force_limit: float = 20.0,
         soft_start: float = 0.2,
     ) -> EngineContact:
+        bristle = stiffness if friction_stiffness is None else friction_stiffness
+        question_period(period)
         made = super().__new__(
             cls,
             {
-                "tools": list(tools.items()),
+                "tools": [(name, radius(given)) for name, given in tools.items()],
                 "bodies": [
                     (
                         name,
@@ -154,7 +161,8 @@ class EngineContact(_palpate.EngineContact):
                 "stiffness": stiffness,
                 "damping": damping,
                 "friction": friction,
-                "friction_stiffness": stiffness if friction_stiffness is None else friction_stiffness,
+                "friction_stiffness": bristle,
+                "friction_damping": bristle_damping(stiffness, damping, bristle, friction_damping),
                 "end_velocity": end_velocity,
                 "period": period,
                 "device_mass": _masses(device_mass, len(tools)),
@@ -271,6 +279,38 @@ class EngineContact(_palpate.EngineContact):
 
     def __reduce__(self) -> NoReturn:
         raise TypeError("contacts with an engine have a state, and are not pickled")
+
+
+def bristle_damping(stiffness: float, damping: float, friction_stiffness: float, given: float | None) -> float:
+    """Damping of the bristle of friction [N s/m]: the given one, or that of a material that damps both directions alike."""
+    if given is not None:
+        return given
+    try:
+        return damping * friction_stiffness / stiffness if stiffness > 0.0 else 0.0
+    except TypeError:
+        return 0.0  # what is no number is refused under its own name
+
+
+LARGEST_RADIUS = 1.0
+"""Radius of a tool that is taken for a mistake above this [m]."""
+
+
+def radius(given: Any, way: str = "") -> float:
+    """The radius of a tool [m]. A whole number is refused, since it is the number of a geom or a body.
+
+    Raises:
+        ValueError: What is no radius; `way` says what may stand there besides.
+    """
+    if isinstance(given, np.ndarray) and given.ndim == 0:
+        given = given.item()
+    allowed = f"must be a radius in metres from 0 to {LARGEST_RADIUS:g}, such as 0.01{way}"
+    if isinstance(given, (bool, np.bool_)) or not isinstance(given, (int, float, np.integer, np.floating)):
+        raise ValueError(f"tool is {given!r}, but {allowed}")
+    if isinstance(given, (int, np.integer)) and given != 0:
+        raise ValueError(f"tool is {given!r}, a whole number as a geom or a body has, but {allowed}")
+    if not 0 <= given <= LARGEST_RADIUS:
+        raise ValueError(f"tool is {given!r}, but {allowed}")
+    return float(given)
 
 
 def _masses(given: ArrayLike, count: int) -> list[list[float]]:

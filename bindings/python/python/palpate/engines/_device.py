@@ -2,26 +2,36 @@
 
 from __future__ import annotations
 
+import math
+from typing import Any, ClassVar
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._arrays import numbers
+from .._arrays import known, numbers
+from .._fixed import Fixed, question_period
 
 
-class SimulatedDevice:
+class SimulatedDevice(Fixed):
     """A mass along each axis in a hand: m x'' = hand_force + F - stiffness (x - rest) - damping x'.
 
     F is held from sample to sample; the motion between them is exact.
 
     Args:
-        mass: Along x, y and z [kg].
+        mass: Along x, y and z, or one for all [kg].
         position: At the start, where the device is at rest [m].
         stiffness: Of the hand's spring [N/m].
         damping: Of the hand [N s/m].
         rest: Where the spring pulls to [m]. It may be changed, as `device.rest`: that is where a hand goes.
         hand_force: Constant force of the hand [N].
         period: Time from sample to sample [s].
+
+    Raises:
+        ValueError: What is not finite, not three numbers, or negative where that cannot be, by the name of its argument.
     """
+
+    _settable: ClassVar[frozenset[str]] = frozenset({"position", "velocity", "rest", "hand_force"})
+    _way: ClassVar[str] = "make another one; position, velocity, rest and hand_force may be set"
 
     position: NDArray[np.float64]
     """Where it is [m]."""
@@ -42,20 +52,49 @@ class SimulatedDevice:
         hand_force: ArrayLike,
         period: float,
     ) -> None:
-        self.position = numbers("position", position).copy()
+        masses = known("mass", numbers("mass", mass))
+        if masses.shape not in [(), (3,)] or (masses <= 0).any():
+            raise ValueError(f"mass is {mass!r}, but must be one number above 0, or three: along x, y and z")
+        for name, value, is_allowed in [
+            ("stiffness", stiffness, stiffness >= 0),
+            ("damping", damping, damping >= 0),
+            ("period", period, period > 0),
+        ]:
+            if not (is_allowed and math.isfinite(value)):
+                raise ValueError(f"{name} is {value!r}, but must be finite and {'above 0' if name == 'period' else 'at least 0'}")
+        question_period(period)
+        self.position = position  # type: ignore[assignment]
         self.velocity = np.zeros(3)
-        self.rest = numbers("rest", rest).copy()
-        self.hand_force = numbers("hand_force", hand_force).copy()
+        self.rest = rest  # type: ignore[assignment]
+        self.hand_force = hand_force  # type: ignore[assignment]
         self._over = np.array(
-            [_exponential([[0, 1, 0], [-stiffness / m, -damping / m, 1 / m], [0, 0, 0]], period) for m in numbers("mass", mass)]
+            [
+                _exponential([[0, 1, 0], [-stiffness / m, -damping / m, 1 / m], [0, 0, 0]], period)
+                for m in np.broadcast_to(masses, 3)
+            ]
         )
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        super().__setattr__(name, _three(name, value).copy() if name in self._settable else value)
+
     def hold(self, force: ArrayLike) -> None:
-        """Moves on by a period under a held force [N]."""
-        state = np.stack([self.position - self.rest, self.velocity, self.hand_force + numbers("force", force)], axis=1)
+        """Moves on by a period under a held force [N].
+
+        Raises:
+            ValueError: Not three numbers that are finite.
+        """
+        given = self.hand_force + _three("force", force)
+        state = np.stack([self.position - known("rest", self.rest), self.velocity, given], axis=1)
         after = np.einsum("aij,aj->ai", self._over, state)
         self.position = after[:, 0] + self.rest
         self.velocity = after[:, 1]
+
+
+def _three(name: str, given: ArrayLike) -> NDArray[np.float64]:
+    vector = known(name, numbers(name, given))
+    if vector.shape != (3,):
+        raise ValueError(f"{name} has the shape {vector.shape}, but must have (3,): x, y, z")
+    return vector
 
 
 def _exponential(rates: ArrayLike, h: float) -> NDArray[np.float64]:

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _palpate
+from .._fixed import Fixed
 from .._arrays import known, numbers, row
 from .._world_values import Vector
-from ._contact import BODY_COLUMNS
+from ._contact import BODY_COLUMNS, bristle_damping
 
 
 class SlowContact(NamedTuple):
@@ -35,6 +36,8 @@ class SlowContact(NamedTuple):
     """Coefficient of friction."""
     friction_stiffness: float | None = None
     """Stiffness of the bristle of friction [N/m]; `None`: that of the contact."""
+    friction_damping: float | None = None
+    """Damping of the bristle of friction [N s/m]; `None`: `damping` times `friction_stiffness` over `stiffness`."""
     body: int | None = None
     """Number of the body whose sphere touches; `None`: the tool does. A contact between bodies is computed by the host, and by
     the loop between two models."""
@@ -49,7 +52,13 @@ class SlowContact(NamedTuple):
                 raise ValueError(f"contact {number}: {name} is {body!r}, but must be the number of a body, from 0, or None")
         bristle = self.stiffness if self.friction_stiffness is None else self.friction_stiffness
         of = f"contact {number}: "
-        laws = (("stiffness", self.stiffness), ("damping", self.damping), ("friction", self.friction), ("friction_stiffness", bristle))
+        laws: list[tuple[str, float]] = [
+            ("stiffness", self.stiffness),
+            ("damping", self.damping),
+            ("friction", self.friction),
+            ("friction_stiffness", bristle),
+            ("friction_damping", bristle_damping(self.stiffness, self.damping, bristle, self.friction_damping)),
+        ]
         law = [_one(of + name, value) for name, value in laws]
         surface = (_three(of + "place", self.place), _three(of + "normal", self.normal), _one(of + "curvature", self.curvature))
         return (self.body, self.on), surface, (_three(of + "centre", self.centre), _one(of + "radius", self.radius)), law
@@ -100,7 +109,7 @@ class SlowProgress(NamedTuple):
         return np.concatenate([now.linear - before.linear, now.angular - before.angular]) / time
 
 
-class SlowHost(_palpate.SlowHost):
+class SlowHost(Fixed, _palpate.SlowHost):
     """A game or an engine at 20 to 200 Hz, whose bodies a `palpate.Loop` at 1 kHz renders.
 
         host = palpate.engines.SlowHost(period=0.001, device_mass=0.15, tool_radius=0.01, bodies=1, contacts=2)

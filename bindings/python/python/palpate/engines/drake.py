@@ -21,7 +21,7 @@ from typing import Any, Iterator, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._contact import BODY_COLUMNS, EngineBody, EngineContact, PlacedShape
+from ._contact import BODY_COLUMNS, EngineBody, EngineContact, PlacedShape, radius
 try:
     from pydrake.geometry import (
         Box,
@@ -73,7 +73,8 @@ class Contact(EngineContact):
         period: Time from sample to sample [s], a whole number of the plant's time steps. `None`: one step.
         port: Input port to which the wrenches go. `None`: the plant's `applied_spatial_force`, which then must not be
             connected; where it is, connect it to an `ExternallyAppliedSpatialForceMultiplexer` and give one of its ports.
-        others: Of `palpate.engines.EngineContact`: `damping`, `friction`, `friction_stiffness`, `encoder_quantum`, `delay`,
+        others: Of `palpate.engines.EngineContact`: `damping`, `friction`, `friction_stiffness`, `friction_damping`,
+            `encoder_quantum`, `delay`,
             `lag`, `gain`, `force_limit`, `soft_start`.
 
     Raises:
@@ -129,15 +130,15 @@ class Contact(EngineContact):
                 carrier = _body(plant, given)
                 if carrier in touched:
                     raise ValueError(f"bodies names body {carrier.name()!r}, which is the tool")
-                sphere, radius = _sphere(plant, inspector, carrier)
+                sphere, size = _sphere(plant, inspector, carrier)
                 spheres.append(sphere)
                 name = carrier.name()
             else:
-                radius = float(given)
+                size = radius(given, ", or a body of the plant or its name")
                 name = "tool" if len(several) == 1 else f"tool {number}"
             if name in tools:
                 raise ValueError(f"tool names {name!r} twice")
-            tools[name] = radius
+            tools[name] = size
         made = super().__new__(
             cls,
             tools=tools,
@@ -153,6 +154,7 @@ class Contact(EngineContact):
         made.simulator, made.plant, made.steps = simulator, plant, steps
         made._port, made._touched, made._centres, made._spheres = port, touched, centres, spheres
         made._joints = [plant.get_joint(index) for index in plant.GetJointIndices()]
+        made._actuators = [plant.get_joint_actuator(index) for index in plant.GetJointActuatorIndices()]
         made._start()
         return made
 
@@ -163,6 +165,10 @@ class Contact(EngineContact):
     _spheres: list[GeometryId]
     """Of tools that Drake knows."""
     _joints: list[Any]
+    _actuators: list[Any]
+    _excluded: tuple[Any, Any] | None = None
+    """Who keeps Drake's spheres of tools out of contact with bodies, and the number of that."""
+    _is_closed: bool = False
     _applied: list[ExternallyAppliedSpatialForce]
     """What the plant was last told, for each body."""
     _wrenches: NDArray[np.float64]
@@ -199,7 +205,9 @@ class Contact(EngineContact):
             ]
             shapes = [shape for body in self._touched for shape in self.plant.GetCollisionGeometriesForBody(body)]
             excluded = CollisionFilterDeclaration().ExcludeBetween(GeometrySet(self._spheres), GeometrySet(shapes))
-            scene_graph.collision_filter_manager(scene_graph.GetMyMutableContextFromRoot(root)).Apply(excluded)
+            self._let_collide()
+            manager = scene_graph.collision_filter_manager(scene_graph.GetMyMutableContextFromRoot(root))
+            self._excluded = (manager, manager.ApplyTransient(excluded))
 
     def step(self, position: ArrayLike, elapsed: float | None = None) -> NDArray[np.float64]:
         """One period: takes a sample of the devices, advances the simulator by the period, and gives the force on the
@@ -232,6 +240,8 @@ class Contact(EngineContact):
     def sample(self, position: ArrayLike, elapsed: float | None = None) -> None:
         """A period begins: takes a sample of all devices, as `step` does. Where the simulator's time has gone back since the
         last step, or it has another context, this begins anew as `reset` does."""
+        if self._is_closed:
+            raise ValueError("this Contact is closed: make another one")
         root = self.simulator.get_mutable_context()
         if root is not self._root or (root.get_time() < self._time and not self._pushes):
             self.reset()
@@ -292,6 +302,27 @@ class Contact(EngineContact):
             self._take_out()
         self._start()
 
+    def _let_collide(self) -> None:
+        if self._excluded is not None:
+            manager, number = self._excluded
+            self._excluded = None
+            manager.RemoveDeclaration(number)
+
+    def close(self) -> None:
+        """Ends the contacts: takes their wrenches out of the plant, and lets Drake's own contacts of the tools be again. `with`
+        does that at its end; `sample` is refused afterwards."""
+        if self._pushes and self.simulator.get_mutable_context() is self._root:
+            self._take_out()
+        self._pushes = False
+        self._is_closed = True
+        self._let_collide()
+
+    def __enter__(self) -> Contact:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
     def _same_context(self) -> None:
         if self.simulator.get_mutable_context() is not self._root:
             raise ValueError("the simulator was given another context within a period: call reset(), then sample()")
@@ -340,6 +371,12 @@ class Contact(EngineContact):
                 # A discrete plant takes the damping of a joint as it will be at the end of the step.
                 along = np.arange(first, first + count)
                 inertia[along, along] += h * joint.GetDampingVector(own)
+        for actuator in self._actuators:
+            if actuator.has_controller():
+                # The same of the gains of its own controllers.
+                gains = actuator.get_controller_gains()
+                at = actuator.joint().velocity_start()
+                inertia[at, at] += h * (gains.d + h * gains.p)
         inertia = inertia[np.ix_(goes, goes)]
         world = plant.world_frame()
         for body, centre, row, wrench in zip(self._touched, self._centres, self._rows, self._wrenches):

@@ -9,17 +9,19 @@
 
 The engine keeps the bodies, with its other contacts, its joints and its robots. Only the contacts of the tool are
 palpate's. Their wrenches go into `data.xfrc_applied`, on top of what stands there, and are taken out of it after
-the engine's step.
+the engine's step. `close()`, or `with`, gives the engine its own contacts of a tool back.
 """
 
 from __future__ import annotations
 
+import warnings
+import weakref
 from typing import Any, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._contact import BODY_COLUMNS, EngineBody, EngineContact, PlacedShape
+from ._contact import BODY_COLUMNS, EngineBody, EngineContact, PlacedShape, radius
 try:
     import mujoco
 except ImportError as _missing:
@@ -45,13 +47,17 @@ class Contact(EngineContact):
     passes.
 
     The tool is a sphere that MuJoCo does not know, or a sphere geom of a mocap body. Such a geom is taken out of the
-    engine's collisions, and its mocap body follows the avatar, for a viewer to show.
+    engine's collisions until this is closed, and its mocap body follows the avatar, for a viewer to show. The other geoms of
+    that body stay what they are: one that can collide is a warning, since no force of it is felt.
+
+    What a step makes of a force depends on the integrator: implicit ones, and Euler with damped joints, solve with the damping
+    of joints, tendons and servos at the end of the step. Bodies are taken to answer so.
 
     Args:
         model: A compiled model. Its lengths are in metres, its masses in kilograms.
         data: Its state.
-        tool: Radius of the tool [m], 0 for a point; or name of a sphere geom of a mocap body. Of several devices a
-            sequence of these.
+        tool: Radius of the tool [m], at most 1, 0 for a point; or a sphere geom of a mocap body, by its name or as
+            `model.geom(name)`. A whole number is refused: it is no radius. Of several devices a sequence of these.
         bodies: Names or numbers of the bodies that it touches, `"world"` for what is fixed. Of each, every geom counts
             that can collide: spheres, boxes, capsules, cylinders and planes.
         stiffness: K of the contacts [N/m].
@@ -61,6 +67,8 @@ class Contact(EngineContact):
         damping: Material damping B [N s/m].
         friction: Coefficient of friction.
         friction_stiffness: Stiffness of the bristle of friction [N/m]; `None`: that of the contact.
+        friction_damping: Damping of the bristle of friction [N s/m]; `None`: `damping` times `friction_stiffness` over
+            `stiffness`.
         encoder_quantum: Quantum of the position sensors [m]; 0: not known to have one.
         delay: Time from a sample to the beginning of its force [s]. The engine is then ahead of the sample by it.
         lag: Time constant of the actuators [s].
@@ -82,7 +90,7 @@ class Contact(EngineContact):
         model: mujoco.MjModel,
         data: mujoco.MjData,
         *,
-        tool: float | str | Sequence[float | str],
+        tool: Any,
         bodies: Sequence[str | int],
         stiffness: float,
         device_mass: ArrayLike,
@@ -90,6 +98,7 @@ class Contact(EngineContact):
         damping: float = 0.0,
         friction: float = 0.0,
         friction_stiffness: float | None = None,
+        friction_damping: float | None = None,
         encoder_quantum: float = 0.0,
         delay: float = 0.0,
         lag: float = 0.0,
@@ -101,14 +110,16 @@ class Contact(EngineContact):
             raise ValueError("data is of another model: give the data that was made of this one, mujoco.MjData(model)")
         h = float(model.opt.timestep)
         steps = 1 if period is None else _whole(period, h)
-        several: list[Any] = [tool] if isinstance(tool, str) or np.ndim(tool) == 0 else [*tool]  # type: ignore[misc]
+        several: list[Any] = [tool] if isinstance(tool, str) or _is_view(tool) or np.ndim(tool) == 0 else [*tool]
+        several = [_geom_name(given) if _is_view(given) else given for given in several]
         geoms = [_tool_geom(model, name) if isinstance(name, str) else None for name in several]
         tools: dict[str, float] = {}
         for number, (given, geom) in enumerate(zip(several, geoms)):
             name = given if isinstance(given, str) else "tool" if len(several) == 1 else f"tool {number}"
             if name in tools:
                 raise ValueError(f"tool names {name!r} twice")
-            tools[name] = float(model.geom_size[geom][0]) if geom is not None else float(given)
+            way = ", or a sphere geom of a mocap body by its name"
+            tools[name] = radius(float(model.geom_size[geom][0]) if geom is not None else given, way)
         if isinstance(bodies, (str, int)):
             raise ValueError(f"bodies is {bodies!r}, but must be a list, such as [{bodies!r}]")
         numbers = [_body(model, body) for body in bodies]
@@ -128,6 +139,7 @@ class Contact(EngineContact):
             damping=damping,
             friction=friction,
             friction_stiffness=friction_stiffness,
+            friction_damping=friction_damping,
             # Of the integrators only Runge-Kutta moves by the mean velocity.
             end_velocity=int(model.opt.integrator) != int(mujoco.mjtIntegrator.mjINT_RK4),
             encoder_quantum=encoder_quantum,
@@ -145,11 +157,15 @@ class Contact(EngineContact):
         made._made_of = made._now_made_of()
         made._mocap = [None if geom is None else int(model.body_mocapid[model.geom_bodyid[geom]]) for geom in geoms]
         made._room(model)
-        for geom in geoms:
-            if geom is not None:
-                model.geom_contype[geom] = model.geom_conaffinity[geom] = 0
+        taken = [geom for geom in geoms if geom is not None]
+        _warn_of_others(model, taken)
+        for geom in taken:
+            _take(model, geom)
+        made._give_back = weakref.finalize(made, _give_back, model, taken)
         return made
 
+    _give_back: weakref.finalize[Any, Any]
+    """Lets the engine render the tools again."""
     _numbers: list[int]
     _geoms: list[int]
     """What tools and bodies are made of."""
@@ -173,6 +189,7 @@ class Contact(EngineContact):
         self._jacobian = np.zeros((6, model.nv))
         self._rate = np.zeros((6, model.nv))
         self._answers = np.zeros((6, model.nv))
+        self._implicit = _Implicit(model, self.data)
 
     def _now_made_of(self) -> list[NDArray[np.float64]]:
         model, geoms = self.model, self._geoms
@@ -210,6 +227,8 @@ class Contact(EngineContact):
             ValueError: Not three numbers for each device, or the model has another time step, integrator or shapes than when this
                 was made.
         """
+        if not self._give_back.alive:
+            raise ValueError("this Contact is closed: make another one")
         if not all(map(np.array_equal, self._made_of, self._now_made_of())):
             raise ValueError(
                 "the model has another time step, integrator, or size or place of a geom that is touched than when this Contact was "
@@ -238,6 +257,7 @@ class Contact(EngineContact):
         # With the last wrenches the engine's other contacts are as they are when pressed.
         self.data.xfrc_applied[self._numbers] = self._theirs + self._applied
         mujoco.mj_forward(self.model, self.data)
+        self._implicit.look()
         for place, number in enumerate(self._numbers):
             self._look(place, number)
         if self.data.time < self._time:
@@ -268,6 +288,20 @@ class Contact(EngineContact):
         self._pushes = False
         self._time = float(self.data.time)
 
+    def close(self) -> None:
+        """Ends the contacts: takes their wrenches out of `data.xfrc_applied`, and gives the engine's own contacts of the tools'
+        geoms back, as they were. `with` does that at its end; `sample` is refused afterwards."""
+        if self._pushes:
+            self.data.xfrc_applied[self._numbers] = self._theirs
+            self._pushes = False
+        self._give_back()
+
+    def __enter__(self) -> Contact:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
     def _look(self, place: int, number: int) -> None:
         """Writes how a body is and answers into its row."""
         model, data = self.model, self.data
@@ -280,11 +314,142 @@ class Contact(EngineContact):
         jacobian, rate, answers = self._jacobian, self._rate, self._answers
         mujoco.mj_jacBodyCom(model, data, jacobian[:3], jacobian[3:], number)
         mujoco.mj_jacDot(model, data, rate[:3], rate[3:], data.xipos[number], number)
-        mujoco.mj_solveM(model, data, answers, jacobian)
+        self._implicit.solve(answers, jacobian)
         mobility = jacobian @ answers.T
         row[7:13] = jacobian @ data.qvel
-        row[13:19] = jacobian @ data.qacc + rate @ data.qvel - mobility @ self._applied[place]
+        row[13:19] = jacobian @ self._implicit.gained + rate @ data.qvel - mobility @ self._applied[place]
         row[19:55] = mobility.ravel()
+
+
+class _Implicit:
+    """How velocities answer to forces over a step: by the inverse of M, or of M - h dF/dv where the integrator takes forces
+    that depend on velocities as they are at the end of the step."""
+
+    gained: NDArray[np.float64]
+    """What the step adds to the velocities with the forces of `data`, over its length."""
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        self._model, self._data = model, data
+        self.gained = data.qacc
+        self._after: Any = None
+        self._rates: NDArray[np.float64] | None = None
+        self._matrix = np.zeros((model.nv, model.nv))
+
+    def look(self) -> None:
+        """After `mj_forward`: what the step will do."""
+        model, data = self._model, self._data
+        self.gained, self._rates = data.qacc, None
+        kind = int(model.opt.integrator)
+        is_implicit = kind in (_INTEGRATOR.mjINT_IMPLICIT, _INTEGRATOR.mjINT_IMPLICITFAST)
+        damps = any(one.any() for one in self._dampings) and not model.opt.disableflags & _EULERDAMP
+        if model.nv == 0 or not (is_implicit or (kind == _INTEGRATOR.mjINT_EULER and damps)):
+            return
+        if self._after is None:
+            self._after = mujoco.MjData(model)
+        # The step itself, elsewhere: it says what it adds to the velocities, and of implicit integrators also how forces
+        # depend on velocities now.
+        after = self._after
+        mujoco.mj_copyData(after, model, data)
+        if is_implicit:
+            mujoco.mj_implicit(model, after)
+            self._rates = self._dense(after)
+            if kind == _INTEGRATOR.mjINT_IMPLICITFAST:
+                # It uses the lower triangle alone.
+                self._rates = np.tril(self._rates) + np.tril(self._rates, -1).T
+        else:
+            mujoco.mj_Euler(model, after)
+            linear, further = self._dampings
+            speeds = np.abs(data.qvel)
+            rates = linear.copy()
+            for power in range(further.shape[1]):
+                rates += (power + 2) * further[:, power] * speeds ** (power + 1)
+            self._rates = np.diag(-rates)
+        self.gained = (after.qvel - data.qvel) / model.opt.timestep
+
+    @property
+    def _dampings(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Damping of joints: the factor of the speed, and, for each joint, the factors of its further powers."""
+        linear = self._model.dof_damping
+        # Before MuJoCo 4 damping was linear.
+        return linear, getattr(self._model, "dof_dampingpoly", np.zeros((len(linear), 0)))
+
+    def solve(self, answers: NDArray[np.float64], forces: NDArray[np.float64]) -> None:
+        """Accelerations over the step of generalised forces, a row for each."""
+        model, data = self._model, self._data
+        if self._rates is None:
+            mujoco.mj_solveM(model, data, answers, forces)
+            return
+        try:
+            mujoco.mj_fullM(model, data, self._matrix)
+        except TypeError:
+            # Before MuJoCo 4.
+            mujoco.mj_fullM(model, self._matrix, data.qM)
+        answers[:] = np.linalg.solve(self._matrix - model.opt.timestep * self._rates, forces.T).T
+
+    def _dense(self, data: mujoco.MjData) -> NDArray[np.float64]:
+        """How forces depend on velocities, as a matrix."""
+        sparse = self._model if hasattr(self._model, "D_rownnz") else data
+        dense = np.zeros_like(self._matrix)
+        dense[np.repeat(np.arange(len(dense)), sparse.D_rownnz), sparse.D_colind] = data.qDeriv
+        return dense
+
+
+_INTEGRATOR = mujoco.mjtIntegrator
+_EULERDAMP = int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP)
+
+_taken: dict[tuple[int, int], list[int]] = {}
+"""Of each geom that is taken out of the engine's collisions, by the model's address: by how many contacts, and its contype and
+conaffinity before."""
+
+
+def _take(model: mujoco.MjModel, geom: int) -> None:
+    now = [0, int(model.geom_contype[geom]), int(model.geom_conaffinity[geom])]
+    _taken.setdefault((model._address, geom), now)[0] += 1
+    model.geom_contype[geom] = model.geom_conaffinity[geom] = 0
+
+
+def _give_back(model: mujoco.MjModel, geoms: list[int]) -> None:
+    for geom in geoms:
+        before = _taken[model._address, geom]
+        before[0] -= 1
+        if before[0] == 0:
+            model.geom_contype[geom], model.geom_conaffinity[geom] = before[1:]
+            del _taken[model._address, geom]
+
+
+def _warn_of_others(model: mujoco.MjModel, tools: list[int]) -> None:
+    """Warns of geoms beside a tool's that push what they touch, with no force on the device."""
+    carriers = {int(model.geom_bodyid[tool]) for tool in tools}
+    mine = [geom for geom in range(model.ngeom) if int(model.body_rootid[model.geom_bodyid[geom]]) in carriers and geom not in tools]
+    others = [geom for geom in range(model.ngeom) if model.body_weldid[model.geom_bodyid[geom]] != 0 and geom not in mine]
+    pushing = [
+        geom
+        for geom in mine
+        if any(
+            model.geom_contype[geom] & model.geom_conaffinity[other] or model.geom_contype[other] & model.geom_conaffinity[geom]
+            for other in others
+        )
+    ]
+    if pushing:
+        names = ", ".join(_name(model, "geom", geom) for geom in pushing)
+        warnings.warn(
+            f"{names}: on the tool's mocap body and not the tool; the engine pushes bodies with it, and the device feels nothing of "
+            'that. Give it contype="0" conaffinity="0"',
+            stacklevel=3,
+        )
+
+
+def _is_view(given: Any) -> bool:
+    """Whether it is what `model.geom()` gives."""
+    return hasattr(given, "id") and hasattr(given, "name")
+
+
+def _geom_name(view: Any) -> str:
+    if not hasattr(view, "contype"):
+        raise ValueError(f"tool is {view!r}, but must be a radius or a geom: model.geom(name)")
+    if not view.name:
+        raise ValueError(f"tool is geom {view.id}, which has no name: give it one in the model")
+    return str(view.name)
 
 
 def _whole(period: float, h: float) -> int:

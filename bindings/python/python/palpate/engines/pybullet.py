@@ -20,8 +20,7 @@ from typing import Any, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._arrays import row
-from ._contact import EngineBody, EngineContact, PlacedShape, body_row
+from ._contact import EngineBody, EngineContact, PlacedShape, body_row, radius
 
 try:
     import pybullet
@@ -52,7 +51,8 @@ class Contact(EngineContact):
             of several devices a row of three for each.
         period: Time from sample to sample [s], a whole number of the engine's steps. `None`: one step. Set the step first,
             by `pybullet.setTimeStep`.
-        others: Of `palpate.engines.EngineContact`: `damping`, `friction`, `friction_stiffness`, `encoder_quantum`, `delay`,
+        others: Of `palpate.engines.EngineContact`: `damping`, `friction`, `friction_stiffness`, `friction_damping`,
+            `encoder_quantum`, `delay`,
             `lag`, `gain`, `force_limit`, `soft_start`.
 
     Raises:
@@ -87,7 +87,8 @@ class Contact(EngineContact):
         for number in numbers:
             if numbers.count(number) > 1:
                 raise ValueError(f"bodies names {number} twice")
-        radii = [float(radius) for radius in row("tool", np.ravel(tool))]
+        several: list[Any] = [tool] if np.ndim(tool) == 0 else [*tool]  # type: ignore[misc]
+        radii = [radius(given) for given in several]
         names = ["tool"] if len(radii) == 1 else [f"tool {number}" for number in range(len(radii))]
         made = super().__new__(
             cls,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueHint};
 
 use crate::arguments::{Overwriting, PlotFlags};
-use crate::values::{Methods, methods, number, periods};
+use crate::values::{Methods, methods, number, period, periods};
 
 /// Arguments of `advise`.
 #[derive(Args, Debug)]
@@ -15,7 +15,7 @@ pub struct AdviseArguments {
           required_unless_present = "device_file", help_heading = "Device")]
     pub device_mass: Option<f64>,
     /// Period T of the loop [s]
-    #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
+    #[arg(long, value_name = "s", value_parser = period, allow_hyphen_values = true,
           help_heading = "Device")]
     pub period: f64,
     /// Quantum of the device's position sensor [m] [default: that of --device-file, or 0]
@@ -39,6 +39,15 @@ pub struct AdviseArguments {
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
           help_heading = "Device")]
     pub lag: Option<f64>,
+    /// Standard deviation of the delay, its changes from command to command included, in periods [default:
+    /// that of --device-file, or 0]
+    #[arg(long, value_name = "PERIODS", value_parser = number, allow_hyphen_values = true,
+          help_heading = "Device")]
+    pub delay_deviation: Option<f64>,
+    /// Standard deviation of the lag [s] [default: that of --device-file, or 0]
+    #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
+          help_heading = "Device")]
+    pub lag_deviation: Option<f64>,
     /// First resonance of a flexible transmission, beyond which no contact gets a yes [Hz] [default: that of
     /// --device-file, or none]
     #[arg(long, value_name = "Hz", value_parser = number, allow_hyphen_values = true,
@@ -49,8 +58,8 @@ pub struct AdviseArguments {
     #[arg(long, value_name = "FRACTION", value_parser = number, allow_hyphen_values = true,
           help_heading = "Device")]
     pub flexible_mass_fraction: Option<f64>,
-    /// A device file of `palpate calibrate` (TOML): mass, delay, lag and quantum, and the resonance, beyond
-    /// which no contact gets a yes
+    /// A device file of `palpate calibrate` (TOML): mass, delay, lag and quantum, with the deviations that the
+    /// renderer takes into account, and the resonance, beyond which no contact gets a yes
     #[arg(long, value_name = "FILE.toml", value_hint = ValueHint::FilePath, help_heading = "Device")]
     pub device_file: Option<PathBuf>,
     /// Contact stiffness K you would like [N/m]

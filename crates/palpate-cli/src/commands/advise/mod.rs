@@ -84,6 +84,8 @@ fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> Result<Bou
         period: arguments.period,
         delay: arguments.delay,
         lag: arguments.lag,
+        delay_deviation: arguments.delay_deviation,
+        lag_deviation: arguments.lag_deviation,
         stiffness: arguments.stiffness,
         object_mass: arguments.mass.unwrap_or(f64::INFINITY),
     };
@@ -122,6 +124,14 @@ fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> Result<Bou
     not_negative("--coulomb-friction", device.coulomb_friction, "N")?;
     not_negative("--encoder-quantum", device.encoder_quantum, "m")?;
     not_negative("--lag", bounce.lag, "s")?;
+    for (flag, deviation, unit) in [
+        ("--delay-deviation", arguments.delay_deviation, "periods"),
+        ("--lag-deviation", arguments.lag_deviation, "s"),
+    ] {
+        if let Some(deviation) = deviation {
+            not_negative(flag, deviation, unit)?;
+        }
+    }
     Ok(bounce)
 }
 

@@ -135,17 +135,32 @@ fn describe(calibration: &mut Calibration, arguments: &CalibrateArguments) {
         .normal
         .as_ref()
         .map(|normal| format!("--normal {normal}"));
-    let flags = &arguments.excitation;
-    let on = if arguments.pipe { "--pipe" } else { "--device" };
-    calibration.command = Some(format!(
-        "palpate calibrate {on} --period {} --largest-force {} --seconds {} --box {} --tremor {} --seed {}",
-        arguments.period,
-        flags.largest_force,
-        flags.seconds,
-        flags.excursion,
-        flags.tremor,
-        flags.seed
-    ));
+    calibration.command = Some(command_line(std::env::args().skip(1)));
+}
+
+/// The command as it was given, to be run again; files are named without their folders, devices in full.
+fn command_line(arguments: impl Iterator<Item = String>) -> String {
+    let words = arguments.map(|argument| {
+        let (flag, value) = match argument.split_once('=') {
+            Some((flag, value)) if flag.starts_with("--") => (format!("{flag}="), value),
+            _ => (String::new(), argument.as_str()),
+        };
+        let path = Path::new(value);
+        let value = match path.file_name() {
+            Some(name) if path.is_absolute() && !path.starts_with("/dev") => name.to_string_lossy(),
+            _ => value.into(),
+        };
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
+        if !value.is_empty() && value.chars().all(is_plain) {
+            format!("{flag}{value}")
+        } else {
+            format!("{flag}'{}'", value.replace('\'', "'\\''"))
+        }
+    });
+    std::iter::once("palpate".to_owned())
+        .chain(words)
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 fn write(
@@ -175,4 +190,28 @@ fn write(
         report.wrote(path);
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::command_line;
+
+    #[test]
+    fn a_command_can_be_run_again_and_names_no_folder() {
+        let words = [
+            "calibrate",
+            "--device",
+            "two words",
+            "--port=/dev/ttyACM0",
+            "--normal",
+            "1,0",
+            "--out=/home/me/it's.toml",
+            "--report",
+            "/home/me/report.json",
+        ];
+        assert_eq!(
+            command_line(words.into_iter().map(str::to_owned)),
+            "palpate calibrate --device 'two words' --port=/dev/ttyACM0 --normal 1,0 --out='it'\\''s.toml' --report report.json"
+        );
+    }
 }

@@ -8,6 +8,7 @@ use palpate_rt::StopFlag;
 use palpate_study::calibration::ExcitedMotion;
 
 use super::CalibrateArguments;
+use crate::arguments::TraceFlags;
 use crate::failure::Failure;
 
 /// Excites a device whose positions come in on standard input, until the excitation is complete.
@@ -21,7 +22,16 @@ pub fn excite(
 ) -> Result<ExcitedMotion, Failure> {
     let stop =
         StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
-    let unit = arguments.device.unit;
+    let unit = arguments.device.table.unit;
+    let other = TraceFlags {
+        unit: None,
+        ..arguments.device.table.clone()
+    };
+    if let Some(flag) = other.given() {
+        return Err(Failure::Arguments(format!(
+            "{flag} is for a table; on standard input only --unit says what lines are"
+        )));
+    }
     let format = Format {
         time: arguments.time,
         unit: unit.unwrap_or_default(),

@@ -81,6 +81,14 @@ pub struct SceneArguments {
     #[arg(long, value_name = "PERIODS", value_parser = number, default_value = "0",
           allow_hyphen_values = true)]
     pub lag: f64,
+    /// Standard deviation of the delay as the renderer takes it into account, in periods
+    #[arg(long, value_name = "PERIODS", value_parser = number, default_value_t = 0.0,
+          allow_hyphen_values = true)]
+    pub delay_deviation: f64,
+    /// Standard deviation of the lag as the renderer takes it into account, in periods
+    #[arg(long, value_name = "PERIODS", value_parser = number, default_value_t = 0.0,
+          allow_hyphen_values = true)]
+    pub lag_deviation: f64,
     /// Device mass that the renderer is told, over the true one
     #[arg(long, value_name = "FACTOR", value_parser = number, default_value_t = 1.0,
           allow_hyphen_values = true)]

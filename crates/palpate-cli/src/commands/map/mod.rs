@@ -114,6 +114,8 @@ fn params(scene: &SceneArguments) -> Result<MapParams, Failure> {
         device,
         delay: scene.delay,
         lag: lag(scene.lag)?,
+        delay_deviation: not_below("--delay-deviation", scene.delay_deviation, 0.0, " periods")?,
+        lag_deviation: not_below("--lag-deviation", scene.lag_deviation, 0.0, " periods")?,
         told_period: factor("--told-period", scene.told_period)?,
         forces: match scene.forces {
             ForcesName::Balanced => defaults.forces,

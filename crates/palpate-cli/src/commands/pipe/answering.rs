@@ -38,6 +38,11 @@ pub fn answer<S: Answering>(
         }
     }
     outcome(served.ended)?;
+    if let Some(trip) = served.safety_stop {
+        return Err(Failure::MotorsOff(format!(
+            "safety stop until the end: {trip}; there was no force"
+        )));
+    }
     if served.has_refused_all {
         return Err(Failure::MotorsOff(
             "every line was refused: there was no force".into(),

@@ -75,13 +75,15 @@ fn set_up(arguments: &PipeArguments, scene: Option<SceneFile>) -> Result<Stream,
     // Contact and loop first: what is wrong with them is wrong whatever the method.
     check_contact(&setup)?;
     let rendering = rendering(&setup, method, &settings).map_err(|error| wrong_setup(&error))?;
+    let slew_limit = rendering.loop_params.slew_limit.unwrap_or(f64::INFINITY);
     let (parameters, rendered) =
         palpate_rt::parameters(rendering).map_err(|error| wrong_rendered(&error))?;
     let safety = Safety::new(
         SafetyParams::bounding(force_limit, None, soft_start),
         setup.loop_params.period,
     )
-    .map_err(|error| Failure::Arguments(error.to_string()))?;
+    .map_err(|error| Failure::Arguments(error.to_string()))?
+    .rendering(&rendering.loop_params.actuation, slew_limit);
     let mut stream = Stream {
         rendered,
         safety,

@@ -19,11 +19,11 @@ use crate::arguments::{RenderArguments, ReplayKind};
 use crate::failure::{Failure, tell};
 use crate::inside;
 use crate::progress::Progress;
-use crate::recorded::trace::{STANDARD_INPUT, how_to_cut, read_trace};
+use crate::recorded::trace::{STANDARD_INPUT, how_to_cut, read_trace, tell_gap};
 use crate::results::deliver;
 use crate::setup::{check_contact, wrong_on_bench, wrong_setup};
 use palpate_plot::RunsFigure;
-use palpate_study::report::{Replayed, Report, Subject, receipt, told_lines};
+use palpate_study::report::{RecordedMotion, Replayed, Report, Subject, receipt, told_lines};
 
 /// Renders a recorded motion by the methods that were named.
 pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
@@ -33,7 +33,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     if arguments.trace.extension().is_some_and(|it| it == "toml") {
         return Err(Failure::Arguments(format!(
             "{}: render takes a table of positions; a world takes one by --input RECORDING.csv, with the columns \
-             t,x,y,z",
+             t,x,y,z, or others by --columns",
             arguments.trace.display()
         )));
     }
@@ -57,8 +57,12 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let HeldTrace {
         trace,
         force_on_device_n: forces,
-    } = read_trace(&arguments.trace, &name, &part, arguments.unit)?;
-    if let Some(inside) = inside::at_start(&setup, trace.position_m[0], arguments.unit.is_some()) {
+        notes,
+    } = read_trace(&arguments.trace, &name, &part, &arguments.table)?;
+    let motion = RecordedMotion::new(&trace.t_s, period, notes.left_out);
+    tell_gap(&name, &motion);
+    let is_unit_given = arguments.table.unit.is_some();
+    if let Some(inside) = inside::at_start(&setup, trace.position_m[0], is_unit_given) {
         tell(format_args!("warning: {inside}"));
     }
     let settings = flags.settings();
@@ -122,6 +126,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     receipt.extend(lines.map(|(key, value)| (format!("actuator_{key}"), value.to_string())));
     report.actuated(told);
     report.replayed(replayed.clone());
+    report.moved(motion);
     deliver(
         (&arguments.results, &outputs),
         report,

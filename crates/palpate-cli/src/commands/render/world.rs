@@ -3,21 +3,32 @@
 use std::path::Path;
 
 use palpate_files::outputs::Outputs;
-use palpate_record::trace::read_world;
 use palpate_scene::world::WorldFile;
 use palpate_sim::world::{WorldBench, WorldBenchError};
+use palpate_study::report::RecordedMotion;
 use palpate_study::world::{WorldReport, forces};
 use palpate_testbed::world::LedPath;
 
-use crate::arguments::{Flags, RenderArguments, Results};
+use crate::arguments::{Flags, RenderArguments, Results, TraceFlags};
 use crate::commands::simulate::{AnyScene, read_any};
-use crate::failure::Failure;
+use crate::failure::{Failure, tell};
+use crate::inside;
 use crate::progress::Progress;
+use crate::recorded::trace::{read_world_trace, tell_gap};
 use crate::results::print_report;
 use crate::worlds::{self, wrong_world};
 
 /// What rendering a motion in a world takes.
-const FLAGS: [&str; 6] = ["trace", "input", "method", "out", "overwrite", "json"];
+const FLAGS: [&str; 8] = [
+    "trace",
+    "input",
+    "method",
+    "out",
+    "overwrite",
+    "json",
+    "from",
+    "to",
+];
 
 /// Renders the motion in `input` in the world of the scene file, by the methods that were named or by its own.
 pub fn run(arguments: &RenderArguments, input: &Path) -> Result<(), Failure> {
@@ -31,37 +42,49 @@ pub fn run(arguments: &RenderArguments, input: &Path) -> Result<(), Failure> {
             )));
         }
     };
-    worlds::only(&arguments.given, &FLAGS, path)?;
+    let known = [&FLAGS[..], &TraceFlags::NAMES].concat();
+    worlds::only(&arguments.given, &known, path)?;
     palpate_files::inputs::note(input);
     let outputs = arguments.results.check(path)?;
     let name = input.display().to_string();
-    let opened =
-        std::fs::File::open(input).map_err(|error| Failure::System(format!("{name}: {error}")))?;
-    let devices = file.scene.devices.iter();
-    let turns: Vec<bool> = devices.map(|device| device.turning.is_some()).collect();
-    let trace = read_world(opened, &name, &turns).map_err(Failure::input)?;
+    let devices = &file.scene.devices;
+    let tools = file.scene.world.tools.iter();
+    let names: Vec<&str> = tools.map(|tool| tool.name.as_str()).collect();
+    let part = arguments.part.part(f64::INFINITY)?;
+    let trace = read_world_trace(input, &part, &arguments.table, devices, &names)?;
+    let period = file.scene.timing.period;
+    let motion = RecordedMotion::new(&trace.t_s, period, trace.notes.left_out);
+    tell_gap(&name, &motion);
+    let is_unit_given = arguments.table.unit.is_some();
     let path = LedPath::new(trace.t_s, trace.positions_m);
     let path = match trace.orientations {
         none if none.is_empty() => path,
         orientations => path.and_then(|path| path.turned(orientations)),
     };
     let path = path.map_err(|error| Failure::input(format!("{name}: {error}")))?;
-    let name = arguments.trace.display().to_string();
+    let scene_name = arguments.trace.display().to_string();
     deliver(
         &arguments.flags,
         (&arguments.results, &outputs),
-        (&file, &name),
+        (&file, &scene_name),
         path,
+        |report| {
+            if let Some(deep) = inside::deep(report.deepest_m, is_unit_given) {
+                tell(format_args!("warning: {name}: {deep}"));
+            }
+            report.moved(motion);
+        },
     )
 }
 
 /// Leads the devices of the world called `name` along a path, by the methods that were named or by its own, and prints
-/// what came out.
+/// what came out, after `change` has seen the report.
 pub fn deliver(
     flags: &Flags,
     (results, outputs): (&Results, &Outputs),
     (file, name): (&WorldFile, &str),
     path: LedPath,
+    change: impl FnOnce(&mut WorldReport),
 ) -> Result<(), Failure> {
     let scene = file.scene.led();
     let mut renderers = Vec::new();
@@ -84,5 +107,10 @@ pub fn deliver(
     if let Some(out) = &results.out {
         outputs.write(out, |writer| forces::write(writer, &scene, &runs))?;
     }
-    print_report(&WorldReport::new(&scene, &bench, &runs), results.json)
+    let mut report = WorldReport::new(&scene, &bench, &runs);
+    change(&mut report);
+    if (flags.method.as_ref()).is_some_and(|methods| methods.are_all) {
+        report.all_methods(&scene);
+    }
+    print_report(&report, results.json)
 }

@@ -32,6 +32,6 @@ pub fn run(
     }
     let results = (&arguments.results, outputs);
     let world = (&recorded.file, name.as_str());
-    deliver_world(&arguments.flags, results, world, recorded.path)?;
+    deliver_world(&arguments.flags, results, world, recorded.path, |_| ())?;
     whole_or_said(recording)
 }

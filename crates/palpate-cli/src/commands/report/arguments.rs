@@ -8,7 +8,7 @@ use clap::{ArgMatches, Args, Command, Error, FromArgMatches, ValueHint};
 use crate::arguments::Overwriting;
 use crate::commands::run::{RealtimeArguments, SafetyArguments};
 use crate::devices::DeviceArguments;
-use crate::values::{Methods, methods, number};
+use crate::values::{Methods, methods, number, period};
 
 /// Arguments of `report`.
 #[derive(Args, Debug)]
@@ -32,7 +32,7 @@ pub struct ReportArguments {
     #[arg(long, value_name = "N/m", value_parser = number, help_heading = "What can be rendered")]
     pub stiffness: Option<f64>,
     /// Period of the loop [s] [default: the recording's, or the device file's; that of a session 0.001]
-    #[arg(long, value_name = "s", value_parser = number, help_heading = "What can be rendered")]
+    #[arg(long, value_name = "s", value_parser = period, help_heading = "What can be rendered")]
     pub period: Option<f64>,
     /// Methods to compare, separated by commas, or all [default: basic,virtual-damper,hfcr,coupled]
     #[arg(long, value_name = "NAME", value_parser = methods, help_heading = "What can be rendered")]

@@ -9,7 +9,9 @@ use std::time::SystemTime;
 use palpate_calibrate::Calibration;
 use palpate_files::bounded::DEVICE;
 use palpate_record::recording::Recording;
-use palpate_study::card::{CalibrationRun, Card, CardError, MOST_RECORDINGS, Sources, utc};
+use palpate_study::card::{
+    CalibrationRun, Card, CardError, CardProgress, MOST_RECORDINGS, Sources, file_name, utc,
+};
 
 pub use arguments::ReportArguments;
 
@@ -50,11 +52,11 @@ pub fn run(arguments: &ReportArguments) -> Result<(), Failure> {
         outputs.plan("--record", recording)?;
     }
     let device_file = match &arguments.device_file {
-        Some(path) => Some((path.display().to_string(), read_device_file(path)?)),
+        Some(path) => Some((file_name(path), read_device_file(path)?)),
         None => None,
     };
     let calibration = match &arguments.calibration {
-        Some(path) => Some((path.display().to_string(), read_calibration(path)?)),
+        Some(path) => Some((file_name(path), read_calibration(path)?)),
         None => None,
     };
     let mut paths = arguments.recordings.clone();
@@ -167,8 +169,12 @@ fn make(
         methods: &methods,
         made: utc(SystemTime::now()),
     };
-    let progress = Progress::new(1);
-    Card::of(&sources, |part| progress.begin(part)).map_err(|error| match error {
+    let progress = Progress::new(Card::steps(methods.len()));
+    let made = Card::of(&sources, |at| match at {
+        CardProgress::Part(part) => progress.begin(part),
+        CardProgress::Step => progress.advance(),
+    });
+    made.map_err(|error| match error {
         CardError::SeveralDevices { .. } => Failure::Arguments(error.to_string()),
         other => Failure::input(other),
     })

@@ -6,10 +6,12 @@ use std::path::Path;
 use std::string::FromUtf8Error;
 
 use palpate_files::bounded::SCENE;
+use palpate_record::unit::Spacing;
 use palpate_scene::method::MethodName;
 use palpate_scene::world::WorldFile;
 use palpate_scene::{
     Intention, Measure, Scene, SceneError, SceneFile, SceneParameter, SetupError, beside,
+    period_question,
 };
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_testbed::reference::ReferenceError;
@@ -45,16 +47,26 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         };
         device.force_at = place;
     }
+    let further = further_seeds(arguments, &scene)?;
     let outputs = arguments.results.check(&arguments.scene)?;
     let failure = |method, error| explain((flags, &arguments.timing), &file, method, error);
-    let progress = Progress::new(methods.len());
-    progress.begin("ideal");
-    let bench = Bench::new(&scene).map_err(|error| failure(scene.method, error))?;
-    let mut runs = Vec::with_capacity(methods.len());
-    for &method in &methods {
-        progress.begin(method.name());
-        runs.push(bench.run(method).map_err(|error| failure(method, error))?);
-        progress.advance();
+    let progress = Progress::new(methods.len() * (1 + further.len()));
+    let run_all = |scene| {
+        progress.begin("ideal");
+        let bench = Bench::new(scene).map_err(|error| failure(scene.method, error))?;
+        let mut runs = Vec::with_capacity(methods.len());
+        for &method in &methods {
+            progress.begin(method.name());
+            runs.push(bench.run(method).map_err(|error| failure(method, error))?);
+            progress.advance();
+        }
+        Ok::<_, Failure>((bench, runs))
+    };
+    let (bench, runs) = run_all(&scene)?;
+    let mut of_further = Vec::with_capacity(further.len());
+    for scene in &further {
+        let (bench, runs) = run_all(scene)?;
+        of_further.push(Report::new(&Subject::of(scene), bench.reference(), &runs));
     }
     let subject = Subject::of(&scene);
     let mut receipt = receipt(&subject, scene.object, scene.virtual_force, &runs);
@@ -65,6 +77,9 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     receipt.push(("scene".into(), arguments.scene.display().to_string()));
     let mut report = Report::new(&subject, bench.reference(), &runs);
     report.actuated(actuator);
+    if !of_further.is_empty() {
+        report.spread_over(&of_further);
+    }
     deliver(
         (&arguments.results, &outputs),
         report,
@@ -82,6 +97,42 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         },
         progress,
     )
+}
+
+/// The scene with each seed after its own, as far as `--seeds` asks for them.
+fn further_seeds(arguments: &SimulateArguments, scene: &Scene) -> Result<Vec<Scene>, Failure> {
+    let count = arguments.seeds;
+    if count == 1 {
+        return Ok(Vec::new());
+    }
+    let refused = |why: String| Err(Failure::Arguments(format!("--seeds {count}: {why}")));
+    let Some(first) = scene.random_seed() else {
+        return refused(
+            "nothing is random in this scene, which has no jitter, drops by probability or sensor noise, so every seed \
+             gives the same numbers; leave it out"
+                .into(),
+        );
+    };
+    let results = &arguments.results;
+    for (flag, is_given) in [
+        ("--out", results.out.is_some()),
+        ("--plot", results.picture.plot.is_some()),
+    ] {
+        if is_given {
+            return refused(format!(
+                "{flag} writes the ticks of one seed; leave out --seeds and choose one by --seed"
+            ));
+        }
+    }
+    let Some(after) = first.checked_add(u64::from(count)) else {
+        return refused(format!("from seed {first} on, the last is beyond 2^64"));
+    };
+    let with_seed = |seed| {
+        let mut scene = scene.clone();
+        scene.timing.seed = seed;
+        scene
+    };
+    Ok((first + 1..after).map(with_seed).collect())
 }
 
 /// A scene file of any format.
@@ -103,7 +154,7 @@ pub(super) fn read_any(path: &Path) -> Result<AnyScene, Failure> {
         return Ok(AnyScene::World(Box::new(file)));
     }
     let file = SceneFile::parse_with(&name, &text, &mut beside(path)).map_err(Failure::inputs)?;
-    tell_if_not_a_hand(&name, &file.scene);
+    tell_doubts(&name, &file.scene);
     Ok(AnyScene::Contact(Box::new(file)))
 }
 
@@ -111,7 +162,7 @@ pub(super) fn read_scene(path: &Path) -> Result<SceneFile, Failure> {
     let name = path.display().to_string();
     let text = read_text(path)?;
     let file = SceneFile::parse_with(&name, &text, &mut beside(path)).map_err(Failure::inputs)?;
-    tell_if_not_a_hand(&name, &file.scene);
+    tell_doubts(&name, &file.scene);
     Ok(file)
 }
 
@@ -130,11 +181,29 @@ fn read_text(path: &Path) -> Result<String, Failure> {
     String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))
 }
 
-/// Warns of an intention that no hand has.
-fn tell_if_not_a_hand(name: &str, scene: &Scene) {
-    if let Some(Intention::Recorded(path)) = scene.device.grip().map(|grip| &grip.intention)
-        && let Some(excess) = inside::excess(path.times(), path.positions())
+/// Samples from which on an intention counts as recorded: a path of fewer points is written by hand, and they may be far apart.
+const LEAST_RECORDED: usize = 20;
+
+/// Warns of a period that no haptic loop has, and of an intention that no hand has.
+fn tell_doubts(name: &str, scene: &Scene) {
+    let period = scene.loop_params.period;
+    if let Some(question) = period_question("loop.period_s", "period_s = 0.001", period) {
+        tell(format_args!("warning: {name}: {question}"));
+    }
+    let Some(Intention::Recorded(path)) = scene.device.grip().map(|grip| &grip.intention) else {
+        return;
+    };
+    if path.times().len() >= LEAST_RECORDED
+        && let Some(spacing) = Spacing::implausible(path.times())
     {
+        let column = spacing.likely_unit().map_or_else(String::new, |unit| {
+            format!(" Then call its column t_{unit}")
+        });
+        tell(format_args!(
+            "warning: {name}: hand.intention: {spacing}{column}"
+        ));
+    }
+    if let Some(excess) = inside::excess(path.times(), path.positions()) {
         let column = excess.likely_unit().position_column();
         tell(format_args!(
             "warning: {name}: hand.intention: {excess} Then call its column {column}"

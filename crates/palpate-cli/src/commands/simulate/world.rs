@@ -24,6 +24,13 @@ const FLAGS: [&str; 6] = [
 
 /// Simulates a world by the methods that were named, or by its own.
 pub fn run(arguments: &SimulateArguments, path: &Path, file: &WorldFile) -> Result<(), Failure> {
+    if arguments.seeds > 1 {
+        return Err(Failure::Arguments(format!(
+            "--seeds {}: nothing is random in a world, which has no jitter, drops or sensor noise, so every seed gives the \
+             same numbers; leave it out",
+            arguments.seeds
+        )));
+    }
     worlds::only(&arguments.given, &FLAGS, path)?;
     let flags = &arguments.flags;
     let file = &worlds::guarded(flags, file);
@@ -47,8 +54,9 @@ pub fn run(arguments: &SimulateArguments, path: &Path, file: &WorldFile) -> Resu
         progress.advance();
     }
     drop(progress);
-    print_report(
-        &WorldReport::new(scene, &bench, &runs),
-        arguments.results.json,
-    )
+    let mut report = WorldReport::new(scene, &bench, &runs);
+    if (flags.method.as_ref()).is_some_and(|methods| methods.are_all) {
+        report.all_methods(scene);
+    }
+    print_report(&report, arguments.results.json)
 }

@@ -2,6 +2,7 @@
 
 mod worlds;
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use palpate_files::bounded::SCENE;
@@ -23,38 +24,61 @@ pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
         PlantSet::Contact(set) => set,
         PlantSet::Worlds(set) => return worlds::run(set, arguments),
     };
+    let seeds = arguments.seed_range()?;
     let outputs = outputs(arguments, plants)?;
     let columns = arguments.compared.columns_or(|| set.columns())?;
-    let progress = Progress::new(plants);
+    let progress = Progress::new(plants * arguments.seeds as usize);
     progress.begin("plants");
-    let judged = suite::run(set, arguments.seed, plants, &columns, || progress.advance())
-        .map_err(Failure::input)?;
+    let mut judged = Vec::new();
+    let mut scores = Vec::new();
+    for seed in seeds.clone() {
+        let of_seed = suite::run(set, seed, plants, &columns, || progress.advance());
+        let of_seed = of_seed.map_err(Failure::input)?;
+        scores.push(suite::scores(&of_seed));
+        // Without a file of rows nothing else is needed of them.
+        if arguments.out.is_some() || arguments.write_scenes.is_some() {
+            judged.extend(of_seed);
+        }
+    }
     drop(progress);
 
-    let mut report = SuiteReport::new(set, arguments.seed, &columns, &judged);
+    let mut report = SuiteReport::of_seeds(set, arguments.seed, &columns, &scores);
     if let Some(folder) = &arguments.write_scenes {
         report.wrote(&write_scenes(&outputs, folder, &judged)?);
     }
     if let Some(path) = &arguments.out {
         outputs.write(path, |writer| {
-            table::write(writer, set, arguments.seed, &columns, &judged)
-                .map_err(std::io::Error::from)
+            table::write(writer, set, &seeds, &columns, &judged).map_err(std::io::Error::from)
         })?;
         report.wrote(path);
     }
     if let Some(path) = &arguments.picture.plot {
         let drawn = arguments.compared.drawn(&columns);
-        let figure = palpate_plot::suite(
-            set,
-            arguments.seed,
-            &columns,
-            &drawn,
-            &suite::scores(&judged),
-        );
+        let figure = palpate_plot::suite(set, &seeds, &columns, &drawn, &scores.concat());
         draw(&outputs, path, &figure, arguments.picture.size)?;
         report.wrote(path);
     }
     print_report(&report, arguments.json)
+}
+
+impl SuiteArguments {
+    /// The seeds of the draws.
+    pub fn seed_range(&self) -> Result<Range<u64>, Failure> {
+        let after = self.seed.checked_add(u64::from(self.seeds));
+        let after = after.ok_or_else(|| {
+            Failure::Arguments(format!(
+                "--seeds {} from --seed {} on: the last is beyond 2^64",
+                self.seeds, self.seed
+            ))
+        })?;
+        if self.seeds > 1 && self.write_scenes.is_some() {
+            return Err(Failure::Arguments(
+                "--write-scenes: the files are named by the plants of one seed; leave out --seeds"
+                    .into(),
+            ));
+        }
+        Ok(self.seed..after)
+    }
 }
 
 impl Compared {

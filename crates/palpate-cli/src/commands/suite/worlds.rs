@@ -8,20 +8,21 @@ use crate::progress::Progress;
 use crate::results::print_report;
 
 /// What the set takes.
-const FLAGS: [&str; 4] = ["set", "plants", "seed", "json"];
+const FLAGS: [&str; 5] = ["set", "plants", "seed", "seeds", "json"];
 
 /// Draws the worlds and judges methods on them.
 pub fn run(set: WorldSet, arguments: &SuiteArguments) -> Result<(), Failure> {
     if let Some(flag) = arguments.given.other_than(&FLAGS) {
         return Err(Failure::Arguments(format!(
-            "{flag}: with --set {} stand --plants, --seed and --json",
+            "{flag}: with --set {} stand --plants, --seed, --seeds and --json",
             set.name()
         )));
     }
     let worlds = arguments.plants as usize;
-    let progress = Progress::new(suite::steps(set, worlds));
+    let seeds = arguments.seed_range()?;
+    let progress = Progress::new(suite::steps(set, worlds) * arguments.seeds as usize);
     progress.begin("worlds");
-    let report = suite::run(set, worlds, arguments.seed, || progress.advance());
+    let report = suite::run(set, worlds, seeds, || progress.advance());
     drop(progress);
     print_report(&report.map_err(Failure::input)?, arguments.json)
 }

@@ -6,7 +6,7 @@ use palpate_scene::world::WorldFile;
 use palpate_sim::world::{WorldBench, WorldBenchError};
 use palpate_study::tune::Objective;
 use palpate_study::world::candidates::{Scale, Tunable};
-use palpate_study::world::tune::{WorldTuneReport, tune};
+use palpate_study::world::tune::{Tuned, WorldTuneReport, tune};
 
 use super::evenly;
 use crate::arguments::TuneArguments;
@@ -71,8 +71,16 @@ pub fn run(
     progress.begin("ideal");
     let bench = WorldBench::new(scene).map_err(failure)?;
     progress.begin(method);
-    let tuned = tune(scene, &bench, tunable, &settings, || progress.advance()).map_err(failure)?;
+    let mut tuned =
+        tune(scene, &bench, tunable, &settings, || progress.advance()).map_err(failure)?;
     drop(progress);
+    let softer = tunable.softer(scale);
+    if !is_given && !softer.is_empty() && !tuned.iter().any(Tuned::is_usable) {
+        let progress = Progress::new(softer.len());
+        progress.begin("softer couplings");
+        let further = tune(scene, &bench, tunable, &softer, || progress.advance());
+        tuned.extend(further.map_err(failure)?);
+    }
     if tuned.iter().all(|one| one.error().is_none()) {
         return Err(Failure::input(format!(
             "{}: the ideal touches no tool in the window, so there is no error to make small",

@@ -282,6 +282,7 @@ impl LocalContact {
             damping,
             friction,
             friction_stiffness,
+            friction_damping,
         } = self.law;
         for (field, value, range) in [
             (WorldField::Stiffness, stiffness, Range::Positive),
@@ -291,6 +292,11 @@ impl LocalContact {
                 WorldField::FrictionStiffness,
                 friction_stiffness,
                 Range::Positive,
+            ),
+            (
+                WorldField::FrictionDamping,
+                friction_damping,
+                Range::NotNegative,
             ),
         ] {
             let fault = out_of_range(field, value, range);

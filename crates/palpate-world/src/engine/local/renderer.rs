@@ -8,12 +8,13 @@ use super::params::LocalParams;
 use super::past::{Past, Then};
 use super::progress::{BodyImpulse, LocalProgress};
 use super::slot::{Slot, closed};
-use super::state::{LocalOutput, LocalState, ModelRefusal, SlowPortBook};
+use super::state::{LocalOutput, LocalState, ModelRefusal};
 use crate::engine::body::BodyNow;
 use crate::engine::coupling::Coupling;
 use crate::engine::image::{angular, linear};
 use crate::engine::meeting::Meeting;
 use crate::engine::pairs::of_spheres;
+use crate::engine::state::BodyPortBook;
 use crate::engine::touch::Touch;
 use crate::{CoupledParams, Sample, Tool, Vector, WorldError, WorldLoop};
 
@@ -153,7 +154,7 @@ impl LocalRenderer {
             },
             refusal: None,
             came: false,
-            slow_ports: vec![SlowPortBook::default(); bodies],
+            slow_ports: vec![BodyPortBook::default(); bodies],
             works: vec![0.0; bodies],
             pairs,
             engine,
@@ -204,6 +205,14 @@ impl LocalRenderer {
             is_stale: state.is_stale,
             refusal: state.refusal,
         }
+    }
+
+    /// Energy that held forces created `[J]`: [`LocalBooks::created`](super::LocalBooks::created), where a contact whose force is
+    /// limited stores what the limited force gives back. `largest` gives the largest force `[N]` that may reach a tool besides the
+    /// limits of the loop, infinite where there is none.
+    pub fn created_energy(&self, state: &LocalState, largest: impl Fn(usize) -> f64) -> f64 {
+        let withheld = self.coupling.withheld(&state.pairs, &state.engine, largest);
+        state.books().created() - withheld
     }
 
     /// Says what was really sent to a tool for the last [`step`](Self::step) `[N]`, where it is not that force. A force that is

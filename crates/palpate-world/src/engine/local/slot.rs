@@ -43,6 +43,7 @@ const NO_LAW: PointLaw = PointLaw {
     damping: 0.0,
     friction: 0.0,
     friction_stiffness: 0.0,
+    friction_damping: 0.0,
 };
 
 /// A pair that cannot touch.
@@ -204,6 +205,7 @@ impl Slot {
             stiffness: law.stiffness * self.strength,
             damping: law.damping * self.strength,
             friction_stiffness: law.friction_stiffness * self.strength,
+            friction_damping: law.friction_damping * self.strength,
             ..law
         };
         if self.is_leaving && self.strength > 0.0 {
@@ -236,6 +238,7 @@ impl Slot {
             damping: of(|law| law.damping),
             friction: of(|law| law.friction),
             friction_stiffness: of(|law| law.friction_stiffness),
+            friction_damping: of(|law| law.friction_damping),
         }
     }
 }

@@ -5,7 +5,7 @@ use super::progress::LocalProgress;
 use super::slot::Slot;
 use crate::engine::meeting::Meeting;
 use crate::engine::pairs::Pair;
-use crate::engine::state::{EngineContact, EngineState, PortBook};
+use crate::engine::state::{BodyPortBook, EngineContact, EngineState, PortBook};
 use crate::{ContactBook, Effort, Limited, ToolState, Vector, WorldFault};
 
 /// A local model in the loop: made by [`LocalRenderer::start`](super::LocalRenderer::start).
@@ -36,7 +36,7 @@ pub struct LocalState {
     pub(super) refusal: Option<ModelRefusal>,
     /// Whether a model came with the last sample.
     pub(super) came: bool,
-    pub(super) slow_ports: Vec<SlowPortBook>,
+    pub(super) slow_ports: Vec<BodyPortBook>,
     /// Work of the tools on each copy since the start `[J]`.
     pub(super) works: Vec<f64>,
 }
@@ -74,19 +74,6 @@ pub enum ModelRefusal {
     OtherRoom,
 }
 
-/// Energy at the port between a copy and the host's body, up to the newest model `[J]`.
-///
-/// `host_work - work` is energy that was made (positive) or lost because the host's body was pushed by a mean wrench, and went
-/// another way than the copy.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[non_exhaustive]
-pub struct SlowPortBook {
-    /// Work of the tools on the copy, but for periods that the loop has missed.
-    pub work: f64,
-    /// Work of their mean wrench on the host's body, from model to model.
-    pub host_work: f64,
-}
-
 /// The books of a local model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -96,7 +83,7 @@ pub struct LocalBooks<'a> {
     /// Of each device.
     pub devices: &'a [PortBook],
     /// Of each body.
-    pub slow_ports: &'a [SlowPortBook],
+    pub slow_ports: &'a [BodyPortBook],
 }
 
 impl LocalBooks<'_> {

@@ -46,6 +46,8 @@ pub(super) struct Interval<S> {
     pub course: Course<S>,
     /// Stretch of the avatar's transmission at its end.
     sway: Sway<S>,
+    /// Whether the contact had its largest force for a part of it.
+    pub is_saturated: bool,
     duration: S,
 }
 
@@ -60,8 +62,13 @@ impl<S: Scalar> Coupled<S> {
         duration: S,
     ) -> Interval<S> {
         let drive = self.drive(motion, device, virtual_force);
+        let mut is_saturated = false;
         let (course, sway) = match &self.flexure {
-            None => (drive.over(start, duration), sway),
+            None => {
+                let (course, saturated) = self.saturation.over(&drive, start, duration);
+                is_saturated = saturated;
+                (course, sway)
+            }
             Some(flexure) => flexure.over(&drive, device.mobility, start, sway, duration),
         };
         Interval {
@@ -70,6 +77,7 @@ impl<S: Scalar> Coupled<S> {
             ramp: S::ZERO,
             course,
             sway,
+            is_saturated,
             duration,
         }
     }
@@ -87,9 +95,12 @@ impl<S: Scalar> Coupled<S> {
     ) -> (Interval<S>, Option<Response<S>>) {
         let drive = self.drive(motion, device, ended.start.virtual_force);
         let h = ended.elapsed;
+        let mut is_saturated = false;
         let (mut course, response, sway) = match &self.flexure {
             None => {
-                let (course, response) = drive.over_with_response(start, h);
+                let (course, response, saturated) =
+                    self.saturation.over_with_response(&drive, start, h);
+                is_saturated = saturated;
                 (course, response, sway)
             }
             Some(flexure) => {
@@ -116,6 +127,7 @@ impl<S: Scalar> Coupled<S> {
             ramp,
             course,
             sway,
+            is_saturated,
             duration: h,
         };
         (interval, response)
@@ -152,6 +164,7 @@ impl<S: Scalar> Coupled<S> {
             course,
             sway,
             duration: h,
+            ..
         } = interval;
         let h = *h;
         // Integral of (h - s) f(s), from the relative motion itself.

@@ -1,0 +1,249 @@
+//! Why a trace cannot be read.
+
+use std::io;
+
+use thiserror::Error;
+
+use super::layout::Way;
+use crate::place::TextPosition;
+
+/// Why a trace could not be read.
+#[derive(Debug, Error)]
+pub enum TraceError {
+    /// The bytes could not be had.
+    #[error("{file}: cannot be read: {source}")]
+    Unreadable {
+        /// The name the caller gave.
+        file: String,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The layout that the caller gave names what no table of this kind has.
+    #[error("{file}: {fault}")]
+    Layout {
+        /// The name the caller gave.
+        file: String,
+        /// What is wrong, and what is allowed.
+        fault: String,
+    },
+    /// The text is not a trace.
+    #[error("{place}: {fault}")]
+    Invalid {
+        /// Where the fault stands.
+        place: Box<TextPosition>,
+        /// What is wrong, and what is allowed.
+        fault: TraceFault,
+    },
+}
+
+impl TraceError {
+    /// Where in the text the fault stands; none where there was no text to read.
+    #[must_use]
+    pub fn place(&self) -> Option<&TextPosition> {
+        match self {
+            Self::Unreadable { .. } | Self::Layout { .. } => None,
+            Self::Invalid { place, .. } => Some(place),
+        }
+    }
+}
+
+/// What is wrong with the text of a trace. Each message also says what is allowed.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum TraceFault {
+    /// There is no header.
+    #[error(
+        "the file is empty; a trace begins with a header that names its columns: `t_s` and `position_m`, or in a world t, \
+         x, y and z"
+    )]
+    Empty,
+    /// The bytes are not UTF-8.
+    #[error("the byte 0x{byte:02X} is not UTF-8; save the trace as UTF-8 text")]
+    NotUtf8 {
+        /// The first byte that does not fit.
+        byte: u8,
+    },
+    /// The header lacks a column.
+    #[error(
+        "the header has no column `{name}`{}; needed are {needed}, separated by commas, semicolons or tabs, in any \
+         order{way}",
+        nearest.as_ref().map(|found| format!(", the nearest is `{found}`")).unwrap_or_default()
+    )]
+    MissingColumn {
+        /// The column that is missing.
+        name: String,
+        /// The column of the header whose name is most like it.
+        nearest: Option<String>,
+        /// All columns that are needed.
+        needed: String,
+        /// What the caller can say.
+        way: Way,
+    },
+    /// The header names a column more or less often than needed.
+    #[error(
+        "the header names the column `{name}` {}; {} needed{way}",
+        if *found == 2 { "twice".to_owned() } else { format!("{found} times") },
+        if *needed == 1 { "one is".to_owned() } else { format!("{needed} are") }
+    )]
+    DuplicateColumn {
+        /// The column.
+        name: String,
+        /// How often it stands there.
+        found: usize,
+        /// How often it has to.
+        needed: usize,
+        /// What the caller can say.
+        way: Way,
+    },
+    /// Two sources name different units.
+    #[error("the unit of column `{name}` is {one} by {says_one}, and {other} by {says_other}{way}")]
+    Units {
+        /// The column.
+        name: String,
+        /// A unit.
+        one: &'static str,
+        /// Who says it.
+        says_one: &'static str,
+        /// Another unit.
+        other: &'static str,
+        /// Who says that.
+        says_other: &'static str,
+        /// What the caller can say.
+        way: Way,
+    },
+    /// A cell of the unit row is no unit.
+    #[error("`{text}` in the unit row is no unit of column `{name}`; allowed are {allowed}")]
+    NotAUnit {
+        /// The column.
+        name: String,
+        /// The cell.
+        text: String,
+        /// The units that are known.
+        allowed: &'static str,
+    },
+    /// A line has more or fewer fields than the header.
+    #[error(
+        "the line has {found} fields, the header {expected}; each line has one field per column"
+    )]
+    FieldCount {
+        /// Fields of the header.
+        expected: usize,
+        /// Fields of the line.
+        found: usize,
+    },
+    /// A field is not a number.
+    #[error(
+        "`{text}` in column `{name}` is not a number; allowed are decimals such as 0.001 or 1e-3{way}"
+    )]
+    NotANumber {
+        /// The field's column.
+        name: String,
+        /// The field.
+        text: String,
+        /// What the caller can say, if that makes it one.
+        way: Way,
+    },
+    /// A field is infinite or not a number.
+    #[error("`{text}` in column `{name}` is not finite; every sample needs a finite value{way}")]
+    NotFinite {
+        /// The field's column.
+        name: String,
+        /// The field.
+        text: String,
+        /// What the caller can say, if that helps.
+        way: Way,
+    },
+    /// A number is too large.
+    #[error("`{text}` in column `{name}` must be a number between -1e12 and 1e12")]
+    TooLarge {
+        /// The field's column.
+        name: String,
+        /// The field.
+        text: String,
+    },
+    /// A quaternion is not of length 1.
+    #[error("qw,qx,qy,qz is a quaternion of length {length}, and needs one of length 1")]
+    Quaternion {
+        /// Its length.
+        length: f64,
+    },
+    /// The last line has no end, where nobody can be told.
+    #[error(
+        "the last line has no line end, so that its last number, `{text}`, may be cut off; end the file with a line \
+         end if it is whole"
+    )]
+    CutOff {
+        /// The field.
+        text: String,
+    },
+    /// Time stands still or runs backwards.
+    #[error(
+        "the time {now} s does not come after {before} s; times must increase from line to line"
+    )]
+    TimeNotIncreasing {
+        /// Time of the sample before `[s]`.
+        before: f64,
+        /// Time of this sample `[s]`.
+        now: f64,
+    },
+    /// A field of the column of forces is not a finite number.
+    #[error(
+        "`{text}` in column `{name}` is not a finite number; the force [N] that was held on the \
+         device from this sample on is needed, 0 where there was none"
+    )]
+    NotAForce {
+        /// The field's column.
+        name: String,
+        /// The field.
+        text: String,
+    },
+    /// A quoted field has no end.
+    #[error(
+        "the quote that opens here is not closed before the end of the file; close the field with \
+         `\"`, or remove the quote"
+    )]
+    OpenQuote,
+    /// The trace is longer than was allowed.
+    #[error("the trace goes on for more than {longest} s after its first sample at {first} s")]
+    TooLong {
+        /// The longest time that was allowed `[s]`.
+        longest: f64,
+        /// Time of the first sample that counts `[s]`.
+        first: f64,
+    },
+    /// Fewer than two samples lie in the part that was asked for.
+    #[error(
+        "{found} of the 2 samples that are needed at least lie {}; the times of the trace begin at \
+         {first} s{}",
+        between(*from, *to),
+        last.map_or_else(String::new, |last| format!(" and end at {last} s"))
+    )]
+    TooFewInPart {
+        /// Beginning of the part `[s]`.
+        from: f64,
+        /// Its end `[s]`.
+        to: f64,
+        /// How many samples there are.
+        found: usize,
+        /// Time of the first sample of all `[s]`.
+        first: f64,
+        /// Time of the last `[s]`, if the trace was read to its end.
+        last: Option<f64>,
+    },
+    /// There is no motion in fewer than two samples.
+    #[error("a trace needs at least 2 samples, this one has {found}")]
+    TooFewSamples {
+        /// How many there are.
+        found: usize,
+    },
+}
+
+/// A span of time, in words.
+fn between(from: f64, to: f64) -> String {
+    match (from.is_finite(), to.is_finite()) {
+        (true, true) => format!("from {from} s to {to} s"),
+        (true, false) => format!("from {from} s on"),
+        (false, true) => format!("up to {to} s"),
+        (false, false) => "in it".to_owned(),
+    }
+}

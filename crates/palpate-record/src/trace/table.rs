@@ -1,0 +1,410 @@
+//! The one reader of tables of recorded motions.
+
+use std::io::Read;
+use std::ops::Range;
+
+use csv::StringRecord;
+use palpate_files::bounded::{Bounded, TABLE};
+
+use super::columns::{Column, Kind, Wanted};
+use super::fault::{TraceError, TraceFault};
+use super::growing::{Growing, Unread};
+use super::layout::{Delimiter, Layout, Way, Ways};
+use super::{Part, ReadNotes, shortened};
+use crate::place::{TextPosition, field_span, first_byte, open_quote, record_span};
+
+/// What is read of a table.
+pub(super) struct Request<'a> {
+    pub part: &'a Part,
+    pub layout: &'a Layout,
+    /// The columns after the time.
+    pub wanted: &'a [Wanted],
+    /// All columns that are needed, in words.
+    pub needed: &'a str,
+    /// Says what is wrong with the numbers of a sample, which are in the order of `wanted`, and with which of
+    /// them.
+    pub check: &'a Check<'a>,
+}
+
+/// What is wrong with the numbers of a sample, and with which of them.
+pub(super) type Check<'a> = dyn Fn(&[f64]) -> Option<(usize, TraceFault)> + 'a;
+
+/// The samples of a table.
+#[derive(Debug, Default)]
+pub(super) struct Samples {
+    pub t_s: Vec<f64>,
+    /// The numbers of each sample, in the order of the columns that were wanted.
+    pub numbers: Vec<f64>,
+    /// Which of the wanted columns are there.
+    pub is_there: Vec<bool>,
+    pub notes: ReadNotes,
+}
+
+/// The text of a trace, as far as it has been read, and its name.
+pub(super) struct Text<'a, R: Read> {
+    file: &'a str,
+    delimiter: u8,
+    records: csv::Reader<Growing<R>>,
+    /// Offset of the first byte that was read for the last record.
+    last: usize,
+}
+
+/// One record and the offset of the first byte that was read for it.
+struct Line {
+    from: usize,
+    fields: StringRecord,
+}
+
+impl Line {
+    fn new() -> Self {
+        Self {
+            from: 0,
+            fields: StringRecord::new(),
+        }
+    }
+}
+
+/// A fault and the bytes at fault.
+type Fault = (Range<usize>, TraceFault);
+
+impl<'a, R: Read> Text<'a, Bounded<R>> {
+    pub fn new(reader: R, file: &'a str, layout: &Layout) -> Self {
+        let mut growing = Growing::new(TABLE.reader(reader));
+        let delimiter = layout
+            .delimiter
+            .unwrap_or_else(|| delimiter_of(growing.first_line(), layout))
+            .byte();
+        let records = csv::ReaderBuilder::new()
+            .has_headers(false)
+            .flexible(true)
+            .delimiter(delimiter)
+            .comment(Some(b'#'))
+            .from_reader(growing);
+        Self {
+            file,
+            delimiter,
+            records,
+            last: 0,
+        }
+    }
+
+    fn source(&self) -> &str {
+        self.records.get_ref().text()
+    }
+
+    fn fault(&mut self, (span, fault): Fault) -> TraceError {
+        self.records.get_mut().read_past(span.end);
+        let place = Box::new(TextPosition::new(self.file, self.source(), span));
+        TraceError::Invalid { place, fault }
+    }
+
+    /// A fault of a field of a line, or of the whole line, unless the line is what it is because of a quote that has
+    /// no end.
+    fn fault_in(&mut self, line: &Line, at: Option<usize>, fault: TraceFault) -> TraceError {
+        let delimiter = self.delimiter;
+        let start = skip_to_record(self.source(), line.from);
+        let found = match (open_quote(self.source(), start, delimiter), at) {
+            (Some(at), _) => (at..at + 1, TraceFault::OpenQuote),
+            (None, Some(at)) => (field_span(self.source(), start, at, delimiter), fault),
+            (None, None) => (record_span(self.source(), start, delimiter), fault),
+        };
+        self.fault(found)
+    }
+
+    /// The next record in `line`; whether there is one.
+    fn next(&mut self, line: &mut Line) -> Result<bool, TraceError> {
+        let read = self.records.read_record(&mut line.fields);
+        let mark = self.records.get_ref().mark();
+        line.from = mark + first_byte(&line.fields);
+        match self.records.get_mut().take_fault() {
+            Some(Unread::Io(source)) => {
+                let file = self.file.to_owned();
+                return Err(TraceError::Unreadable { file, source });
+            }
+            Some(Unread::NotUtf8(byte)) => {
+                let text = format!("{}\u{fffd}", self.source());
+                let span = self.source().len()..text.len();
+                let place = Box::new(TextPosition::new(self.file, &text, span));
+                let fault = TraceFault::NotUtf8 { byte };
+                return Err(TraceError::Invalid { place, fault });
+            }
+            None => {}
+        }
+        // Text of any field count: nothing is left to fail.
+        // A comment at the end of the text without a line end is a record to the library.
+        let is_there =
+            read.unwrap_or(false) && skip_to_record(self.source(), line.from) < self.source().len();
+        if is_there {
+            self.last = line.from;
+        }
+        Ok(is_there)
+    }
+
+    /// Time and other columns of the header.
+    fn columns(
+        &mut self,
+        header: &Line,
+        request: &Request,
+    ) -> Result<(Column, Vec<Option<Column>>), TraceError> {
+        let mut found = Vec::new();
+        for wanted in std::iter::once(&Wanted::time()).chain(request.wanted) {
+            let column = Column::find(&header.fields, wanted, request.layout, request.needed);
+            found.push(column.map_err(|(at, fault)| self.fault_in(header, at, fault))?);
+        }
+        let others = found.split_off(1);
+        let time = found.pop().flatten();
+        Ok((
+            time.expect("the time is needed, so that it was found"),
+            others,
+        ))
+    }
+
+    /// Reads the samples of the part.
+    pub fn samples(&mut self, request: &Request) -> Result<Samples, TraceError> {
+        let (part, layout) = (request.part, request.layout);
+        check_keys(self.file, request)?;
+        let mut header = Line::new();
+        if !self.next(&mut header)? {
+            let end = self.source().len();
+            return Err(self.fault((end..end, TraceFault::Empty)));
+        }
+        let (mut time, mut found) = self.columns(&header, request)?;
+        let mut samples = Samples {
+            is_there: found.iter().map(Option::is_some).collect(),
+            ..Samples::default()
+        };
+        let (mut first, mut before) = (None, None);
+        let (mut is_first_line, mut is_read_to_its_end) = (true, true);
+        let mut line = Line::new();
+        let mut numbers = Vec::with_capacity(found.len());
+        while self.next(&mut line)? {
+            let (expected, count) = (header.fields.len(), line.fields.len());
+            if expected != count {
+                let fault = TraceFault::FieldCount {
+                    expected,
+                    found: count,
+                };
+                return Err(self.fault_in(&line, None, fault));
+            }
+            let is_units = is_first_line && Column::is_unit_of_time(&line.fields[time.at]);
+            is_first_line = false;
+            if is_units {
+                for column in std::iter::once(&mut time).chain(found.iter_mut().flatten()) {
+                    let taken = column.take_unit(&line.fields[column.at], layout);
+                    taken.map_err(|fault| self.fault_in(&line, Some(column.at), fault))?;
+                }
+                continue;
+            }
+            let is_missing = |column: &Column| is_missing(line.fields[column.at].trim());
+            if layout.skip_missing && (is_missing(&time) || found.iter().flatten().any(is_missing))
+            {
+                samples.notes.left_out += 1;
+                continue;
+            }
+            let now = self.number(&line, &time, layout)?;
+            if let Some(before) = before
+                && now <= before
+            {
+                let fault = TraceFault::TimeNotIncreasing { before, now };
+                return Err(self.fault_in(&line, Some(time.at), fault));
+            }
+            first = first.or(Some(now));
+            if now > part.to {
+                is_read_to_its_end = false;
+                break;
+            }
+            before = Some(now);
+            if now < part.from {
+                continue;
+            }
+            let begin = samples.t_s.first().copied().unwrap_or(now);
+            if now - begin > part.longest {
+                let fault = TraceFault::TooLong {
+                    longest: part.longest,
+                    first: begin,
+                };
+                return Err(self.fault_in(&line, Some(time.at), fault));
+            }
+            numbers.clear();
+            for column in found.iter().flatten() {
+                numbers.push(self.number(&line, column, layout)?);
+            }
+            if let Some((at, fault)) = (request.check)(&numbers) {
+                let at = found.iter().flatten().nth(at).map(|column| column.at);
+                return Err(self.fault_in(&line, at, fault));
+            }
+            samples.t_s.push(now);
+            samples.numbers.extend_from_slice(&numbers);
+        }
+        if is_read_to_its_end {
+            // Only the last record can have a quote that nothing closes.
+            let start = skip_to_record(self.source(), self.last);
+            if let Some(at) = open_quote(self.source(), start, self.delimiter) {
+                return Err(self.fault((at..at + 1, TraceFault::OpenQuote)));
+            }
+            let last = header.fields.len() - 1;
+            let reads_last = std::iter::once(&time)
+                .chain(found.iter().flatten())
+                .any(|column| column.at == last);
+            if reads_last {
+                self.cut_off(last, layout, &mut samples.notes)?;
+            }
+        }
+        let count = samples.t_s.len();
+        if count < 2 {
+            let end = self.source().trim_end().len();
+            let fault = match first {
+                Some(first) if (part.from, part.to) != (Part::WHOLE.from, Part::WHOLE.to) => {
+                    TraceFault::TooFewInPart {
+                        from: part.from,
+                        to: part.to,
+                        found: count,
+                        first,
+                        last: before.filter(|_| is_read_to_its_end),
+                    }
+                }
+                _ => TraceFault::TooFewSamples { found: count },
+            };
+            return Err(self.fault((end..end, fault)));
+        }
+        Ok(samples)
+    }
+
+    /// Notes the last number of a text whose last line has no end; refuses it where nobody can be told.
+    fn cut_off(
+        &mut self,
+        last: usize,
+        layout: &Layout,
+        notes: &mut ReadNotes,
+    ) -> Result<(), TraceError> {
+        let source = self.source();
+        if source.is_empty() || source.ends_with(['\n', '\r']) {
+            return Ok(());
+        }
+        let start = skip_to_record(source, self.last);
+        let span = field_span(source, start, last, self.delimiter);
+        // A comment may be cut off.
+        if source[span.end..].contains(['\n', '\r']) {
+            return Ok(());
+        }
+        let text = shortened(&source[span.clone()]);
+        if layout.ways == Ways::Nothing {
+            return Err(self.fault((span, TraceFault::CutOff { text })));
+        }
+        notes.unended = Some(text);
+        Ok(())
+    }
+
+    fn number(&mut self, line: &Line, column: &Column, layout: &Layout) -> Result<f64, TraceError> {
+        let text = line.fields[column.at].trim();
+        let parsed = if !layout.decimal_comma {
+            text.parse::<f64>().ok()
+        } else if text.contains('.') {
+            None
+        } else {
+            text.replace(',', ".").parse().ok()
+        };
+        if let Some(value) = parsed
+            && value.is_finite()
+        {
+            return Ok(column.si(value));
+        }
+        let ways = layout.ways;
+        let way = if is_missing(text) {
+            ways.skip_missing()
+        } else if !layout.decimal_comma && text.replacen(',', ".", 1).parse::<f64>().is_ok() {
+            ways.decimal_comma()
+        } else {
+            NO_WAY
+        };
+        let name = column.name.clone();
+        let text = shortened(text);
+        let fault = match parsed {
+            _ if column.kind == Kind::Force => TraceFault::NotAForce { name, text },
+            Some(_) => TraceFault::NotFinite { name, text, way },
+            None => TraceFault::NotANumber { name, text, way },
+        };
+        Err(self.fault_in(line, Some(column.at), fault))
+    }
+}
+
+/// Nothing that a caller can say.
+const NO_WAY: Way = Ways::Nothing.skip_missing();
+
+/// Refuses a layout that names a quantity which no table of this kind has.
+fn check_keys(file: &str, request: &Request) -> Result<(), TraceError> {
+    let mut known = vec!["t".to_owned()];
+    known.extend(
+        request
+            .wanted
+            .iter()
+            .filter_map(|wanted| wanted.keys.first().cloned()),
+    );
+    let wanted = request.wanted.iter().flat_map(|wanted| &wanted.keys);
+    let keys: Vec<&String> = wanted.collect();
+    let unknown = request
+        .layout
+        .columns
+        .iter()
+        .find(|(key, _)| key != "t" && !keys.contains(&key));
+    let Some((key, name)) = unknown else {
+        return Ok(());
+    };
+    Err(TraceError::Layout {
+        file: file.to_owned(),
+        fault: format!(
+            "column `{name}` is given as `{key}`, which is no quantity of this motion; allowed are {}",
+            known.join(", ")
+        ),
+    })
+}
+
+/// What separates the fields of a header, as far as it says that.
+fn delimiter_of(header: &str, layout: &Layout) -> Delimiter {
+    let mut quoted = false;
+    let plain: String = header
+        .chars()
+        .filter(|&letter| {
+            quoted ^= letter == '"';
+            !quoted
+        })
+        .collect();
+    let there = |delimiter: &Delimiter| plain.contains(char::from(delimiter.byte()));
+    let found: Vec<Delimiter> = Delimiter::ALL.into_iter().filter(there).collect();
+    if let [only] = found[..] {
+        return only;
+    }
+    // Of several, one that makes a column of the time.
+    let has_time = |delimiter: &&Delimiter| {
+        let fields = header.split(char::from(delimiter.byte()));
+        let record: StringRecord = fields.map(|field| field.trim_matches('"')).collect();
+        Column::find(&record, &Wanted::time(), layout, "").is_ok()
+    };
+    found
+        .iter()
+        .find(has_time)
+        .copied()
+        .unwrap_or(Delimiter::Comma)
+}
+
+/// Whether a cell stands for a value that is not there.
+fn is_missing(text: &str) -> bool {
+    const WORDS: [&str; 7] = ["", "-", "nan", "na", "n/a", "null", "none"];
+    WORDS.iter().any(|word| text.eq_ignore_ascii_case(word))
+}
+
+/// Moves on from `start` over comments and empty lines to the record itself.
+fn skip_to_record(source: &str, mut start: usize) -> usize {
+    while let Some(&byte) = source.as_bytes().get(start) {
+        match byte {
+            b'\n' | b'\r' => start += 1,
+            b'#' => {
+                start += source[start..]
+                    .find('\n')
+                    .map_or(source.len() - start, |at| at + 1)
+            }
+            _ => break,
+        }
+    }
+    start
+}
