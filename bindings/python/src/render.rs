@@ -217,7 +217,7 @@ fn warn(py: Python<'_>, words: &str) -> PyResult<()> {
     PyErr::warn(py, &py.get_type::<PyUserWarning>(), &words, 2)
 }
 
-/// Refuses samples that are too far apart, or too near, where nobody has said the unit of their times.
+/// Refuses samples that are too far apart, or too near, if the unit of their times was not given.
 fn check_times(times: &[f64]) -> PyResult<()> {
     match Spacing::implausible(times) {
         None => Ok(()),

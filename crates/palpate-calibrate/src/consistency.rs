@@ -4,10 +4,10 @@ use crate::fit::{Fit, Problem};
 use crate::measure::Declined;
 use crate::model::at;
 
-/// Levels at which a saturating amplifier is looked for, over the largest command.
+/// Candidate saturation levels of the amplifier, as fractions of the largest command.
 const LEVELS: std::ops::Range<i32> = 5..20;
 const OF_LEVELS: f64 = 20.0;
-/// Logarithms of likelihood that saturation has to win: it is looked for at fifteen levels.
+/// Gain of log-likelihood that saturation needs; there are fifteen candidate levels.
 const SATURATION_MARGIN: f64 = 15.0;
 /// Standard deviations by which two halves may differ.
 const HALVES: f64 = 4.0;
@@ -28,7 +28,7 @@ pub fn saturation(problem: &Problem) -> Option<f64> {
     (cost - least > SATURATION_MARGIN).then_some(level)
 }
 
-/// Widens the deviations of delay and mass by what the halves of the motion differ.
+/// Widens the deviations of delay and mass by the difference between the halves of the motion.
 ///
 /// # Errors
 /// The delay of one half differs from that of the other by more than `most_delay` `[periods]`.

@@ -238,7 +238,7 @@ fn best(fits: Fits, period: f64) -> Fit {
     let flexible = flexible.filter(|fit| fit.resonance() * period < HIGHEST_RESONANCE);
     let flexible = flexible.filter(|fit| is_worth(fit, RESONANCE_MARGIN));
     let slow = slow.filter(|fit| fit.resonance() < SLOW_RESONANCE);
-    // A slow spring that is likely, and not likely enough to be told from a hand.
+    // A slow spring is likely, but cannot be distinguished from a hand.
     let doubtful = slow.clone().filter(|fit| is_worth(fit, RESONANCE_MARGIN));
     let slow = slow.filter(|fit| is_worth(fit, SLOW_RESONANCE_MARGIN));
     match (flexible, slow) {
@@ -280,7 +280,7 @@ fn check(fit: &Fit, period: f64, force: f64) -> Result<(), Declined> {
     Ok(())
 }
 
-/// Standard deviation of delay and lag beyond which nothing is said `[periods]`.
+/// Standard deviation of delay and lag above which neither is reported `[periods]`.
 fn most_delay_deviation(period: f64) -> f64 {
     MOST_DELAY_DEVIATION.max(MOST_DELAY_DEVIATION_SECONDS / period)
 }

@@ -11,7 +11,7 @@ use palpate_study::text::digits;
 
 /// Depth beyond which the unit of the positions is likely to be another one `[m]`.
 const DEEP: f64 = 1.0;
-/// Depth that a recorded motion does not reach in what it touches, unless its unit is another one `[m]`.
+/// Penetration above which a recorded motion is taken to be in another unit `[m]`.
 const DEEP_FOR_A_MOTION: f64 = 0.1;
 /// Distance from the place of a device in a scene beyond which the unit is likely to be another one `[m]`.
 const FAR: f64 = 2.0;

@@ -11,10 +11,10 @@ use crate::failure::tell;
 
 /// Work that is done sooner needs no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// Where standard error is no terminal, a line comes after this time, and then whenever the time has doubled.
+/// Time of the first line if standard error is not a terminal; the next ones follow whenever the time has doubled.
 const FIRST_LINE: Duration = Duration::from_secs(30);
 
-/// A bar on standard error that appears after a second; a line now and then where standard error is no terminal.
+/// A progress bar on standard error after one second; lines if standard error is not a terminal.
 pub struct Progress {
     bar: ProgressBar,
     /// Shows the bar, unless the other end is dropped before.
@@ -86,7 +86,7 @@ impl Progress {
     }
 }
 
-/// What is being done, how much of it is done, and for how long it has been going on.
+/// The current part, the completed share, and the elapsed time.
 fn line(bar: &ProgressBar) -> String {
     let done = match bar.length() {
         Some(steps) if steps > 1 => format!(", {} of {steps}", bar.position()),

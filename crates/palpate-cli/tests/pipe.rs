@@ -324,7 +324,7 @@ fn lines_may_end_as_on_windows() {
     assert_eq!(forces(WALL, ""), [0.0; 0]);
 }
 
-/// The end of a pipe whose device, a mass of 0.2 kg that 0.5 N push, feels each force half a period later than told.
+/// The end of a pipe to a device of 0.2 kg under 0.5 N that feels each force half a period later than modelled.
 fn end_of_a_late_device(flags: &str) -> String {
     const PERIOD: f64 = 1e-3;
     let mut pipe = Dialogue::start(&format!(

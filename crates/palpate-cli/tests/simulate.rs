@@ -217,7 +217,7 @@ fn a_flag_does_what_an_edit_of_the_scene_does() {
         folder.write("edited.toml", text.replace(old, new));
         let mut by_flag = folder.json(&format!("simulate plain.toml {flags}"));
         let mut by_edit = folder.json("simulate edited.toml");
-        // A title that names a value of the file is followed by what the flag made of it.
+        // A title that names a value of the file is followed by the value of the flag.
         let title = by_flag["title"].take().as_str().unwrap().to_owned();
         let own = by_edit["title"].take().as_str().unwrap().to_owned();
         if flags.starts_with("--stiffness") {
@@ -365,7 +365,7 @@ fn an_imperfect_loop_by_flags_is_that_of_the_scene_file() {
 fn random_parts_state_their_seed_and_several_seeds_give_their_range() {
     let folder = with_scene();
     let random = "simulate scene.toml --method basic,coupled --jitter 0.002 --drop 0.1";
-    // E of coupled, its leak, and the hold floor, with each of three seeds.
+    // E of coupled, its leak, and the zero-order-hold bound, with each of three seeds.
     let mut values = [const { Vec::new() }; 3];
     for seed in 3..6 {
         let report = folder.json(&format!("{random} --seed {seed}"));
@@ -380,7 +380,7 @@ fn random_parts_state_their_seed_and_several_seeds_give_their_range() {
     let report = folder.json(&format!("{random} --seed 3 --seeds 3"));
     assert_eq!((&report["seed"], &report["seeds"]), (&3.into(), &3.into()));
     let coupled = of_method(&report, "coupled");
-    // Values that stand alone are those of the first seed.
+    // Single values are those of the first seed.
     assert_eq!(number(coupled, "mean_force_error_percent"), values[0][0]);
     let over = &coupled["over_seeds"];
     for (values, spread) in values.iter_mut().zip([

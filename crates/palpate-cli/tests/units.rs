@@ -186,7 +186,7 @@ fn gaps_samples_without_a_value_and_a_number_that_may_be_cut_off_are_said() {
     folder.write("gap.csv", &cut[..cut.len() - 3]);
     let answer = folder.palpate(&render);
     assert!(answer.stderr.contains("may be cut off"), "{answer:?}");
-    // A scene cannot be told, and refuses it.
+    // A scene takes no unit, and refuses it.
     folder.write(
         "hand.toml",
         common::experiment_text("wall").replace(

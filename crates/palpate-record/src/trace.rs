@@ -75,11 +75,11 @@ pub struct HeldTrace {
     /// Force on the device from each sample until the next `[N]`, of the column
     /// `force_on_device_n`; none where there is no such column.
     pub force_on_device_n: Option<Vec<f64>>,
-    /// What is to be said of the text.
+    /// Notes on the text.
     pub notes: ReadNotes,
 }
 
-/// What is to be said of a text that was read.
+/// Notes on a text that was read.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ReadNotes {

@@ -20,7 +20,7 @@ pub struct WorldSafety {
     /// As each begins.
     fresh: Safety,
     devices: Vec<Safety>,
-    /// What the first round of a tick has found of each device.
+    /// Result of the first round of a tick for each device.
     looked: Vec<Option<(Rendered, Looked)>>,
     created: CreatedEnergy,
 }
@@ -69,7 +69,7 @@ impl WorldSafety {
         self.created = CreatedEnergy::default();
     }
 
-    /// Skips the interval up to the next sample: bodies were placed or replaced, so the books change from outside.
+    /// Skips the interval up to the next sample: bodies were placed or replaced, which changes the energy from outside.
     pub fn skip_interval(&mut self) {
         self.created.skip_interval();
     }

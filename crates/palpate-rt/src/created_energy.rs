@@ -11,7 +11,7 @@ pub(crate) struct CreatedEnergy {
 }
 
 impl CreatedEnergy {
-    /// Takes the books at a sample `[J]`. An interval over which the motors were off does not count.
+    /// Takes the renderer's created energy at a sample `[J]`. An interval with the motors off does not count.
     pub fn close(&mut self, booked: f64, is_refused: bool, was_off: bool) {
         if self.is_begun && !is_refused && !was_off {
             self.counted += booked - self.booked;
@@ -20,7 +20,7 @@ impl CreatedEnergy {
         self.is_begun = !is_refused;
     }
 
-    /// What it has come to be `[J]`.
+    /// Energy created up to the last sample `[J]`.
     pub fn counted(&self) -> f64 {
         self.counted
     }
@@ -30,7 +30,7 @@ impl CreatedEnergy {
         self.is_begun = false;
     }
 
-    /// Goes on from `before`, where the books are now at `booked` `[J]`.
+    /// Continues from `before`, with the renderer's created energy at `booked` `[J]`.
     pub fn go_on(&mut self, before: &Self, booked: f64) {
         *self = Self { booked, ..*before };
     }

@@ -550,7 +550,7 @@ fn a_mesh_is_scaled_by_axis_mirrored_and_turned() {
         ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).signum()
     };
     assert_eq!(normal_z("scale = 1"), 1.0);
-    // A mirror keeps the front of what it shows, and turns the way about it.
+    // A mirror keeps the front of a shape, and reverses the order of its corners.
     assert_eq!(normal_z("scale = [-1, 1, 1]"), 1.0);
     assert_eq!(normal_z("turned = true"), -1.0);
     let said = with("part.stl", "turned = true").map(|_| ()).unwrap_err();

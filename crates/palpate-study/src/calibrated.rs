@@ -118,8 +118,8 @@ pub fn told(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Told
     }
 }
 
-/// Model values for a simulated loop whose delay, lag and sensor quantum are those that the calibration found: what is left are
-/// the deviations and the noise of the sensor. The simulated device is rigid and its gain is 1, so the gain's deviation is relative.
+/// Model values for a simulated loop whose delay, lag and sensor quantum are the calibrated ones: the deviations, and the noise of
+/// the sensor. The simulated device is rigid and its gain is 1, so the gain's deviation is relative.
 #[must_use]
 pub fn deviations(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Told {
     let told = told(calibration, taken);

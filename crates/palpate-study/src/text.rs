@@ -119,7 +119,7 @@ fn line_within(line: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// A title with the seed of what is random.
+/// A title with the seed of its random values.
 pub(crate) fn drawn_title(title: &str, seed: Option<u64>) -> String {
     seed.map_or_else(
         || title.to_owned(),

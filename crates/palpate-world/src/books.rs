@@ -169,7 +169,7 @@ impl Gone {
 }
 
 /// Share of the energy stored in contacts that a limit withholds: a linear spring whose force is cut to the part `passed` of it
-/// gives back `E (2 passed - passed^2)` of E = F^2/(2 K). The rest comes back to nobody.
+/// gives back `E (2 passed - passed^2)` of E = F^2/(2 K). The rest is lost.
 pub(crate) fn withheld_share(asked: f64, largest: f64) -> f64 {
     if asked > largest {
         (1.0 - largest / asked).powi(2)

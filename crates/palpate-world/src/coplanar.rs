@@ -16,7 +16,7 @@ struct Faces<'a> {
 }
 
 /// Faces of a convex surface: facets whose corners are within `tolerance` `[m]` of the plane of a larger one beside them are
-/// part of its face. `None` if that is no closed surface.
+/// part of its face. `None` if the surface is not closed.
 pub(crate) fn polygons(
     facets: &[Facet],
     points: &[Vector3],

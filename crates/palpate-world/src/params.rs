@@ -17,7 +17,7 @@ pub struct WorldLoop {
     /// Largest force on each tool, by its norm `[N]`, above 0: of the command, and of the command times the gain of the
     /// actuation. One number for each tool, or none at all.
     pub force_limits: Vec<f64>,
-    /// Largest torque on each tool likewise `[N m]`: one number for each tool, or none at all.
+    /// Largest torque on each tool `[N m]`: one number for each tool, or an empty list.
     pub torque_limits: Vec<f64>,
     /// Fastest turning of a device that is believed `[rad/s]`, above 0. `None`: any.
     pub turning_limit: Option<f64>,

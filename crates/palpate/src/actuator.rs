@@ -318,7 +318,7 @@ impl<S: Scalar> UnderWay<S> {
     }
 
     /// The same where a method has learned another actuator than the `model` of the loop: the mean force by the
-    /// model `[N]`, and what reached the device by what was learned.
+    /// model `[N]`, and the force that reached the device by the learned model.
     #[inline]
     pub fn pass_learned(
         &mut self,

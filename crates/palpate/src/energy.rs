@@ -45,7 +45,7 @@ pub struct Ledger<S> {
     /// while no sample could be trusted `[J]`.
     pub outside_work: S,
     /// Leak of the spring force K p_i over the same motion, the paper's original leak. Where the contact yields to a force
-    /// limit (walls and coupled rendering), the spring force is limited likewise, and so is `stored`.
+    /// limit (walls and coupled rendering), the spring force is limited too, and so is `stored`.
     pub original_leak: Leak<S>,
     /// Leak of the force that was held, the paper's remaining leak.
     pub held_leak: Leak<S>,

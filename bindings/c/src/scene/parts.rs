@@ -176,7 +176,7 @@ impl Law {
 }
 
 /// The law of stiffness, damping, friction, and stiffness and damping of friction, as C gives them: a 0 of the last two is their
-/// default, and a negative damping of friction is none.
+/// default; friction has no negative damping.
 pub(crate) fn law_of(
     [
         stiffness,

@@ -37,10 +37,10 @@ __all__ = ["Device", "Inverse3", "Pointer", "PointerInWorld", "Simulated", "TwoD
 
 
 class Device:
-    """What a `palpate.Loop` runs on: one of the devices here.
+    """Device of a `palpate.Loop`: one of the devices here.
 
-    A device of one's own is no subclass: the loop's thread runs no Python. Call `Renderer.step` or `World.step` from a loop of
-    one's own, or implement the trait `Device` of palpate-device in Rust.
+    A driver in Python cannot be a subclass: the loop's thread runs no Python. Call `Renderer.step` or `World.step` from your
+    own loop, or implement the trait `Device` of palpate-device in Rust.
     """
 
     def __new__(cls, *_: Any, **__: Any) -> Self:

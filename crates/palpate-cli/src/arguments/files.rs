@@ -80,7 +80,7 @@ pub struct TraceFlags {
     /// that of the unit row or the column's name]
     #[arg(long, value_name = "UNIT", value_parser = time_unit)]
     pub time_unit: Option<TimeUnit>,
-    /// Columns of the table, by what they hold: t=time,x=X (of one contact t, x and force; of a world t, x,
+    /// Columns of the table: t=time,x=X (of one contact t, x and force; of a world t, x,
     /// y, z, qw, qx, qy, qz, of several devices NAME.x); t=#2: the second column
     #[arg(long, value_name = "QUANTITY=COLUMN,...", value_parser = trace_columns)]
     pub columns: Option<TraceColumns>,

@@ -98,7 +98,7 @@ fn a_recorders_table_is_rendered_in_a_world_as_flags_say() {
     assert!((gap - 0.051).abs() < 1e-9, "{motion}");
     let share = motion["interpolated_percent"].as_f64().unwrap();
     assert!((share - 100.0 * 50.0 / 301.0).abs() < 1e-9, "{motion}");
-    // A slow motion of less than 2 m, but far from where the scene has the device, or deep in what it touches.
+    // A slow motion of less than 2 m, but far from the device of the scene, or deep in a solid.
     folder.write("far.csv", "t,x,y,z\n0,0,0,80\n0.1,0,0,80\n0.2,0,0,80.1\n");
     folder.fail(
         &format!("{render} far.csv"),

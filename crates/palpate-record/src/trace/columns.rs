@@ -6,7 +6,7 @@ use super::fault::TraceFault;
 use super::layout::Layout;
 use crate::unit::{LengthUnit, TimeUnit};
 
-/// What a column holds.
+/// Quantity of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Time,
@@ -89,7 +89,7 @@ pub(super) struct Column {
     pub at: usize,
     /// Its name in the header.
     pub name: String,
-    /// What a number is divided by, once the unit is known.
+    /// Divisor of its numbers, once the unit is known.
     unit: Unit,
 }
 

@@ -15,7 +15,7 @@ pub enum TraceError {
     Unreadable {
         /// The name the caller gave.
         file: String,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// The layout that the caller gave names what no table of this kind has.
@@ -23,15 +23,15 @@ pub enum TraceError {
     Layout {
         /// The name the caller gave.
         file: String,
-        /// What is wrong, and what is allowed.
+        /// The fault, and the allowed values.
         fault: String,
     },
     /// The text is not a trace.
     #[error("{place}: {fault}")]
     Invalid {
-        /// Where the fault stands.
+        /// Line of the fault.
         place: Box<TextPosition>,
-        /// What is wrong, and what is allowed.
+        /// The fault, and the allowed values.
         fault: TraceFault,
     },
 }
@@ -47,7 +47,7 @@ impl TraceError {
     }
 }
 
-/// What is wrong with the text of a trace. Each message also says what is allowed.
+/// A fault in the text of a trace. Each message names the allowed values.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum TraceFault {
@@ -76,7 +76,7 @@ pub enum TraceFault {
         nearest: Option<String>,
         /// All columns that are needed.
         needed: String,
-        /// What the caller can say.
+        /// Remedy, in the caller's words.
         way: Way,
     },
     /// The header names a column more or less often than needed.
@@ -88,11 +88,11 @@ pub enum TraceFault {
     DuplicateColumn {
         /// The column.
         name: String,
-        /// How often it stands there.
+        /// Number of its occurrences.
         found: usize,
         /// How often it has to.
         needed: usize,
-        /// What the caller can say.
+        /// Remedy, in the caller's words.
         way: Way,
     },
     /// Two sources name different units.
@@ -108,10 +108,10 @@ pub enum TraceFault {
         other: &'static str,
         /// Who says that.
         says_other: &'static str,
-        /// What the caller can say.
+        /// Remedy, in the caller's words.
         way: Way,
     },
-    /// A cell of the unit row is no unit.
+    /// A cell of the unit row is not a unit.
     #[error("`{text}` in the unit row is no unit of column `{name}`; allowed are {allowed}")]
     NotAUnit {
         /// The column.
@@ -140,7 +140,7 @@ pub enum TraceFault {
         name: String,
         /// The field.
         text: String,
-        /// What the caller can say, if that makes it one.
+        /// Remedy, in the caller's words, if there is one.
         way: Way,
     },
     /// A field is infinite or not a number.
@@ -150,7 +150,7 @@ pub enum TraceFault {
         name: String,
         /// The field.
         text: String,
-        /// What the caller can say, if that helps.
+        /// Remedy, in the caller's words, if there is one.
         way: Way,
     },
     /// A number is too large.
@@ -167,7 +167,7 @@ pub enum TraceFault {
         /// Its length.
         length: f64,
     },
-    /// The last line has no end, where nobody can be told.
+    /// The last line has no end, and the caller takes no notes.
     #[error(
         "the last line has no line end, so that its last number, `{text}`, may be cut off; end the file with a line \
          end if it is whole"
@@ -176,7 +176,7 @@ pub enum TraceFault {
         /// The field.
         text: String,
     },
-    /// Time stands still or runs backwards.
+    /// Times do not increase.
     #[error(
         "the time {now} s does not come after {before} s; times must increase from line to line"
     )]
@@ -211,7 +211,7 @@ pub enum TraceFault {
         /// Time of the first sample that counts `[s]`.
         first: f64,
     },
-    /// Fewer than two samples lie in the part that was asked for.
+    /// Fewer than two samples lie in the selected part.
     #[error(
         "{found} of the 2 samples that are needed at least lie {}; the times of the trace begin at \
          {first} s{}",

@@ -60,7 +60,7 @@ impl<R: Read> Growing<R> {
         std::str::from_utf8(&self.kept[..self.valid]).unwrap_or_default()
     }
 
-    /// The first line that is no comment and not empty, read ahead; nothing of it is passed on yet.
+    /// The first line with data, read ahead and not yet passed on.
     pub fn first_line(&mut self) -> &str {
         while self.header().is_none_or(|(_, ended)| !ended) && self.more() {}
         self.header().map_or("", |(line, _)| line)

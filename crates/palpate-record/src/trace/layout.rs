@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::unit::{LengthUnit, TimeUnit};
 
-/// What a table's header does not say, or says otherwise.
+/// Layout of a table that its header does not state, or that replaces it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Layout {
     /// Which column of the header holds a quantity: pairs of quantity and column. Quantities are `t`,
@@ -116,7 +116,7 @@ pub enum Ways {
     Arguments,
 }
 
-/// A way out that an error names, with what it does; nothing where there is none.
+/// Remedy in an error, with its effect; empty without one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Way {
     ways: Ways,

@@ -19,7 +19,7 @@ pub struct WorldTrace {
     /// How each device is turned at each sample, a unit quaternion `[w, x, y, z]`, not turned where it does not turn; empty if
     /// none does.
     pub orientations: Vec<Vec<[f64; 4]>>,
-    /// What is to be said of the text.
+    /// Notes on the text.
     pub notes: ReadNotes,
 }
 
@@ -45,8 +45,8 @@ const PARTS: [&str; 4] = ["qw", "qx", "qy", "qz"];
 /// of about length 1. Names may have units, as `x_mm`; a layout may say otherwise. Times count from the first one.
 ///
 /// # Errors
-/// What cannot be read, a column that is missing or stands there too often, a field that is no finite number, times that do not
-/// increase, a quaternion of another length, fewer than two samples.
+/// The text cannot be read, a column is missing or repeated, a field is not a finite number, times do not increase, a quaternion
+/// is not of unit length, or there are fewer than two samples.
 pub fn read_world(
     reader: impl Read,
     file: &str,
@@ -133,7 +133,7 @@ fn wanted(devices: &[LedDevice]) -> Vec<Wanted> {
     wanted
 }
 
-/// What is wrong with the numbers of a sample, and with which of them.
+/// A fault in the numbers of a sample, with their columns.
 fn wrong(numbers: &[f64], wanted: &[Wanted], devices: &[LedDevice]) -> Option<(usize, TraceFault)> {
     if let Some(at) = numbers.iter().position(|number| number.abs() > LARGEST) {
         let fault = TraceFault::TooLarge {

@@ -13,7 +13,7 @@ use super::layout::{Delimiter, Layout, Way, Ways};
 use super::{Part, ReadNotes, shortened};
 use crate::place::{TextPosition, field_span, first_byte, open_quote, record_span};
 
-/// What is read of a table.
+/// Contents of a table.
 pub(super) struct Request<'a> {
     pub part: &'a Part,
     pub layout: &'a Layout,
@@ -26,7 +26,7 @@ pub(super) struct Request<'a> {
     pub check: &'a Check<'a>,
 }
 
-/// What is wrong with the numbers of a sample, and with which of them.
+/// A fault in the numbers of a sample, with their columns.
 pub(super) type Check<'a> = dyn Fn(&[f64]) -> Option<(usize, TraceFault)> + 'a;
 
 /// The samples of a table.
@@ -270,7 +270,7 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
         Ok(samples)
     }
 
-    /// Notes the last number of a text whose last line has no end; refuses it where nobody can be told.
+    /// Notes the last number of a text whose last line has no end; an error if the caller takes no notes.
     fn cut_off(
         &mut self,
         last: usize,

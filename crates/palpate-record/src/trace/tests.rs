@@ -78,13 +78,13 @@ fn a_last_number_without_a_line_end_may_be_cut_off_and_that_is_said() {
     let held = parse_as(text, &laid_out(|_| ())).unwrap();
     assert_eq!(held.trace.position_m, [0.01, 0.01]);
     assert_eq!(held.notes.unended.as_deref(), Some("0.01"));
-    // Nobody can be told: refused.
+    // A caller that takes no notes gets an error.
     assert_eq!(
         message(text),
         "hand.csv:3:7: the last line has no line end, so that its last number, `0.01`, may be cut off; end the file \
          with a line end if it is whole"
     );
-    // What is cut off is not read, or is a comment, or is beyond the part.
+    // The line that was cut off is not read, is a comment, or lies beyond the part.
     for whole in [
         "t_s,position_m,note\n0,1,a\n1,2,b",
         "t_s,position_m\n0,1\n1,2\n# en",

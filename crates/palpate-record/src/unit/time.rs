@@ -97,7 +97,7 @@ impl Spacing {
         let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
         let median = *median;
         let is_usual = (SHORTEST_STEP..=LONGEST_STEP).contains(&median);
-        // Times that are no numbers or do not increase are refused by whoever reads them.
+        // The caller refuses times that are not finite or do not increase.
         (median > 0.0 && !is_usual).then_some(Self { median })
     }
 
@@ -156,7 +156,7 @@ mod tests {
         // Seconds taken for milliseconds.
         let short = Spacing::implausible(&at(1e-6)).unwrap();
         assert_eq!(short.likely_unit(), None);
-        // One pause is none.
+        // A single pause is not counted.
         let mut paused = at(0.001);
         paused.extend([5.0, 5.001]);
         assert_eq!(Spacing::implausible(&paused), None);

@@ -157,7 +157,7 @@ impl RenderedWorld {
         self.limited = self.limited.and(limited);
     }
 
-    /// The books of created energy, as of the last sample `[J]`.
+    /// The renderer's created energy at the last sample `[J]`.
     fn booked(&self) -> f64 {
         self.renderer.created_energy(&self.state, |device| {
             self.largest

@@ -33,7 +33,7 @@ pub struct Bounded {
     pub slew: bool,
     /// It was still coming back after a start or a trip.
     pub soft_start: bool,
-    /// It is none: a safety stop that stays holds the motors off.
+    /// A safety stop that stays holds the force at 0.
     pub stopped: bool,
 }
 
@@ -280,7 +280,7 @@ impl Safety {
         // Nobody knows for how much of the time before it no force was commanded.
         let is_back = recovered.is_some() || was_withheld;
         let elapsed = rendered.elapsed.filter(|_| !is_back);
-        // A time that is no time allows no change.
+        // An invalid time allows no change.
         let elapsed = elapsed.unwrap_or(self.period).max(0.0);
         let slew_limit = slew_limit.min(self.rendered_slew) / self.gain;
         let force = slewed(self.commanded.force, wrench.force, slew_limit * elapsed);

@@ -12,7 +12,7 @@ use palpate_device::{Capabilities, Vector};
 pub struct SafetyParams {
     /// Largest length of the force `[N]`: of a command, and of a command times the modelled gain of the actuator.
     pub largest_force: f64,
-    /// Largest length of the torque likewise `[N m]`.
+    /// Largest length of the torque, of a command and of a command times the gain `[N m]`.
     pub largest_torque: f64,
     /// Largest change of the same force per second `[N/s]`, also in soft starts; infinite: none. Only a safety stop, a refused
     /// sample or the end of the loop takes a force to 0 at once.

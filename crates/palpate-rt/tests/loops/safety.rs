@@ -272,7 +272,7 @@ fn forces_of_any_size_are_shortened() {
     }
 }
 
-/// Whatever is asked for, consecutive forces differ by at most the slew limit times the period, except where a safety stop or a
+/// For any requested forces, consecutive ones differ by at most the slew limit times the period, except where a safety stop or a
 /// refused sample takes the force off.
 #[test]
 fn the_slew_limit_holds_in_soft_starts_and_recoveries() {
@@ -321,7 +321,7 @@ fn the_slew_limit_holds_in_soft_starts_and_recoveries() {
     }
 }
 
-/// A point over a floor, in a loop of somebody else's at 1 kHz whose forces are limited.
+/// A point over a floor at 1 kHz, with limited forces, in a loop of the caller.
 fn floor_within(force_limit: f64, stiffness: f64) -> BoundedWorld {
     let floor = Shape::HalfSpace {
         normal: [0.0, 0.0, 1.0],
@@ -342,7 +342,7 @@ fn floor_within(force_limit: f64, stiffness: f64) -> BoundedWorld {
     BoundedWorld::new(renderer, limits).unwrap()
 }
 
-/// A mass of 0.05 kg that a hand presses with 5 N on a floor, in a loop of somebody else's at 1 kHz; the tick of the safety stop
+/// A mass of 0.05 kg that a hand presses with 5 N on a floor at 1 kHz, in a loop of the caller; the tick of the safety stop
 /// and the energy that was created by the world's books.
 fn pressed(stiffness: f64, ticks: usize) -> (Option<usize>, f64) {
     const PERIOD: f64 = 0.001;
@@ -392,10 +392,10 @@ fn a_press_through_the_force_limit_is_no_oscillation() {
         let held = world.step(&Sample::at(&[[0.0, 0.0, position]]));
         assert!(!held.bounded.stopped, "{tick}");
         most_in_books = most_in_books.max(world.state().books().created());
-        // What a held spring of 1 N/mm creates at the speeds of this press, under 0.12 m/s.
+        // Created by a held spring of 1 N/mm at speeds under 0.12 m/s: less than 2 mJ.
         let created = world.created_energy();
         assert!(created.abs() < 2e-3, "{tick}: {created} J");
     }
-    // By the books alone it would have stopped: 5 N over 29 mm are 133 mJ, and the spring has 421 mJ.
+    // With the whole stored energy it would stop: 5 N over 29 mm are 133 mJ, and the spring stores 421 mJ.
     assert!(most_in_books > 0.25, "{most_in_books} J");
 }

@@ -219,7 +219,7 @@ impl WorldFile {
 pub(super) struct Reading {
     pub(super) places: WorldPlaces,
     faults: Vec<(Span, String)>,
-    /// What is said of meshes, of a world without contacts or bodies, and of its period.
+    /// Notes on meshes, on a world without contacts or bodies, and on its period.
     notes: Vec<String>,
     /// Where files of meshes are looked for.
     folder: PathBuf,

@@ -150,7 +150,7 @@ impl RawMesh {
         })
     }
 
-    /// The triangles alone, and what is to be said of their file.
+    /// The triangles alone, and notes on their file.
     fn surface(&self, folder: &Path) -> Result<(Mesh, Vec<String>), String> {
         let mut words = Vec::new();
         let (vertices, mut faces) = if let Some(file) = &self.file {
@@ -206,7 +206,7 @@ pub(super) struct RawHull {
 impl RawHull {
     /// The hull; files are looked for in `folder`.
     pub fn read(&self, folder: &Path) -> Result<ReadMesh, String> {
-        // What was asked for by `within_m` needs no words.
+        // A simplification by `within_m` needs no note.
         let mut left_out = None;
         let mut around = |points: &[Vector]| match self.within_m {
             Some(within) => Hull::within(points, within),
@@ -297,7 +297,7 @@ impl RawPrism {
     }
 }
 
-/// Vertices `[m]` and triangles of a file whose numbers are in `unit`, times a `scale`, and what is to be said of the file.
+/// Vertices `[m]` and triangles of a file whose numbers are in `unit`, times a `scale`, and notes on the file.
 fn in_metres(
     path: &Path,
     unit: Option<Unit>,
@@ -368,8 +368,7 @@ impl RawRevolved {
     }
 }
 
-/// Vertices in the file's unit, triangles, and what is to be said of an STL or OBJ file. Files that it names, such as of colours,
-/// are not read.
+/// Vertices in the file's unit, triangles, and notes on an STL or OBJ file. Files that it names, such as of colours, are not read.
 fn triangles(path: &Path) -> Result<(gallery::Triangles, Option<String>), String> {
     let at = |why: String| format!("{}: {why}", path.display());
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();

@@ -7,7 +7,7 @@ use earcut::utils3d::project3d_to_2d;
 use palpate_testbed::world::mesh::gallery::Triangles;
 use palpate_world::Vector;
 
-/// What the `v` and `f` lines of a file say: vertices that a polygon uses, by their first use, and triangles. The weight or the
+/// Contents of the `v` and `f` lines of a file: vertices of polygons, in the order of their first use, and triangles. The weight or the
 /// colour that a vertex may have is left out.
 pub(super) fn triangles(bytes: &[u8]) -> Result<Triangles, String> {
     let text = String::from_utf8_lossy(bytes);

@@ -7,14 +7,14 @@ const HEADER: usize = 80;
 /// Bytes of a triangle in a binary file: a normal, three vertices, and two bytes more.
 const TRIANGLE: usize = 50;
 
-/// Corners of triangles in the file's unit, and what a user may want to know of the file.
+/// Corners of triangles in the file's unit, and notes on the file.
 #[derive(Debug, PartialEq)]
 pub(super) struct ReadStl {
     pub triangles: Vec<[Vector; 3]>,
     pub note: Option<String>,
 }
 
-/// What a file has. Normals are not read: the order of the corners says the same.
+/// Contents of a file. Normals are not read: the order of the corners determines them.
 pub(super) fn read(bytes: &[u8]) -> Result<ReadStl, String> {
     let count = bytes
         .get(HEADER..HEADER + 4)

@@ -65,7 +65,7 @@ pub struct WorldRun {
     pub books: Books,
     /// Energy that contacts have by their overlap at the first sample `[J]`: nobody created it.
     pub found_at_start: f64,
-    /// What the books say of created energy at the end, found at the start included `[J]`:
+    /// Created energy at the end, with the energy found at the start `[J]`:
     /// [`WorldRenderer::created_energy`].
     booked: f64,
     /// Samples that the renderer refused.
@@ -94,7 +94,7 @@ pub struct WorldRun {
 pub struct Through {
     /// When it was found on the far side `[s]`.
     pub time: f64,
-    /// Names of the one that went, and of the solid.
+    /// Names of the tool or body that went through, and of the solid.
     pub names: [String; 2],
 }
 

@@ -69,7 +69,7 @@ impl Question<'_> {
         })
     }
 
-    /// What the renderer knows of the deviations of its model: of a value that is stated, only a stated deviation.
+    /// The renderer's deviations of its model: a stated value has only a stated deviation.
     fn deviations(&self) -> Told {
         let taken = |quantity: Quantity| match quantity {
             Quantity::Delay | Quantity::DelayPlusLag => self.delay.is_none(),

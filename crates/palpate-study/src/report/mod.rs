@@ -73,7 +73,7 @@ pub struct Report {
     /// Of a recording that a loop has made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recording: Option<FromRecording>,
-    /// Of a recorded motion: its samples, gaps, and what was interpolated.
+    /// Of a recorded motion: its samples, gaps, and the interpolated share.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<RecordedMotion>,
     /// What else is not perfect about the loop.
@@ -106,7 +106,7 @@ pub struct Report {
     pub window_s: f64,
     /// FRE that no held force can be below `[%]`; none without contact.
     pub hold_floor_percent: Option<f64>,
-    /// How the hold floor is spread over several seeds.
+    /// Spread of the zero-order-hold bound over several seeds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hold_floor_over_seeds: Option<Spread>,
     /// Collisions of the ideal in the window.

@@ -73,7 +73,7 @@ impl RecordedMotion {
         )
     }
 
-    /// What is to be said of a gap that is much longer than usual.
+    /// Note on a gap that is much longer than usual.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
         (self.longest_gap_s > REMARKABLE * self.usual_step_s).then(|| {
@@ -87,7 +87,7 @@ impl RecordedMotion {
     }
 }
 
-/// Instants of the loop that are no recorded ones `[%]`.
+/// Share of the loop's instants that lie between recorded ones `[%]`.
 fn interpolated(times: &[f64], period: f64) -> f64 {
     let (Some(&start), Some(&end)) = (times.first(), times.last()) else {
         return 0.0;

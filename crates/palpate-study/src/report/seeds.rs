@@ -14,7 +14,7 @@ pub struct OverSeeds {
     pub mean_force_error_percent: Option<Spread>,
     /// FRE `[%]`; none if a seed has no contact.
     pub force_rendering_error_percent: Option<Spread>,
-    /// FRE over the hold floor; none if the floor of a seed is 0.
+    /// FRE over the zero-order-hold bound; `None` if the bound of a seed is 0.
     pub error_over_floor: Option<Spread>,
     /// Strongest held force `[N]`.
     pub peak_force_n: Spread,
@@ -70,7 +70,7 @@ impl OverSeeds {
         })
     }
 
-    /// What is remarkable, with the number of seeds.
+    /// Remarks, with the number of seeds.
     pub(super) fn remarks(&self) -> String {
         let remarks = [
             ("diverged", self.diverged_seeds),

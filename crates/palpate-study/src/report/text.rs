@@ -105,7 +105,7 @@ impl Report {
         }
     }
 
-    /// What is not perfect about loop and sensor, with the seeds of what is random.
+    /// Imperfections of loop and sensor, with the seeds of the random ones.
     fn imperfections(&self) -> String {
         let mut words = self.timing_in_words.clone();
         match (self.seed, self.seeds) {

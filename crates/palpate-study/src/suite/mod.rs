@@ -30,8 +30,8 @@ use rayon::prelude::*;
 
 use palpate_sim::closed_loop::{Bench, LoopError};
 
-/// Delays that every plant of the paper's set is judged with `[samples]`, in the renderer's model too. The last one
-/// is judged without it in the model as well.
+/// Delays of every plant of the paper's set `[samples]`, in the renderer's model too. The last one
+/// is also run without it in the model.
 pub const DELAYS: [usize; 2] = [0, 1];
 
 /// Most plants that may be asked for.

@@ -109,7 +109,7 @@ pub struct OverSeeds {
     pub quantile_90_percent: Spread,
     /// Largest E `[%]`.
     pub largest_percent: Spread,
-    /// Median of FRE over the hold floor.
+    /// Median of FRE over the zero-order-hold bound.
     pub error_over_floor: Spread,
     /// Plants on which the loop ran away.
     pub diverged: Spread,

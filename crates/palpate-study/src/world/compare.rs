@@ -84,7 +84,7 @@ pub struct WorldRow {
     pub result: WorldOutcome,
 }
 
-/// What a method did on a world, or why there is nothing to show.
+/// Result of a method on a world, or the reason that there is none.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[serde(untagged)]
@@ -239,7 +239,7 @@ impl WorldRows {
     }
 }
 
-/// What a method did, or that no setting of it can be used, and the hold floor `[%]`.
+/// Result of a method, or that no setting is usable, and the zero-order-hold bound `[%]`.
 fn row(
     scene: &WorldScene,
     bench: &WorldBench,

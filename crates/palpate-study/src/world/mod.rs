@@ -49,7 +49,7 @@ pub struct WorldReport {
     /// Mean-force error of the ideal, computed again with coarser steps, against itself; none if it was
     /// computed once.
     pub ideal_error_percent: Option<f64>,
-    /// Of a recorded motion in a table: its samples, gaps, and what was interpolated.
+    /// Of a recorded motion in a table: its samples, gaps, and the interpolated share.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<RecordedMotion>,
     /// Number of contacts that begin in the ideal's window.
@@ -138,7 +138,7 @@ pub struct WorldMethodReport {
 pub struct ThroughReport {
     /// When it was found on the far side.
     pub time_s: f64,
-    /// Name of the one that went,
+    /// Name of the tool or body that went through,
     pub first: String,
     /// and of the solid.
     pub second: String,

@@ -234,7 +234,7 @@ pub fn run(
                         judged();
                         errors
                     })
-                    // Who wants no more of it lets `judged` panic.
+                    // A caller that wants to stop lets `judged` panic.
                     .panic_fuse()
                     .collect::<Result<Vec<_>, _>>()
             };

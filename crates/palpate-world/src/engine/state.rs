@@ -128,8 +128,8 @@ pub struct PortBook {
     pub carried: f64,
 }
 
-/// Energy at the port between a body of the renderer's own, an image or a copy, and the body of an engine or of a slow host, up to
-/// where that was last seen `[J]`.
+/// Energy at the port between an image or copy of a body in the renderer and the body of an engine or host, up to the last state
+/// of the latter `[J]`.
 ///
 /// `host_work - work` is energy that was made (positive) or lost because the host's body was pushed by a mean wrench, and went
 /// another way than the renderer's.
@@ -142,7 +142,7 @@ pub struct BodyPortBook {
     pub host_work: f64,
 }
 
-/// What the tools did to a body in an engine's step.
+/// Effect of the tools on a body in an engine's step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pushed {
     /// Velocity `[m/s]` and angular velocity `[rad/s]` of the engine's body where the step began.
@@ -168,7 +168,7 @@ pub struct EngineBooks {
 
 impl EngineBooks {
     /// Energy that held forces have created since the start `[J]`: hands, contacts and the engine's bodies have gained it together.
-    /// What a body gives back that something in the engine holds or moves is not created. It fluctuates with the samples; a rising
+    /// Work that the engine's constraints and motors take from a body or do on it is not created. It fluctuates with the samples; a rising
     /// sum is an instability.
     #[must_use]
     pub fn created(&self) -> f64 {
@@ -213,7 +213,7 @@ impl EngineState {
         for ((pushed, book), body) in pushed.zip(bodies) {
             let twist = body.twist();
             if let Some(pushed) = pushed {
-                // What it has gained of kinetic energy by them, however the engine integrates its position.
+                // Kinetic energy that it has gained by them, however the engine integrates its position.
                 let work = pushed.impulse.dot(&(0.5 * (pushed.twist + twist)));
                 if work.is_finite() && pushed.work.is_finite() {
                     book.host_work += work;

@@ -76,7 +76,7 @@ const SHARE_OF_RADIUS: f64 = 0.02;
 const MOST_TIMES: f64 = 2.0;
 /// and at least this share of it where there are many.
 const LEAST_SHARE: f64 = 0.2;
-/// Most triangles that are kept while the nearest ones are looked for.
+/// Most triangles that the search for the nearest ones keeps.
 const MOST_SEEN: usize = 1024;
 
 impl Gathered {
@@ -195,7 +195,7 @@ impl Gathered {
     }
 
     /// Puts the triangles that are within `reach` of a place `[m]` into `near`: all, or the nearest ones where there is no room.
-    /// Of those without room, the ones that are looked at and within `least` `[m]` are counted.
+    /// Counts the visited triangles within `least` `[m]` that found no room.
     fn see(&mut self, mesh: &Mesh, place: &Vector3, reach: f64, least: f64) -> Seen {
         let near = &mut self.near;
         let mut reach = reach;
@@ -208,7 +208,7 @@ impl Gathered {
             let (nearest, _) = triangle::nearest(mesh.corners(number), place);
             let distance = (place - nearest).norm();
             if distance <= reach && seen.count == near.len() {
-                // From here on only nearer ones than these are looked for.
+                // From here on the search takes only nearer ones.
                 let (_, furthest, out) = near.select_nth_unstable_by(MOST_TRIANGLES, by_distance);
                 reach = furthest.distance;
                 let is_counted = |it: &&Near| it.distance < least;

@@ -8,7 +8,7 @@ use super::topology::NONE;
 use super::tree::size;
 use crate::rigid::Vector3;
 
-/// Most triangles at an edge for which pairs are looked for.
+/// Most triangles at an edge among which pairs are formed.
 const MOST_AT_EDGE: usize = 64;
 /// Two faces at an edge lie on each other if the angle between them is below this `[rad]`.
 const SAME_ANGLE: f64 = 1e-6;
@@ -277,7 +277,7 @@ impl Triangles {
         self.given = kept.iter().map(|&triangle| self.given[triangle]).collect();
     }
 
-    /// Turns closed parts that are inside out: those of a negative volume that are no cavity of another part.
+    /// Turns closed parts that are inside out: those of a negative volume, except cavities of other parts.
     fn orient(&mut self, parts: &Parts) {
         let closed: Vec<usize> = (0..parts.each.len())
             .filter(|&part| parts.each[part].is_closed)

@@ -61,7 +61,7 @@ fn a_tool_that_is_pushed_on_past_the_middle_has_gone_through() {
         });
         assert_eq!(gone_through(shape, 0.004, around), [], "{shape:?}");
     }
-    // A hull is followed along its surface: the force goes on to point where the tool came from.
+    // A hull is followed along its surface: the force still points to the side of entry.
     let corners =
         (0..8).map(|k| [0, 1, 2].map(|axis| if k >> axis & 1 == 1 { 0.01 } else { -0.01 }));
     let corners: Vec<Vector> = corners.collect();

@@ -14,7 +14,7 @@ use crate::actuator::Held;
 /// observer has made of it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Lateness<S> {
-    /// The lateness to use `[s]`: negative where commands begin earlier than told, 0 while the guess is not significant.
+    /// The lateness to use `[s]`: negative if commands begin earlier than modelled, 0 while the estimate is not significant.
     pub mean: S,
     /// Best guess, significant or not `[s]`.
     guess: S,
@@ -27,7 +27,7 @@ pub(crate) struct Lateness<S> {
 /// to be learned looks like lateness at first.
 const DRIFT: f64 = 0.0003;
 /// Standard deviation of the displacement by a held force that no lateness explains, as a part of that displacement
-/// doubled: gain, hand and friction. Without it a contact at rest, whose force hardly changes, teaches a lateness that is none.
+/// doubled: gain, hand and friction. Without it a contact at rest, whose force hardly changes, teaches a wrong lateness.
 const UNSURE: f64 = 0.005;
 /// The guess is used when it exceeds so many of its standard deviations.
 const DOUBTS: f64 = 3.0;
@@ -57,7 +57,7 @@ impl<S: Scalar> Lateness<S> {
         answer[0] += device.mobility * held.step_moment;
         answer[1] += pushed;
         let seen = answer[0];
-        // What is not known of the force itself looks like lateness, too.
+        // An unknown part of the force looks like lateness, too.
         let unsure = S::from_f64(UNSURE) * device.mobility * held.mean * h * h;
         let variance = self.variance.unwrap_or(told * told);
         let gain = variance * seen / (seen * seen * variance + update.variance + unsure * unsure);
@@ -92,7 +92,7 @@ impl<S: Scalar> Lateness<S> {
         answer.map(|entry| entry * learned)
     }
 
-    /// Remaining standard deviation, as a part of the one that was `told`, above 0 `[s]`: 1 at first.
+    /// Remaining standard deviation as a part of the modelled one, above 0 `[s]`: 1 at first.
     pub fn remaining(&self, told: S) -> S {
         self.variance.map_or(S::ONE, |left| left.sqrt() / told)
     }

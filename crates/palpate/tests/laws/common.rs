@@ -243,7 +243,7 @@ impl Auditor {
         Self { largest, ..self }
     }
 
-    /// The spring's force of a penetration, and what it stores.
+    /// The spring's force at a penetration, and its stored energy.
     fn spring(&self, penetration: f64) -> (f64, f64) {
         let force = (self.stiffness * penetration.max(0.0)).min(self.largest);
         // The area below the force, from the penetration of the largest one on a rectangle.

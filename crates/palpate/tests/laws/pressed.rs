@@ -3,13 +3,13 @@
 
 use palpate::{Actuation, Contact, CoupledParams, LoopParams, ObjectState, Renderer, Sample};
 
-/// A device in a hand that pushes steadily, and what it presses on.
+/// A device in a hand that pushes steadily, and its contact.
 #[derive(Clone, Copy, Debug)]
 struct Pressed {
     /// K T^2/m and K T^2/M; 0 of the latter is a wall.
     kappa: f64,
     by_object: f64,
-    /// What the hand pushes with `[N]`, and what holds an object against it.
+    /// Force of the hand `[N]`, and the force that holds an object against it.
     push: f64,
     force_limit: Option<f64>,
     actuation: Actuation<f64>,

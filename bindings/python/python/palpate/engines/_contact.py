@@ -299,7 +299,7 @@ def radius(given: Any, way: str = "") -> float:
     """The radius of a tool [m]. A whole number is refused, since it is the number of a geom or a body.
 
     Raises:
-        ValueError: What is no radius; `way` says what may stand there besides.
+        ValueError: The value is not a radius; `way` names the alternative.
     """
     if isinstance(given, np.ndarray) and given.ndim == 0:
         given = given.item()

@@ -27,7 +27,7 @@ class SimulatedDevice(Fixed):
         period: Time from sample to sample [s].
 
     Raises:
-        ValueError: What is not finite, not three numbers, or negative where that cannot be, by the name of its argument.
+        ValueError: An argument, named, is not finite, not three numbers, or negative where it must not be.
     """
 
     _settable: ClassVar[frozenset[str]] = frozenset({"position", "velocity", "rest", "hand_force"})

@@ -50,7 +50,7 @@ class Contact(EngineContact):
     engine's collisions until this is closed, and its mocap body follows the avatar, for a viewer to show. The other geoms of
     that body stay what they are: one that can collide is a warning, since no force of it is felt.
 
-    What a step makes of a force depends on the integrator: implicit ones, and Euler with damped joints, solve with the damping
+    The step that a force causes depends on the integrator: implicit ones, and Euler with damped joints, solve with the damping
     of joints, tendons and servos at the end of the step. Bodies are taken to answer so.
 
     Args:

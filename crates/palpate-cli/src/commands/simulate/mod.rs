@@ -184,7 +184,7 @@ fn read_text(path: &Path) -> Result<String, Failure> {
 /// Samples from which on an intention counts as recorded: a path of fewer points is written by hand, and they may be far apart.
 const LEAST_RECORDED: usize = 20;
 
-/// Warns of a period that no haptic loop has, and of an intention that no hand has.
+/// Warns of a period that is unusual for a haptic loop, and of a motion that is unusual for a hand.
 fn tell_doubts(name: &str, scene: &Scene) {
     let period = scene.loop_params.period;
     if let Some(question) = period_question("loop.period_s", "period_s = 0.001", period) {

@@ -24,7 +24,7 @@ pub(super) struct Saturation<S> {
 /// the spring.
 const MOST_CHANGES: usize = 4;
 
-/// How the motion goes on.
+/// Continuation of the motion.
 enum Next<S> {
     /// To the end, by the spring.
     Spring,
