@@ -315,3 +315,30 @@ def test_a_device_of_ones_own_says_what_is_possible() -> None:
 
     with pytest.raises(TypeError, match="Mine cannot be a device of a palpate.Loop: .*from your own loop"):
         Mine()
+
+
+@pytest.mark.parametrize("kind", ["renderer", "world"])
+def test_created_energy_stops_the_forces(kind: str) -> None:
+    """Held while the device leaves by 2 mm, 2 N create 4 mJ in each second period."""
+    made: Any
+    if kind == "renderer":
+        made = palpate.Renderer(method="basic", period=0.001, stiffness=1000.0, mass=math.inf, soft_start=0)
+    else:
+        made = palpate.World(
+            loop={"period_s": 0.001},
+            devices=[{"name": "tool", "mass_kg": 0.2, "position_m": [0.0, 0.0, 0.0], "tool": {"sphere": {"radius_m": 0.0}}}],
+            bodies=[{"name": "floor", "fixed": True, "shape": {"half_space": {"normal": [0.0, 0.0, 1.0], "offset_m": 0.0}}}],
+            contacts=[{"between": ["tool", "floor"], "stiffness_n_per_m": 1000.0}],
+            method="basic",
+            soft_start=0,
+        )
+
+    def step(depth: float) -> float:
+        return -made.step(depth) if kind == "renderer" else made.step([0.0, 0.0, -depth])[2]
+
+    forces = [step(depth) for depth in 50 * [0.002, 0.0]]
+    pushed = sum(force > 1.0 for force in forces)
+    assert 10 <= pushed < 20 and not any(forces[40:])
+    assert "safety-stop" in made.output.limited
+    made.reset()
+    assert step(0.002) == 2.0 and "safety-stop" not in made.output.limited

@@ -206,6 +206,48 @@ stiffness_n_per_m = 10000.0
     assert!(leak.abs() < 1.0, "{answer:?}");
 }
 
+/// A device that is held by 2 N while it leaves a floor by 2 mm gets 4 mJ in each second period: the pipe stops. One that is pressed
+/// through the force limit gets nothing.
+#[test]
+fn created_energy_stops_a_pipe_with_a_world_and_a_limited_force_does_not() {
+    let folder = Folder::new();
+    folder.write(
+        "floor.toml",
+        r#"
+format = 2
+[loop]
+period_s = 0.001
+[[device]]
+name = "tool"
+mass_kg = 0.2
+position_m = [0.0, 0.0, 0.001]
+tool = { sphere = { radius_m = 0.0 } }
+[[body]]
+name = "floor"
+fixed = true
+shape = { half_space = { normal = [0.0, 0.0, 1.0], offset_m = 0.0 } }
+[[contact]]
+between = "*"
+stiffness_n_per_m = 1000.0
+"#,
+    );
+    let pipe = "pipe floor.toml --unit m --soft-start 0 --method basic";
+    let answer = folder.palpate_reading("0,0,-0.002\n0,0,0\n".repeat(50), pipe);
+    assert_eq!(answer.code, 5, "{answer:?}");
+    let pushed = answer.stdout.matches(",2\n").count();
+    assert!((10..20).contains(&pushed), "{answer:?}");
+    let words = "safety stop: held forces created more than 50.0 mJ";
+    assert!(answer.stderr.contains(words), "{answer:?}");
+
+    let pressed: String = (0..800)
+        .map(|tick| 0.015 * (1.0 - (f64::from(tick) * std::f64::consts::TAU / 800.0).cos()))
+        .map(|depth| format!("0,0,{}\n", 0.001 - depth))
+        .collect();
+    let answer = folder.palpate_reading(pressed, &format!("{pipe} --force-limit 5"));
+    assert_eq!(answer.code, 0, "{answer:?}");
+    assert!(answer.stderr.contains("leak 0.367 mJ"), "{answer:?}");
+}
+
 #[test]
 fn lines_of_other_columns_and_motions_no_hand_makes_end_the_pipe() {
     let in_millimetres: String = (0..200)

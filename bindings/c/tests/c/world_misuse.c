@@ -154,9 +154,33 @@ static void refused_ticks(void) {
   palpate_world_free(left_alone);
 }
 
+/* Held while the device leaves by 2 mm, 2 N create 4 mJ in each second period: a safety stop. */
+static void created_energy(void) {
+  palpate_world *world;
+  palpate_world_params params = palpate_world_params_default();
+  palpate_world_output output = palpate_world_output_empty();
+  palpate_pose pose = {{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}};
+  palpate_world_sample sample = palpate_world_sample_at(&pose, 1);
+  palpate_wrench wrench;
+  int tick, pushed = 0;
+
+  params.soft_start = 0.0;
+  EXPECT(palpate_world_new(SCENE, NULL, &params, &world) == PALPATE_STATUS_OK);
+  for (tick = 0; tick < 100; tick++) {
+    pose.position[2] = tick % 2 == 0 ? 0.008 : 0.01;
+    EXPECT(palpate_world_step(world, &sample, &wrench, 1, &output) == PALPATE_FAULT_NONE);
+    pushed += wrench.force[2] > 1.0;
+    EXPECT(tick < 40 || wrench.force[2] == 0.0);
+  }
+  EXPECT(pushed >= 10 && pushed < 20);
+  EXPECT((output.limited & PALPATE_LIMIT_STOPPED) != 0);
+  palpate_world_free(world);
+}
+
 int main(void) {
   making();
   ticks();
   refused_ticks();
+  created_energy();
   return failures != 0;
 }

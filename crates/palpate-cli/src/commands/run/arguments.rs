@@ -85,7 +85,7 @@ pub struct RealtimeArguments {
 #[derive(Args, Debug, Clone)]
 #[command(next_help_heading = "Safety")]
 pub struct SafetyArguments {
-    /// Largest force on the device [N] [default: 20, or what the device can give if that is less]
+    /// Largest force on the device [N]: of the command, and of the command times --gain [default: 20, or that of the device]
     #[arg(long, value_name = "N", value_parser = number)]
     pub safe_force: Option<f64>,
     /// Largest change of the force [N/s] [default: none]
