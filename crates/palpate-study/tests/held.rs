@@ -10,7 +10,7 @@ mod common;
 mod held;
 #[path = "../../palpate-world/tests/laws/ideal.rs"]
 mod ideal;
-#[path = "../../palpate-sim/tests/pressed/mod.rs"]
+#[path = "../../palpate-sim/tests/it/pressed/mod.rs"]
 mod pressed;
 
 use held::{FINGER, PINCHED, PRESSED, RESTING_PERIOD, TRAY, drift, resting, resting_stiffness};

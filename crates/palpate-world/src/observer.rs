@@ -281,7 +281,7 @@ impl AxisPrior {
     }
 
     /// Of a device whose mass is another at each place. One mobility for each axis is only nearly right there, and what is left over
-    /// has to be put down to a jerk: with less of it E of the arm of `palpate-sim --test linkages` is 24 % at 4 ms in place of 9 %.
+    /// has to be put down to a jerk: with less of it E of the arm of `palpate-sim --test it linkages::` is 24 % at 4 ms in place of 9 %.
     pub fn of_a_linkage(self) -> Self {
         Self {
             least_jerk: self.prior.jerk,

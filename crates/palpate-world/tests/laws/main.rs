@@ -4,7 +4,6 @@
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // numbers of samples
 
 mod adversary;
-#[path = "../balance/mod.rs"]
 mod balance;
 mod books;
 mod boxes;
@@ -15,6 +14,7 @@ mod common;
 mod conservation;
 mod cylinders;
 mod cylinders_anyhow;
+mod description;
 mod engine;
 mod engine_sub_steps;
 mod far_side;
@@ -31,7 +31,9 @@ mod kick;
 mod late_copies;
 mod late_ticks;
 mod local;
+mod meshes;
 mod orientations;
+mod refusals;
 mod resting;
 mod six_axes;
 mod tumbling;

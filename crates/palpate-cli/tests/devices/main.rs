@@ -1,0 +1,11 @@
+//! Tests of the program with devices and clocks.
+
+#[path = "../it/common/mod.rs"]
+mod common;
+mod guardian;
+mod inverse3;
+mod live;
+mod run_several;
+mod run_world;
+mod running;
+mod two_diy;

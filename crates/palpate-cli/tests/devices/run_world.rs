@@ -1,0 +1,452 @@
+//! `palpate run` and `record` with a world, on each device that takes one.
+
+use crate::common::{Answer, Folder, experiment_text, number, parse};
+use palpate_haply_emulator::inverse3::{Body, Emulator, EmulatorOptions, holding};
+use palpate_record::recording::{Entry, Recording};
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    for name in ["block-at-wall", "ball-on-table"] {
+        let text = experiment_text(&format!("worlds-on-devices/{name}"));
+        folder.write(&format!("{name}.toml"), text);
+    }
+    folder
+}
+
+#[test]
+fn a_loop_whose_samples_are_refused_is_no_success() {
+    let folder = folder();
+    let text = experiment_text("worlds-on-devices/ball-on-table");
+    let stiff: Vec<String> = text
+        .lines()
+        .map(|line| match line.starts_with("stiffness_n_per_m") {
+            true => "stiffness_n_per_m = 1e10".to_owned(),
+            false => line.to_owned(),
+        })
+        .collect();
+    folder.write("stiff.toml", stiff.join("\n"));
+    let answer = folder.palpate("run stiff.toml --fast --duration 2 --json");
+    assert_eq!(answer.code, 5, "{answer:?}");
+    let report = parse(&answer.stdout);
+    let timing = &report["timing"];
+    let refused = timing["refused"].as_u64().unwrap();
+    assert!(refused > 100 && timing["ticks"] == 2000, "{report}");
+    let answer = folder.palpate("run stiff.toml --fast --duration 2");
+    let said = format!("the renderer refused the samples of {refused} of 2000 ticks");
+    assert!(
+        crate::common::in_a_line(&answer.stdout).contains(&said),
+        "{answer:?}"
+    );
+    assert!(answer.stderr.contains(&said), "{answer:?}");
+    assert!(
+        crate::common::in_a_line(&answer.stdout).contains("too stiff or too damped"),
+        "{answer:?}"
+    );
+}
+
+#[test]
+fn a_recorded_world_of_one_tick_is_no_motion() {
+    let folder = folder();
+    folder.succeed("record ball-on-table.toml one.mcap --fast --duration 0.0004");
+    folder.fail(
+        "replay one.mcap --method basic",
+        3,
+        &[
+            "one.mcap: 1 of 1 readable tick with a position",
+            "a motion needs 2",
+        ],
+    );
+}
+
+#[test]
+fn a_world_is_run_recorded_and_read_back() {
+    let folder = folder();
+    let command = "record ball-on-table.toml ball.mcap --fast --duration 2 --json";
+    let report = parse(&folder.succeed(command));
+    assert_eq!(report["method"], "coupled");
+    assert_eq!(report["trip"], serde_json::Value::Null);
+    assert!(number(&report, "peak_force_n") > 0.5, "{report}");
+    assert!(number(&report, "leak_held_j").abs() < 0.005, "{report}");
+    let recording = &report["recording"];
+    assert!(
+        recording["complete"] == true && recording["ticks"] == 2000,
+        "{report}"
+    );
+
+    let info = parse(&folder.succeed("info ball.mcap --json"));
+    assert!(
+        info["complete"] == true && info["ticks_lost"] == 0,
+        "{info}"
+    );
+    assert!(info["flags"]["contact"].as_u64().unwrap() > 1000, "{info}");
+    let world = folder.succeed("info ball.mcap --text world");
+    assert_eq!(world, experiment_text("worlds-on-devices/ball-on-table"));
+    let frame = folder.succeed("info ball.mcap --text frame");
+    assert!(frame.contains("axes = [\"x\", \"y\", \"z\"]"), "{frame}");
+
+    let path = folder.path("ball.mcap");
+    let mut in_hand = 0;
+    for entry in Recording::open(&path).unwrap().entries().unwrap() {
+        let Entry::Tick(tick, contacts, bodies, _) = entry.unwrap() else {
+            continue;
+        };
+        assert_eq!(tick.contacts as usize, contacts.len());
+        // The ball, and the avatar of the tool behind ball and table.
+        let numbers: Vec<u32> = bodies.iter().map(|body| body.body).collect();
+        assert_eq!(numbers, [0, 2]);
+        assert!(bodies[0].position.iter().all(|x| x.is_finite()));
+        let [_, _, up] = tick.delivered_force;
+        in_hand += usize::from(up > 0.5);
+        for contact in &contacts {
+            let square: f64 = contact.normal.iter().map(|n| n * n).sum();
+            assert!((square - 1.0).abs() < 1e-9 && contact.force[2].is_finite());
+        }
+    }
+    assert!(
+        in_hand > 1000,
+        "{in_hand} ticks with the ball's force in the hand"
+    );
+
+    folder.succeed("convert ball.mcap");
+    let table = folder.read("ball.csv");
+    let head = table
+        .lines()
+        .find(|line| line.starts_with("sequence"))
+        .unwrap();
+    for column in ["contact_force_3_n", "bodies", "created_energy_j", "pair"] {
+        assert!(head.contains(column), "{head}");
+    }
+    let bodies = folder.read("ball-bodies.csv");
+    let head = bodies
+        .lines()
+        .find(|line| line.starts_with("sequence"))
+        .unwrap();
+    assert!(head.contains("body_position_3_m"), "{head}");
+    assert_eq!(
+        bodies
+            .lines()
+            .filter(|line| !line.starts_with("sequence"))
+            .count(),
+        4000
+    );
+}
+
+#[test]
+fn the_pointer_holds_a_world_and_flags_of_one_contact_are_refused() {
+    let folder = folder();
+    let command = "run ball-on-table.toml --device pointer --fast --duration 0.5 --method basic";
+    let said = folder.succeed(command);
+    assert!(
+        said.contains("basic on the device `pointer` at 1000 Hz"),
+        "{said}"
+    );
+    for (command, words) in [
+        ("run ball-on-table.toml --stiffness 100", "--stiffness"),
+        ("run ball-on-table.toml --safe-range 0,1", "--safe-range"),
+        ("run ball-on-table.toml --normal 0,0,1", "--normal"),
+        ("run ball-on-table.toml --device null", "have one axis"),
+        ("run ball-on-table.toml --world-axes x,x,y", "each once"),
+        ("run ball-on-table.toml --world-axes x,z", "for the 3 axes"),
+        ("run ball-on-table.toml --method basic,coupled", "--method"),
+    ] {
+        let answer = folder.palpate(command);
+        assert_eq!(answer.code, 2, "{command}: {answer:?}");
+        assert!(answer.stderr.contains(words), "{command}: {answer:?}");
+    }
+    folder.write("wall.toml", experiment_text("wall"));
+    let answer = folder.palpate("run wall.toml --world-axes x,y,z --fast");
+    assert_eq!(answer.code, 2, "{answer:?}");
+}
+
+/// A world that pushes back with more than a limit: the limit is the length of the vector.
+#[test]
+fn a_limit_of_the_force_holds_in_every_direction() {
+    let folder = folder();
+    let text = folder.read("ball-on-table.toml");
+    let pressed = text.replace(
+        "hand_force_n = [0.0, 0.0, -1.0]",
+        "hand_force_n = [0.7, 0.4, -3.0]",
+    );
+    assert_ne!(pressed, text);
+    folder.write("pressed.toml", pressed);
+    let command = "record pressed.toml pressed.mcap --fast --duration 1 --safe-force 0.8 --oscillation inf --json";
+    let report = parse(&folder.succeed(command));
+    let peak = number(&report, "peak_force_n");
+    assert!((peak - 0.8).abs() < 1e-9, "{report}");
+    let recording = Recording::open(&folder.path("pressed.mcap")).unwrap();
+    let mut limited_aslant = 0;
+    for row in recording.rows().unwrap() {
+        let [x, y, z] = row.unwrap().tick.delivered_force;
+        let length = (x * x + y * y + z * z).sqrt();
+        assert!(length < 0.8 + 1e-9, "{length} N");
+        limited_aslant += usize::from(length > 0.79 && z < 0.79);
+    }
+    assert!(limited_aslant > 10, "{limited_aslant} ticks");
+}
+
+/// An Inverse3 whose hand pulls it 9 mm down, to where the ball is: how the program answered, and the
+/// forces that the service was told [N].
+fn a_ball_is_pressed(folder: &Folder) -> (Answer, Vec<[f64; 3]>) {
+    // The service's z is up too.
+    let mut body = Body {
+        start: [0.01, 0.02, 0.1],
+        ..Body::default()
+    };
+    body.hands[2] = holding(0.088, 150.0, 4.0);
+    let emulator = Emulator::start(&EmulatorOptions {
+        body,
+        ..EmulatorOptions::default()
+    })
+    .unwrap();
+    let answer = folder.palpate(&format!(
+        "record ball-on-table.toml ball.mcap --device inverse3 --service {} --priority 0 \
+         --service-priority 0 --stall-after 50 --duration 2 --json",
+        emulator.url()
+    ));
+    let received = emulator.received();
+    let forces = received.iter().filter_map(|message| message.force);
+    (answer, forces.collect())
+}
+
+#[test]
+fn an_inverse3_presses_a_ball_on_a_table() {
+    // A busy machine stops the loop now and then for longer than it is allowed to, and its motors are off then.
+    let (answer, pushed) = (0..10)
+        .map(|_| {
+            let (answer, pushed) = a_ball_is_pressed(&folder());
+            assert_eq!(pushed.last(), Some(&[0.0; 3]));
+            // 5 where the motors were off for most of the ticks.
+            assert!(matches!(answer.code, 0 | 5), "{answer:?}");
+            (answer, pushed)
+        })
+        .find(|(answer, _)| {
+            answer.code == 0 && number(&parse(&answer.stdout), "peak_force_n") > 0.3
+        })
+        .expect("the loop was stopped in each of ten runs");
+    let report = parse(&answer.stdout);
+    assert_eq!(report["device"], "Haply Inverse3");
+    // The ball is under the tool, 4 mm beside its middle: it pushes up, and a little to the side.
+    assert!(pushed.iter().any(|[_, _, z]| *z > 0.3));
+    assert!(pushed.iter().any(|[_, y, _]| y.abs() > 0.005));
+}
+
+/// Records a 2DIY whose hand leads it 32 mm away from its base, into a block before a wall, as `block.mcap`.
+#[cfg(unix)]
+fn record_the_block(folder: &Folder) -> Answer {
+    use palpate_haply::two_diy::{Board, Generation};
+    use palpate_haply_emulator::two_diy::{self, Hand, PortSettings, Settings};
+    // It begins where the tool does.
+    let settings = Settings {
+        angles: Some([130.0, 50.0]),
+        hand: Hand::Holds {
+            place: [0.019, 0.1169 + 0.032],
+            sway: [0.0; 2],
+            period: 1.0,
+            stiffness: 40.0,
+            damping: 4.0,
+        },
+        hand_waits: true,
+        port: PortSettings::Socket {
+            path: folder.path("haply"),
+        },
+        ..Settings::of(Generation::Three, Board::M0)
+    };
+    let emulator = two_diy::Emulator::start(&settings).unwrap();
+    let answer = folder.palpate(
+        "record block-at-wall.toml block.mcap --device haply-2diy --port haply --board m0 \
+         --origin 0.019,0.1169 --start-pose 130,50 --priority 0 --stall-after 200 --duration 1.2 --json",
+    );
+    // 5 where the motors were off for most of the ticks.
+    assert!(matches!(answer.code, 0 | 5), "{answer:?}");
+    assert_eq!(emulator.torques(), [0.0; 2]);
+    answer
+}
+
+/// The report of such a run, the block's places [m], each with the device's force along y [N], and how far the hand had led the
+/// tool when the loop began [m].
+#[cfg(unix)]
+fn a_block_is_pushed(folder: &Folder) -> (serde_json::Value, Vec<(f64, f64)>, f64) {
+    let answer = record_the_block(folder);
+    assert!(!answer.stderr.contains("[[device]]"), "{}", answer.stderr);
+    let recording = Recording::open(&folder.path("block.mcap")).unwrap();
+    let (mut pushed, mut led) = (Vec::new(), None);
+    for entry in recording.entries().unwrap() {
+        if let Entry::Tick(tick, _, bodies, _) = entry.unwrap() {
+            assert!(tick.device_axes[2].is_nan() && tick.commanded_force[2] == 0.0);
+            led.get_or_insert(tick.device_axes[1] - 0.1169);
+            pushed.push((bodies[0].position[1], tick.commanded_force[1]));
+        }
+    }
+    (parse(&answer.stdout), pushed, led.unwrap())
+}
+
+#[cfg(unix)]
+#[test]
+fn a_2diy_pushes_a_block_against_a_wall() {
+    // A busy machine stops the loop now and then for longer than it is allowed to. The motors are off then,
+    // the hand pushes the tool into the block without a force against it, and the run shows nothing here. Nor does one whose
+    // loop began when the hand had led the tool into the block already.
+    let (report, pushed, _) = (0..10)
+        .map(|_| a_block_is_pushed(&folder()))
+        .find(|(report, _, led)| number(report, "motors_off_ticks") == 0.0 && led.abs() < 1e-3)
+        .expect("the loop was stopped, or began late, in each of ten runs");
+    assert!(number(&report, "peak_force_n") > 0.3, "{report}");
+    let (first, last) = (pushed[0].0, pushed.last().unwrap().0);
+    assert!(first.abs() < 1e-4 && last > 0.005, "{first} to {last} m");
+    // The wall is 30 mm away, and half of the block is 15 mm.
+    assert!(pushed.iter().all(|(y, _)| *y < 0.017), "through the wall");
+    let back = pushed.iter().filter(|(_, force)| *force < -0.3).count();
+    assert!(back > 20, "{back} ticks with a force against the hand");
+}
+
+/// The file says that the device has three axes. The loop renders none along z, says so, and nothing is judged there.
+#[cfg(unix)]
+#[test]
+fn a_2diy_lacks_the_third_axis_whatever_its_file_says() {
+    let folder = folder();
+    let text = folder.read("block-at-wall.toml");
+    let text = text.replace("axes = [\"x\", \"y\"]\n", "");
+    // The tool is above the middle of the block, so the edge of the block would push it up.
+    let text = text
+        .replace("-0.025, 0.01]", "-0.025, 0.022]")
+        .replace("0.0, 0.01]", "0.0, 0.022]");
+    assert!(!text.contains("axes =") && text.contains("-0.025, 0.022]"));
+    folder.write("block-at-wall.toml", &text);
+    let answer = record_the_block(&folder);
+    let said = "tool: the file says x, y and z, and the device has x and y of the world (Haply 2DIY, generation 3, board m0): no force \
+                is rendered along the rest, where the mechanism holds the tool; `axes = [\"x\", \"y\"]` in [[device]] says so to `simulate`, `compare` and `tune`, \
+                too";
+    assert!(answer.stderr.contains(said), "{}", answer.stderr);
+    let recording = Recording::open(&folder.path("block.mcap")).unwrap();
+    for entry in recording.entries().unwrap() {
+        if let Entry::Tick(tick, ..) = entry.unwrap() {
+            assert!(tick.commanded_force[2] == 0.0);
+        }
+    }
+    let replayed = folder.json_of_a_loop("replay block.mcap --method coupled");
+    let tool = &replayed["methods"][0]["devices"][0];
+    assert_eq!(tool["axes"][2], serde_json::Value::Null, "{tool}");
+}
+
+#[test]
+fn the_motion_of_a_recording_is_replayed_in_its_world() {
+    let folder = folder();
+    folder.write(
+        "ball.toml",
+        experiment_text("worlds-on-devices/ball-on-table"),
+    );
+    folder.succeed("record ball.toml ball.mcap --fast --duration 1");
+    let replayed =
+        folder.json_of_a_loop("replay ball.mcap --method basic,coupled --out replayed.csv");
+    assert_eq!(replayed["format"], "palpate world 1");
+    let samples = replayed["samples"].as_u64().unwrap();
+    assert!((990..1000).contains(&samples), "{samples}");
+    let methods = replayed["methods"].as_array().unwrap();
+    let error = |place: usize| number(&methods[place]["sum"], "mean_force_error_percent");
+    assert!(error(1) < error(0), "{} {}", error(1), error(0));
+    let rows = folder.read("replayed.csv").lines().count() as u64;
+    assert_eq!(rows, 1 + 2 * samples);
+    folder.fail(
+        "replay ball.mcap --replay hand",
+        2,
+        &["--replay", "is a world"],
+    );
+}
+
+#[test]
+fn a_device_of_six_axes_is_run_and_its_turns_and_torques_are_recorded() {
+    let folder = Folder::new();
+    folder.write("box.toml", experiment_text("worlds/box"));
+    let report = parse(&folder.succeed("record box.toml box.mcap --fast --duration 0.3 --json"));
+    assert_eq!(report["trip"], serde_json::Value::Null);
+    assert!(number(&report, "peak_force_n") > 1.0, "{report}");
+    let (mut torque, mut turned, mut avatar): (f64, f64, f64) = (0.0, 0.0, 0.0);
+    let mut first = None;
+    for entry in Recording::open(&folder.path("box.mcap"))
+        .unwrap()
+        .entries()
+        .unwrap()
+    {
+        let Entry::Tick(tick, _, bodies, _) = entry.unwrap() else {
+            continue;
+        };
+        let length = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        assert_eq!(tick.commanded_torque, tick.delivered_torque);
+        torque = torque.max(length(tick.delivered_torque));
+        let start = *first.get_or_insert(tick.device_orientation);
+        let apart = |q: [f64; 4]| {
+            let parts = q.iter().zip(start);
+            parts
+                .map(|(q, start)| (q - start).abs())
+                .fold(0.0, f64::max)
+        };
+        turned = turned.max(apart(tick.device_orientation));
+        let of_tool = bodies.last().unwrap().orientation;
+        let own = of_tool.iter().zip(tick.device_orientation);
+        avatar = own.fold(avatar, |most, (avatar, device)| {
+            most.max((avatar - device).abs())
+        });
+    }
+    // The box tips, and its avatar is near the device, but not in its place.
+    assert!(torque > 0.01 && torque <= 1.0, "{torque} N m");
+    assert!(turned > 0.05, "{turned}");
+    assert!(avatar > 0.0 && avatar < 0.15, "{avatar}");
+    // Its motion, under another method; the first samples have the same torques.
+    let replayed =
+        folder.json_of_a_loop("replay box.mcap --method basic,coupled --out replayed.csv");
+    let methods = replayed["methods"].as_array().unwrap();
+    let error = |place: usize| number(&methods[place]["sum"], "mean_force_error_percent");
+    assert!(error(1) < 0.5 * error(0), "{} {}", error(1), error(0));
+    let table = folder.read("replayed.csv");
+    let header = "method,device,t_s,x_m,y_m,z_m,fx_n,fy_n,fz_n,qw,qx,qy,qz,tx_n_m,ty_n_m,tz_n_m";
+    assert_eq!(table.lines().next(), Some(header));
+    let samples = replayed["samples"].as_u64().unwrap();
+    assert_eq!(table.lines().count() as u64, 1 + 2 * samples);
+    folder.succeed("convert box.mcap");
+    assert!(folder.read("box.csv").contains("delivered_torque_1_n_m"));
+
+    // A pointer's hand holds it as it begins.
+    let report =
+        parse(&folder.succeed("run box.toml --device pointer --fast --duration 0.1 --json"));
+    assert_eq!(report["trip"], serde_json::Value::Null);
+    folder.fail(
+        "run box.toml --fast --duration 0.1 --world-axes y,x,z",
+        3,
+        &["box.toml", "x,y,z"],
+    );
+}
+
+/// A stylus in the loop: its turns are recorded, and no torque is there.
+#[test]
+fn a_device_that_gives_no_torque_is_run_and_replayed() {
+    let folder = Folder::new();
+    folder.write("stylus.toml", experiment_text("worlds/stylus"));
+    let report =
+        parse(&folder.succeed("record stylus.toml stylus.mcap --fast --duration 0.2 --json"));
+    assert_eq!(report["trip"], serde_json::Value::Null);
+    assert!(number(&report, "peak_force_n") > 1.0, "{report}");
+    let replayed =
+        folder.json_of_a_loop("replay stylus.mcap --method basic,coupled --out replayed.csv");
+    let methods = replayed["methods"].as_array().unwrap();
+    assert_eq!(methods[0]["devices"][0]["torque"], serde_json::Value::Null);
+    let error = |place: usize| number(&methods[place]["sum"], "mean_force_error_percent");
+    assert!(error(1) < 0.9 * error(0), "{} {}", error(1), error(0));
+    let header = "method,device,t_s,x_m,y_m,z_m,fx_n,fy_n,fz_n,qw,qx,qy,qz";
+    assert_eq!(folder.read("replayed.csv").lines().next(), Some(header));
+    let report =
+        parse(&folder.succeed("run stylus.toml --device pointer --fast --duration 0.1 --json"));
+    assert_eq!(report["trip"], serde_json::Value::Null);
+}
+
+#[test]
+fn a_guard_acts_in_a_loop_of_a_world_and_is_counted() {
+    let folder = folder();
+    let guarded = |name: &str, more: &str| {
+        let record = format!("record ball-on-table.toml {name} --fast --duration 1 --json");
+        let _ = folder.succeed(&format!("{record} {more}"));
+        let info = parse(&folder.succeed(&format!("info {name} --json")));
+        info["flags"]["limited-guard"].as_u64().unwrap_or(0)
+    };
+    assert_eq!(guarded("a.mcap", "--guard limit"), 0);
+    assert!(guarded("b.mcap", "--guard limit --guard-allowance 0.001") > 10);
+}

@@ -1,0 +1,559 @@
+//! Delay, lag and gain of a loop: by flags, and from a calibrated device file.
+
+#![allow(clippy::print_stdout)] // tests show what they measured
+
+use crate::common::{Answer, Folder, experiment_text, number, of_method, parse, taps, trace_text};
+use serde_json::Value;
+
+const DEVICE: &str = "\
+calibration_format = 1
+period_s = 0.01
+device_mass_kg = 0.1
+delay_s = 0.005
+lag_s = 0.002
+gain = 0.9
+sensor_quantum_m = 0
+
+[standard_deviation]
+delay_s = 0.0001
+";
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("scene.toml", experiment_text("fig2"));
+    folder.write("device.toml", DEVICE);
+    folder.write("tap.csv", trace_text(&taps(0.001, 1.5)));
+    folder
+}
+
+fn error(report: &Value, method: &str) -> f64 {
+    number(of_method(report, method), "mean_force_error_percent")
+}
+
+/// What a command has said on standard error.
+fn told(answer: &Answer, words: &[&str]) {
+    assert_eq!(answer.code, 0, "{answer:?}");
+    for word in words {
+        assert!(answer.stderr.contains(word), "{word}: {answer:?}");
+    }
+}
+
+const PIPE: &str = "pipe --stiffness 400 --mass 0.1 --period 0.001 --device-mass 0.2 \
+                    --object-position 0.005 --soft-start 0 --force-limit inf";
+
+/// The forces of a press of 50 mm/s.
+fn piped(folder: &Folder, flags: &str) -> Vec<f64> {
+    let lines: String = (0..120)
+        .map(|i| format!("{}\n", 5e-5 * f64::from(i)))
+        .collect();
+    let answer = folder.palpate_reading(&lines, &format!("{PIPE} {flags}"));
+    assert_eq!(answer.code, 0, "{flags}: {answer:?}");
+    let forces = answer.stdout.lines().map(|line| line.parse().unwrap());
+    forces.collect()
+}
+
+/// A sensor that was found to err more than its steps do is told as one whose steps err as much.
+#[test]
+fn the_noise_of_a_calibrated_sensor_is_told() {
+    let folder = folder();
+    let file = "calibration_format = 1\nperiod_s = 0.001\nsensor_quantum_m = 1e-6\n";
+    folder.write("steps.toml", file);
+    folder.write("noisy.toml", format!("{file}sensor_noise_m = 5e-6\n"));
+    let of = |flags: &str| piped(&folder, &format!("--method coupled {flags}"));
+    let noisy = of("--device-file noisy.toml");
+    assert_ne!(noisy, of("--device-file steps.toml"));
+    assert_eq!(noisy, of("--encoder-quantum 0.000017320508075688773"));
+}
+
+#[test]
+fn a_pipe_commands_what_the_actuator_is_to_get() {
+    let folder = folder();
+    let plain = piped(&folder, "--method basic");
+    let weak = piped(&folder, "--method basic --gain 0.5");
+    assert!(plain.iter().any(|force| *force < -0.1), "{plain:?}");
+    for (plain, weak) in plain.iter().zip(&weak) {
+        assert!((2.0 * plain - weak).abs() <= 1e-12, "{plain} {weak}");
+    }
+    let at_once = piped(&folder, "");
+    assert_eq!(piped(&folder, "--delay 0 --lag 0 --gain 1"), at_once);
+    let all = piped(&folder, "--delay 0.5 --lag 0.0003 --gain 0.98");
+    for (flags, other) in [
+        ("none", &at_once),
+        ("delay", &piped(&folder, "--delay 0.5")),
+        ("delay and lag", &piped(&folder, "--delay 0.5 --lag 0.0003")),
+    ] {
+        assert_ne!(&all, other, "{flags}");
+    }
+    assert!(all.iter().all(|force| force.is_finite()));
+    // A force that comes late begins before the device touches.
+    let begins = |forces: &[f64]| forces.iter().position(|force| *force < -1e-6);
+    assert!(begins(&all) < begins(&at_once), "{all:?} {at_once:?}");
+}
+
+#[test]
+fn coupled_rendering_reaches_the_floor_of_an_actuator_that_it_is_told() {
+    let folder = folder();
+    let error = |flags: &str| {
+        let flags = format!("simulate scene.toml --method coupled {flags}");
+        error(&folder.json(&flags), "coupled")
+    };
+    let actuator = "--delay 0.5 --lag 0.002 --gain 0.9";
+    let told = error(actuator);
+    for untold in ["--told-delay 0", "--told-lag 0", "--told-gain 1"] {
+        let other = error(&format!("{actuator} {untold}"));
+        println!("{untold}: E {other:.2} %, told {told:.2} %");
+        assert!(told < 1.0 && other > 5.0 * told, "{untold}: {other} {told}");
+    }
+    assert_eq!(error("--delay 1.0"), error("--delay 1"));
+}
+
+#[test]
+fn a_recording_is_rendered_with_the_actuator_that_is_told() {
+    let folder = folder();
+    let render = "render tap.csv --stiffness 400 --mass 0.1 --period 0.01 --method basic";
+    let error = |flags: &str| error(&folder.json(&format!("{render} {flags}")), "basic");
+    let (none, whole) = (error(""), error("--delay 1"));
+    let half = error("--delay 0.5");
+    assert!(none < half && half < whole, "{none} {half} {whole}");
+    // The gain is made good; a lag is not by this method.
+    assert!((error("--gain 0.7") / none - 1.0).abs() < 1e-9);
+    assert!(error("--lag 0.003") > none);
+    let shown = folder.palpate(&format!("{render} --delay 0.5"));
+    assert!(shown.stdout.contains("delay 0.5 periods"), "{shown:?}");
+}
+
+#[test]
+fn a_device_file_says_what_flags_would() {
+    let folder = folder();
+    let by_flags = "--told-delay 0.5 --delay-deviation 0.01 --told-lag 0.002 --told-gain 0.9 \
+                    --told-device-mass 0.1";
+    let report = |flags: &str| {
+        let answer = folder.palpate(&format!("simulate scene.toml {flags} --json"));
+        assert_eq!(answer.code, 0, "{answer:?}");
+        parse(&answer.stdout)["methods"].take()
+    };
+    let by_file = report("--device-file device.toml");
+    assert_eq!(by_file, report(by_flags));
+    assert_ne!(by_file, report(""));
+    let answer = folder.palpate("simulate scene.toml --device-file device.toml --gain 0.8");
+    told(
+        &answer,
+        &[
+            "taken from device.toml: device_mass_kg 0.1",
+            "delay_s 0.005 ± 0.0001, lag_s 0.002",
+            "--gain stands in place of gain",
+        ],
+    );
+    // Delay and lag of one fit err against each other: their sum is known better than each.
+    let sum = "delay_plus_lag_s = 0.007\n\n[standard_deviation]\ndelay_plus_lag_s = 0.0001\n\
+               lag_s = 0.001\n";
+    folder.write(
+        "sum.toml",
+        DEVICE
+            .replace("\n[standard_deviation]\n", sum)
+            .replace("delay_s = 0.0001", "delay_s = 0.001"),
+    );
+    assert_eq!(report("--device-file sum.toml"), by_file);
+    // The file's mass is enough for `coupled`.
+    let pipe = "pipe --stiffness 400 --mass 0.1 --period 0.01 --device-file device.toml";
+    let answer = folder.palpate_reading("0\n0.001\n", pipe);
+    assert_eq!(answer.code, 0, "{answer:?}");
+    let other = pipe.replace("0.01", "0.001");
+    let answer = folder.palpate_reading("0\n0.001\n", &other);
+    told(
+        &answer,
+        &["found in a loop of 0.01 s, and this one has 0.001 s"],
+    );
+}
+
+#[test]
+fn a_flag_stands_in_place_of_the_value_of_a_device_file() {
+    let folder = folder();
+    let render = "render tap.csv --stiffness 400 --mass 0.1 --period 0.01 --method basic --json";
+    let error = |flags: &str| {
+        let answer = folder.palpate(&format!("{render} {flags}"));
+        assert_eq!(answer.code, 0, "{answer:?}");
+        error(&parse(&answer.stdout), "basic")
+    };
+    let own = "--delay 0.25 --lag 0.001 --gain 0.8";
+    let beside = error(&format!("--device-file device.toml {own}"));
+    assert_eq!(beside, error(own));
+    assert_ne!(beside, error("--device-file device.toml"));
+    // What is not taken is not judged: by itself that delay would be too long.
+    let fast =
+        "pipe --stiffness 400 --mass 0.1 --period 0.0005 --device-file device.toml --delay 1";
+    let answer = folder.palpate_reading("0\n", fast);
+    assert_eq!(answer.code, 0, "{answer:?}");
+}
+
+#[test]
+fn a_wrong_device_file_is_told_with_its_place() {
+    let folder = folder();
+    folder.write(
+        "key.toml",
+        DEVICE.replace("delay_s = 0.005", "delay_ms = 5"),
+    );
+    folder.write("value.toml", DEVICE.replace("gain = 0.9", "gain = 0"));
+    for (file, code, said) in [
+        ("key.toml", 3, "key.toml:4:1: unknown key delay_ms"),
+        ("value.toml", 3, "value.toml:6:8: gain is 0, but must be"),
+        ("none.toml", 1, "none.toml: "),
+    ] {
+        for command in [
+            "simulate scene.toml",
+            "render tap.csv --stiffness 400 --mass 0.1 --period 0.01",
+            "pipe --stiffness 400 --mass 0.1 --period 0.01",
+        ] {
+            folder.fail(&format!("{command} --device-file {file}"), code, &[said]);
+        }
+    }
+    let fast = "pipe --stiffness 400 --mass 0.1 --period 0.0005 --device-file device.toml";
+    let said = ["device.toml: the delay is 0.005 s, 10 periods", "8 at most"];
+    folder.fail(fast, 3, &said);
+}
+
+#[test]
+fn what_only_a_simulated_actuator_can_differ_in_is_refused_elsewhere() {
+    let folder = folder();
+    for (flag, own) in [
+        ("--told-delay", "--delay"),
+        ("--told-lag", "--lag"),
+        ("--told-gain", "--gain"),
+    ] {
+        for command in ["render tap.csv", "pipe"] {
+            let command = format!("{command} --stiffness 400 --mass 0.1 --period 0.01 {flag} 0.5");
+            let said = format!("{flag} is for simulate and tune");
+            folder.fail(&command, 2, &[&said, own]);
+        }
+    }
+    for (flags, said) in [
+        (
+            "--told-delay 8.5",
+            "--told-delay is 8.5 periods, but must be from 0 to 8",
+        ),
+        ("--told-lag -1", "--told-lag is -1 s, but must be"),
+        ("--told-gain 0", "--told-gain is 0, but must be"),
+    ] {
+        folder.fail(&format!("simulate scene.toml {flags}"), 2, &[said]);
+    }
+}
+
+#[test]
+fn a_recording_says_what_the_renderer_was_told_and_is_replayed_with_it() {
+    let folder = folder();
+    let actuator = "--delay 0.5 --delay-deviation 0.01 --lag 0.002 --gain 0.9";
+    folder.succeed(&format!(
+        "record scene.toml rec.mcap --method coupled --fast --duration 0.7 {actuator}"
+    ));
+    let info = folder.json("info rec.mcap");
+    for (key, value) in [
+        ("device_mass_kg", 0.1),
+        ("delay_s", 0.005),
+        ("delay_deviation_s", 0.0001),
+        ("lag_s", 0.002),
+        ("lag_deviation_s", 0.0),
+        ("gain", 0.9),
+        ("gain_deviation", 0.0),
+    ] {
+        assert!(
+            (number(&info["told"], key) - value).abs() < 1e-15,
+            "{key}: {info}"
+        );
+    }
+    let shown = folder.succeed("info rec.mcap");
+    let line =
+        "the renderer was told: device 0.100 kg, delay 5.00 ± 0.100 ms, lag 2.00 ms, gain 0.900\n";
+    assert!(shown.contains(line), "{shown}");
+    // The same motion, rendered by what is told: as it was recorded, and with a method that does not look at it.
+    let replayed = |flags: &str| {
+        let report = folder.json(&format!("replay rec.mcap --method basic {flags}"));
+        (error(&report, "basic"), report["actuator"].clone())
+    };
+    let (recorded, told) = replayed("");
+    assert_eq!(number(&told, "told_lag_s"), 0.002);
+    assert_eq!(replayed(actuator).0, recorded);
+    assert_ne!(replayed("--delay 0 --lag 0 --gain 1").0, recorded);
+    // A perfect loop says so, too.
+    folder.succeed("record scene.toml perfect.mcap --method coupled --fast --duration 0.1");
+    let info = folder.json("info perfect.mcap");
+    assert_eq!(
+        (
+            number(&info["told"], "delay_s"),
+            number(&info["told"], "gain")
+        ),
+        (0.0, 1.0)
+    );
+}
+
+const FLEXIBLE: &str = "\
+calibration_format = 1
+period_s = 0.001
+device_mass_kg = 0.2
+delay_s = 0.0005
+lag_s = 0.0002
+resonance_hz = 100.0
+flexible_mass_fraction = 0.5
+";
+
+/// A resonance of 10 Hz allows 4 Hz: 63 N/m with the 0.1 kg of the motor's side and a wall. All times are ten
+/// times those of `FLEXIBLE`, so that the bounces of an advice take fewer ticks.
+#[test]
+fn a_contact_beyond_the_resonance_of_a_device_file_is_warned_of_once_and_not_advised() {
+    let folder = folder();
+    let slow = FLEXIBLE
+        .replace("period_s = 0.001", "period_s = 0.01")
+        .replace("delay_s = 0.0005", "delay_s = 0.005")
+        .replace("lag_s = 0.0002", "lag_s = 0.002")
+        .replace("resonance_hz = 100.0", "resonance_hz = 10.0");
+    folder.write("flexible.toml", slow);
+    for (stiffness, is_beyond) in [(60, false), (70, true)] {
+        let answer = folder.palpate_reading(
+            "0\n",
+            &format!(
+                "pipe --stiffness {stiffness} --mass inf --period 0.01 --device-file flexible.toml"
+            ),
+        );
+        assert_eq!(answer.code, 0, "{answer:?}");
+        let warned = answer.stderr.matches("a resonance of 10 Hz").count();
+        assert_eq!(warned, usize::from(is_beyond), "{answer:?}");
+        assert_eq!(answer.stderr.contains("63.2 N/m"), is_beyond, "{answer:?}");
+    }
+    let advised = |flags: &str| {
+        let asked = "--stiffness 70 --viscous-friction 0.2 --method coupled";
+        folder.json(&format!("advise --period 0.01 {flags} {asked}"))
+    };
+    let rigid = "--device-mass 0.2 --delay 0.5 --lag 0.002";
+    assert_eq!(advised(rigid)["verdict"]["answer"], "yes");
+    let flexible = advised("--device-file flexible.toml");
+    assert_eq!(flexible["verdict"]["answer"], "too-flexible");
+    let device = &flexible["device"];
+    assert_eq!(number(device, "delay_fraction"), 0.5);
+    assert_eq!(number(device, "lag_s"), 0.002);
+    assert_eq!(number(device, "mass_kg"), 0.2);
+    assert!((number(device, "stiffest_by_resonance_n_per_m") - 63.165).abs() < 0.001);
+    folder.fail("advise --period 0.001", 2, &["--device-mass"]);
+}
+
+#[test]
+fn a_map_takes_fractions_of_delay_and_a_lag() {
+    let folder = folder();
+    let map = |flags: &str| folder.succeed(&format!("map --cells 2 --method coupled {flags}"));
+    assert!(map("--delay 0.5 --out half.csv").contains("0.5"));
+    let text = |file: &str| std::fs::read_to_string(folder.path(file)).unwrap();
+    assert!(text("half.csv").contains("\"\"delay_samples\"\":\"\"0.5\"\""));
+    map("--delay 1.0 --out one.csv");
+    map("--delay 1 --lag 0 --out whole.csv");
+    assert_eq!(text("one.csv"), text("whole.csv"));
+    map("--delay 1 --lag 0.3 --out lag.csv");
+    assert!(text("lag.csv").contains("\"\"lag_periods\"\":\"\"0.3\"\""));
+    folder.fail(
+        "map --lag 101 --out x.csv",
+        2,
+        &["--lag is 101 periods", "0 to 100"],
+    );
+    folder.fail("map --delay 1025 --out x.csv", 2, &["a number of periods"]);
+}
+
+/// What a calibration says of a flexible transmission, in a loop in which `coupled` uses it.
+const TRANSMISSION: &str =
+    "--resonance 100 --resonance-damping-ratio 0.03 --flexible-mass-fraction 0.5";
+
+fn flexible_folder() -> Folder {
+    let folder = folder();
+    folder.write("flexible.toml", experiment_text("coupled/flexible"));
+    let keys = "resonance_damping_ratio = 0.03\n";
+    folder.write("whole.toml", format!("{FLEXIBLE}{keys}"));
+    folder.write("part.toml", FLEXIBLE);
+    let told = "[told]\nresonance_hz = 100\nresonance_damping_ratio = 0.03\nflexible_mass_fraction = 0.5\n";
+    folder.write(
+        "told.toml",
+        format!("{}\n{told}", experiment_text("coupled/flexible")),
+    );
+    folder
+}
+
+#[test]
+fn flags_tell_a_transmission_as_a_scene_and_a_device_file_do() {
+    let folder = flexible_folder();
+    let methods = |command: &str| {
+        let answer = folder.palpate(&format!("{command} --json"));
+        assert_eq!(answer.code, 0, "{command}: {answer:?}");
+        parse(&answer.stdout)["methods"].take()
+    };
+    let simulate = "simulate flexible.toml --method coupled";
+    let by_flags = methods(&format!("{simulate} {TRANSMISSION}"));
+    assert_eq!(methods("simulate told.toml --method coupled"), by_flags);
+    assert_ne!(methods(simulate), by_flags);
+    // One flag stands in place of one key, of a scene and of a file.
+    let softer = format!("{simulate} {TRANSMISSION}").replace("100", "80");
+    assert_eq!(
+        methods("simulate told.toml --method coupled --resonance 80"),
+        methods(&softer)
+    );
+    assert_ne!(methods(&softer), by_flags);
+    let rest = "--told-delay 0.5 --told-lag 0.0002 --told-device-mass 0.2";
+    assert_eq!(
+        methods(&format!(
+            "{simulate} --device-file whole.toml --resonance 80"
+        )),
+        methods(&format!("{softer} {rest}"))
+    );
+    let answer = folder.palpate(&format!(
+        "{simulate} --device-file whole.toml --resonance 80"
+    ));
+    told(
+        &answer,
+        &[
+            "resonance_damping_ratio 0.03, flexible_mass_fraction 0.5",
+            "--resonance stands in place of resonance_hz",
+        ],
+    );
+    // A flag says what the file leaves open.
+    let completed = "--device-file part.toml --resonance-damping-ratio 0.03";
+    assert_eq!(
+        methods(&format!("{simulate} {completed}")),
+        methods(&format!("{simulate} --device-file whole.toml"))
+    );
+}
+
+#[test]
+fn a_part_of_a_transmission_is_refused_where_nothing_says_the_rest() {
+    let folder = flexible_folder();
+    let render = "render tap.csv --stiffness 400 --mass 0.1 --period 0.01";
+    let pipe = "pipe --stiffness 400 --mass 0.1 --period 0.01 --device-mass 0.2";
+    for command in ["simulate flexible.toml", render, pipe] {
+        for (flags, missing) in [
+            ("--resonance 100", "--resonance-damping-ratio is missing"),
+            (
+                "--resonance 100 --resonance-damping-ratio 0.03",
+                "--flexible-mass-fraction is missing",
+            ),
+            ("--flexible-mass-fraction 0.5", "--resonance is missing"),
+        ] {
+            folder.fail(&format!("{command} {flags}"), 2, &[missing, "all three"]);
+        }
+    }
+}
+
+#[test]
+fn a_pipe_is_told_of_a_transmission_and_warns_of_what_it_cannot_render() {
+    let folder = flexible_folder();
+    let plain = piped(&folder, "");
+    assert_ne!(piped(&folder, TRANSMISSION), plain);
+    // Where a period of the resonance has twenty samples, one mass is rendered, told or not.
+    assert_eq!(piped(&folder, &TRANSMISSION.replace("100", "40")), plain);
+    // 40 Hz with the 0.1 kg of the motor's side.
+    for (stiffness, is_beyond) in [(6000, false), (7000, true)] {
+        let pipe = format!(
+            "pipe --stiffness {stiffness} --mass inf --period 0.001 --device-mass 0.2 {TRANSMISSION}"
+        );
+        let answer = folder.palpate_reading("0\n", &pipe);
+        assert_eq!(answer.code, 0, "{answer:?}");
+        let warned = answer
+            .stderr
+            .matches("--resonance is 100 Hz, which allows 6317 N/m")
+            .count();
+        assert_eq!(warned, usize::from(is_beyond), "{answer:?}");
+    }
+}
+
+#[test]
+fn a_recording_has_the_transmission_that_flags_told() {
+    let folder = flexible_folder();
+    folder.succeed(&format!(
+        "record flexible.toml rec.mcap --method coupled --fast --duration 0.2 {TRANSMISSION}"
+    ));
+    let info = folder.json("info rec.mcap");
+    for (key, value) in [
+        ("resonance_hz", 100.0),
+        ("resonance_damping_ratio", 0.03),
+        ("flexible_mass_fraction", 0.5),
+    ] {
+        assert_eq!(number(&info["told"], key), value, "{info}");
+    }
+    assert!(folder.succeed("info rec.mcap").contains("100 Hz"));
+    let report = folder.json(&format!("replay rec.mcap --method coupled {TRANSMISSION}"));
+    assert_eq!(number(&report["actuator"], "told_resonance_hz"), 100.0);
+}
+
+#[test]
+fn a_resonance_by_flag_bounds_what_is_advised() {
+    let folder = folder();
+    // As slow as in the test of a device file above.
+    let advise = "advise --period 0.01 --device-mass 0.2 --delay 0.5 --stiffness 70 \
+                  --viscous-friction 0.2 --method coupled";
+    let advised = |flags: &str| folder.json(&format!("{advise} {flags}"));
+    let flexible = advised("--resonance 10 --flexible-mass-fraction 0.5");
+    assert_eq!(flexible["verdict"]["answer"], "too-flexible");
+    let stiffest = number(&flexible["device"], "stiffest_by_resonance_n_per_m");
+    assert!((stiffest - 63.165).abs() < 0.001, "{stiffest}");
+    assert_eq!(advised("--resonance 30")["verdict"]["answer"], "yes");
+    for (flags, said) in [
+        ("--resonance 0", "--resonance is 0 Hz"),
+        (
+            "--resonance 100 --flexible-mass-fraction 1",
+            "must be from 0 to below 1",
+        ),
+        ("--flexible-mass-fraction 0.5", "--resonance is missing"),
+    ] {
+        folder.fail(&format!("{advise} {flags}"), 2, &[said]);
+    }
+}
+
+/// A wall that a hand presses, in a loop with half a period of delay that nobody tells, but for a deviation.
+const LATE: &str = "\
+scene_format = 1
+title = \"A pressed wall with an untold delay\"
+
+[object]
+mass_kg = inf
+stiffness_n_per_m = 20000
+position_m = 0.001
+
+[device]
+kind = \"point-mass\"
+mass_kg = 0.2
+
+[hand]
+kind = \"impedance\"
+mass_kg = 0.05
+stiffness_n_per_m = 300
+damping_n_s_per_m = 3
+position_m = 0.0
+force_n = 2
+
+[loop]
+period_s = 0.001
+delay_s = 0.0005
+
+[measure]
+duration_s = 1
+
+[renderer]
+method = \"coupled\"
+
+[told]
+delay_s = 0
+delay_deviation_s = 0.0003
+";
+
+#[test]
+fn a_lateness_that_was_learned_is_said() {
+    let folder = folder();
+    folder.write("late.toml", LATE);
+    let ran = folder.succeed("record late.toml rec.mcap --fast --duration 2.5");
+    let last = ran.lines().rfind(|line| line.contains("learned-lateness"));
+    let words: Vec<&str> = last.unwrap().split_whitespace().collect();
+    let at = words.iter().position(|word| *word == "begin").unwrap();
+    let milliseconds: f64 = words[at + 1].parse().unwrap();
+    assert_eq!(words[at + 2..at + 6], ["ms", "later", "than", "told,"]);
+    assert!((milliseconds - 0.5).abs() < 0.1, "{ran}");
+    let info = folder.succeed("info rec.mcap");
+    assert!(info.contains("learned-lateness: "), "{info}");
+    folder.write(
+        "certain.toml",
+        LATE.replace("delay_deviation_s = 0.0003", "delay_deviation_s = 0"),
+    );
+    let certain = folder.succeed("record certain.toml certain.mcap --fast --duration 2.5");
+    assert!(!certain.contains("learned-lateness"), "{certain}");
+}

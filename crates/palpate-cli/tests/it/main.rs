@@ -1,0 +1,36 @@
+//! All other integration tests of the program.
+
+mod actuation;
+mod arguments;
+mod calibrate;
+mod common;
+mod compare;
+mod eighty_columns;
+mod figure_and_demo;
+mod flags;
+mod map;
+mod map_at_once;
+mod overwriting;
+mod parts;
+mod pictures;
+mod pipe;
+mod pipe_limits;
+mod pipe_stream;
+mod pipe_world;
+mod recording;
+mod recording_format_1;
+mod recording_hand;
+mod recordings;
+mod render;
+mod render_failures;
+mod render_hand;
+mod report;
+mod schemas;
+mod simulate;
+mod simulate_failures;
+mod simulate_world;
+mod streams;
+mod suite;
+mod sweep_and_claims;
+mod tune;
+mod units;

@@ -1,0 +1,290 @@
+//! `palpate simulate` where something is wrong with the scene.
+
+use crate::common::{Folder, experiment, experiment_text};
+
+/// Edits of the scene of Fig. 2, the place of the fault, and what is said of it.
+const FAULTS: [(&str, &str, &str, &[&str]); 24] = [
+    (
+        "stiffness_n_per_m = 100",
+        "stiffness_n_per_m = -100",
+        "8:21",
+        &["object.stiffness_n_per_m is -100 N/m", "greater than 0"],
+    ),
+    (
+        "stiffness_n_per_m = 100",
+        "stiffness_n_per_m = nan",
+        "8:21",
+        &["object.stiffness_n_per_m is NaN"],
+    ),
+    (
+        "stiffness_n_per_m = 100",
+        "stiffness_n_per_m = \"100\"",
+        "8:21",
+        &["string \"100\""],
+    ),
+    (
+        "stiffness_n_per_m =",
+        "stifness_n_per_m =",
+        "8:1",
+        &[
+            "unknown key stifness_n_per_m",
+            "did you mean stiffness_n_per_m?",
+        ],
+    ),
+    (
+        "mass_kg = 0.1\nstiff",
+        "mass_kg = 0\nstiff",
+        "7:11",
+        &["object.mass_kg is 0 kg"],
+    ),
+    (
+        "position_m = 0.1",
+        "position_m = inf",
+        "9:14",
+        &["object.position_m is inf m", "finite"],
+    ),
+    (
+        "mass_kg = 0.1\n\n[hand]",
+        "mass_kg = inf\n\n[hand]",
+        "14:11",
+        &["device.mass_kg is inf kg"],
+    ),
+    (
+        "kind = \"point-mass\"",
+        "kind = \"robot\"",
+        "13:8",
+        &["pantograph", "point-mass"],
+    ),
+    (
+        "kind = \"constant-force\"",
+        "kind = \"spring\"",
+        "17:8",
+        &["constant-force", "impedance"],
+    ),
+    (
+        "force_n = 0.981",
+        "force_n = nan",
+        "18:11",
+        &["hand.force_n is NaN N", "finite"],
+    ),
+    (
+        "period_s = 0.01",
+        "period_s = 0",
+        "21:12",
+        &["loop.period_s is 0 s", "greater than 0"],
+    ),
+    (
+        "period_s = 0.01",
+        "period_s = 0.01\ndelay_samples = 5000",
+        "22:17",
+        &["loop.delay_samples is 5000", "at most 1024"],
+    ),
+    (
+        "period_s = 0.01",
+        "period_s = 0.01\ndelay_samples = -1",
+        "22:17",
+        &["-1"],
+    ),
+    ("collisions = 3", "collisions = 0", "24:14", &["at least 1"]),
+    (
+        "collisions = 3",
+        "duration_s = -1",
+        "24:14",
+        &["duration_s is -1 s", "greater than 0"],
+    ),
+    (
+        "collisions = 3",
+        "duration_s = 1e12",
+        "24:14",
+        &["100000000000000 periods", "at most 2000000"],
+    ),
+    (
+        "collisions = 3",
+        "collisions = 3\nduration_s = 1",
+        "23:1",
+        &["collisions or duration_s"],
+    ),
+    (
+        "force_n = 0.981",
+        "force_n = -5",
+        "24:14",
+        &["asks for 3 collisions", "has only 0"],
+    ),
+    (
+        "method = \"hfcr\"",
+        "method = \"hfrc\"",
+        "27:10",
+        &["did you mean \"hfcr\"?"],
+    ),
+    (
+        "[methods.popc]",
+        "[methods.popd]",
+        "37:10",
+        &["popd", "did you mean \"popc\"?"],
+    ),
+    (
+        "damping_n_s_per_m = 0.53",
+        "damping_n_s_per_m = -0.53",
+        "35:21",
+        &["damping_n_s_per_m is -0.53 N s/m"],
+    ),
+    (
+        "damping_n_s_per_m = 0.53",
+        "damping_cap_n_s_per_m = 1",
+        "35:1",
+        &["virtual-damper", "popc, popc-ref"],
+    ),
+    (
+        "scene_format = 1",
+        "scene_format = 2",
+        "3:16",
+        &["scene_format is 2", "reads 1 only"],
+    ),
+    ("scene_format = 1", "", "1:1", &["scene_format"]),
+];
+
+#[test]
+fn a_fault_of_the_scene_is_shown_in_its_line_and_column() {
+    let folder = Folder::new();
+    let text = experiment_text("fig2");
+    for (old, new, place, words) in FAULTS {
+        assert!(text.contains(old), "{old}");
+        folder.write("bad.toml", text.replacen(old, new, 1));
+        folder.fail(
+            "simulate bad.toml",
+            3,
+            &[&format!("error: bad.toml:{place}: ")],
+        );
+        folder.fail("simulate bad.toml --out run.csv --plot run.svg", 3, words);
+        assert_eq!(folder.names(), ["bad.toml"], "nothing is written");
+    }
+}
+
+#[test]
+fn a_scene_that_is_not_text_is_shown_where_it_stops_to_be() {
+    let folder = Folder::new();
+    folder.write("bad.toml", b"scene_format = 1\ntitle = \"\xff\"\n");
+    folder.fail(
+        "simulate bad.toml",
+        3,
+        &["error: bad.toml:2:10: ", "0xFF", "UTF-8"],
+    );
+    folder.write("bad.toml", "");
+    folder.fail(
+        "simulate bad.toml",
+        3,
+        &["error: bad.toml:1:1: ", "scene_format"],
+    );
+    folder.write("bad.toml", "scene_format = 1\ntitle = \n");
+    folder.fail("simulate bad.toml", 3, &["error: bad.toml:2:9: "]);
+}
+
+#[test]
+fn a_scene_that_is_not_there_is_a_failure_of_the_system() {
+    let words = ["error: no.toml: ", "No such file"];
+    Folder::new().fail("simulate no.toml", 1, &words);
+}
+
+#[test]
+fn the_line_at_fault_is_drawn() {
+    let folder = Folder::new();
+    let text = experiment_text("fig2").replace("period_s = 0.01", "period = 0.01");
+    folder.write("bad.toml", text);
+    let drawing = [
+        "did you mean period_s?",
+        "20 │ [loop]\n21 │ period = 0.01\n",
+        "━━━━━━ here",
+    ];
+    folder.fail("simulate bad.toml", 3, &drawing);
+}
+
+#[test]
+fn a_wrong_value_of_a_setting_is_drawn_at_the_value() {
+    let folder = Folder::new();
+    let text =
+        experiment_text("fig2").replace("damping_n_s_per_m = 0.53", "damping_n_s_per_m = -0.53");
+    folder.write("bad.toml", text);
+    folder.fail(
+        "simulate bad.toml",
+        3,
+        &["35 │ damping_n_s_per_m = -0.53\n   ╰╴                    ━━━━━ here"],
+    );
+}
+
+#[test]
+fn a_fault_that_a_flag_brings_in_is_the_flag_s() {
+    let folder = Folder::new();
+    folder.write("scene.toml", experiment_text("fig2"));
+    let run = |flags: &str, words: &[&str]| {
+        folder.fail(&format!("simulate scene.toml {flags}"), 2, words);
+    };
+    run("--period 1e-9", &["--period", "at most 2000000"]);
+    run(
+        "--method virtual-damper --damping auto",
+        &["--damping auto", "virtual-damper a number"],
+    );
+    run(
+        "--mass inf --object-velocity 1",
+        &["--object-velocity is 1 m/s", "0 for a wall"],
+    );
+}
+
+#[test]
+fn a_wall_that_the_scene_would_move_is_shown_in_the_scene() {
+    let folder = Folder::new();
+    let text = experiment_text("fig2");
+    folder.write(
+        "scene.toml",
+        text.replace("position_m = 0.1", "position_m = 0.1\nvelocity_m_per_s = 1"),
+    );
+    let words = [
+        "scene.toml:10:20: ",
+        "object.velocity_m_per_s is 1 m/s",
+        "0 for a wall",
+    ];
+    folder.fail("simulate scene.toml --mass inf", 3, &words);
+}
+
+#[test]
+fn the_scene_is_never_overwritten_by_its_run() {
+    let folder = Folder::new();
+    folder.write("scene.toml", experiment_text("fig2"));
+    let words = ["--out", "overwrite", "scene.toml"];
+    folder.fail("simulate scene.toml --out scene.toml", 2, &words);
+    assert_eq!(folder.read("scene.toml"), experiment_text("fig2"));
+}
+
+#[test]
+fn a_scene_that_flags_make_impossible_is_not_blamed_on_the_file() {
+    let folder = Folder::new();
+    let scene = experiment("fig2").display().to_string();
+    for flags in ["--object-position 1e9", "--side negative", "--force 5"] {
+        folder.fail(
+            &format!("simulate {scene} {flags}"),
+            2,
+            &["with these flags, "],
+        );
+    }
+    let words = "--stiffness is 10000000000000 N/m, but must be at most 1e12";
+    folder.fail(&format!("simulate {scene} --stiffness 1e13"), 2, &[words]);
+}
+
+#[test]
+fn a_recording_in_place_of_a_scene_is_said_to_be_one() {
+    let folder = Folder::new();
+    for file in ["motion.csv", "motion.MCAP"] {
+        folder.write(file, "t_s,position_m\n0,0\n");
+        let words = "a scene is a TOML file, and .";
+        folder.fail(&format!("simulate {file}"), 2, &[words, "of a recording"]);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_scene_that_does_not_end_is_refused() {
+    let answer = Folder::new().palpate("simulate /dev/zero");
+    assert_eq!(answer.code, 1, "{answer:?}");
+    for words in ["/dev/zero", "16 MiB", "a scene"] {
+        assert!(answer.stderr.contains(words), "{words}: {answer:?}");
+    }
+}

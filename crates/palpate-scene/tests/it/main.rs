@@ -1,0 +1,8 @@
+//! All integration tests of palpate-scene, in one program.
+
+mod common;
+mod device_files;
+mod mesh_files;
+mod scene_files;
+mod world_joints;
+mod worlds;

@@ -1,0 +1,138 @@
+//! Every fault of a loop, its actuator and its transmission: place, message, and what is marked.
+
+use crate::scene_files::faults::assert_faults;
+
+#[test]
+fn the_imperfections_of_a_loop_have_ranges_and_belong_together() {
+    assert_faults(
+        r#"delay_samples = 0 -> delay_fraction = 1
+  25:18: loop.delay_fraction is 1 periods, but must be from 0 to below 1 period
+  1
+delay_samples = 0 -> jitter_s = 0.01
+  25:12: loop.jitter_s is 0.01 s, but must be from 0 s to below half of the shortest period
+  0.01
+delay_samples = 0 -> jitter_s = 0.005\njitter_deviation_s = 0
+  26:22: loop.jitter_deviation_s is 0 s, but must be finite and above 0 s
+  0
+delay_samples = 0 -> jitter_deviation_s = 0.001
+  25:22: jitter_deviation_s needs jitter_s, the bound that no sample exceeds
+  0.001
+delay_samples = 0 -> drop_probability = 1
+  25:20: loop.drop_probability is 1, but must be a probability from 0 to below 1
+  1
+delay_samples = 0 -> dropped_samples = [3, 2]
+  25:19: loop.dropped_samples is 2, but must be indices in rising order
+  [3, 2]
+delay_samples = 0 -> dropped_samples = [0]
+  25:19: loop.dropped_samples is 0, but must be indices from 1 on: a loop begins with sample 0
+  [0]
+delay_samples = 0 -> drop_probability = 0.1\ndropped_samples = [3]
+  26:19: either drop_probability or dropped_samples, one of them
+  [3]
+delay_samples = 0 -> collapse = { from_s = 1, until_s = 0.5, period_s = 0.01 }
+  25:36: loop.collapse.until_s is 0.5 s, but must be after the collapse begins [s]
+  0.5
+delay_samples = 0 -> collapse = { from_s = 1, until_s = 2, period_s = 0 }
+  25:50: loop.collapse.period_s is 0 s, but must be finite and above 0 s
+  0
+delay_samples = 0 -> collapse = { from_s = nan, until_s = 2, period_s = 0.01 }
+  25:23: loop.collapse.from_s is NaN s, but must be finite [s]
+  nan
+delay_samples = 0 -> collapse = { from_s = 1, until_s = 2 }
+  25:12: the key period_s is missing
+  { from_s = 1, until_s = 2 }
+delay_samples = 0 -> seed = -1
+  25:8: invalid value: integer `-1`, expected a whole number from 0 up
+  -1
+speed_limit_m_per_s = 10 -> largest_gap_s = 0.01
+  35:17: renderer.largest_gap_s is 0.01 s, but must be finite and at least one period
+  0.01"#,
+        14,
+    );
+}
+
+#[test]
+fn an_actuator_and_what_is_told_of_it_have_ranges() {
+    assert_faults(
+        r#"delay_samples = 0 -> delay_s = -0.001
+  25:11: loop.delay_s is -0.001 s, but must be from 0 s to 1024 periods
+  -0.001
+delay_samples = 0 -> delay_samples = 1\ndelay_s = 0.01
+  26:11: either delay_s, or delay_samples with delay_fraction; not both
+  0.01
+delay_samples = 0 -> command_jitter_s = -1
+  25:20: loop.command_jitter_s is -1 s, but must be from 0 s to 1024 periods
+  -1
+delay_samples = 0 -> lag_s = -1e-4
+  25:9: loop.lag_s is -0.0001 s, but must be finite and not below 0
+  -1e-4
+delay_samples = 0 -> lag_s = 1e13
+  25:9: loop.lag_s is 10000000000000 s, but must be at most 1e12
+  1e13
+delay_samples = 0 -> gain = 0
+  25:8: loop.gain is 0, but must be finite and greater than 0
+  0
+delay_samples = 0 -> [told]\ngain = 0
+  26:8: told.gain is 0, but must be finite and greater than 0
+  0
+delay_samples = 0 -> [told]\ndelay_s = 0.2
+  26:11: told.delay_s is 0.2 s, but must be from 0 s to 8 periods
+  0.2
+delay_samples = 0 -> [told]\ndelay_deviation_s = -1e-5
+  26:21: told.delay_deviation_s is -0.00001 s, but must be finite and not below 0
+  -1e-5
+delay_samples = 0 -> [told]\nlag_s = nan
+  26:9: told.lag_s is NaN s, but must be finite and not below 0
+  nan
+delay_samples = 0 -> [told]\nsensor_noise_m = -1e-6
+  26:18: told.sensor_noise_m is -0.000001 m, but must be finite and not below 0
+  -1e-6
+delay_samples = 0 -> [told]\ndelay = 1
+  26:1: unknown key delay, did you mean delay_s? Known here: delay_s, delay_deviation_s, lag_s, lag_deviation_s, gain, gain_deviation, sensor_noise_m, resonance_hz, resonance_damping_ratio, flexible_mass_fraction
+  delay
+delay_samples = 0 -> [told]\nresonance_hz = 0\nresonance_damping_ratio = 0.1\nflexible_mass_fraction = 0.5
+  26:16: told.resonance_hz is 0 Hz, but must be finite and greater than 0
+  0
+delay_samples = 0 -> [told]\nresonance_hz = 9\nresonance_damping_ratio = 1.5\nflexible_mass_fraction = 0.5
+  27:27: told.resonance_damping_ratio is 1.5, but must be from 0 to 1
+  1.5
+delay_samples = 0 -> [told]\nresonance_hz = 9\nresonance_damping_ratio = 0.1\nflexible_mass_fraction = 1
+  28:26: told.flexible_mass_fraction is 1, but must be from 0 to below 1
+  1
+delay_samples = 0 -> [told]\nresonance_hz = 150
+  26:16: a transmission is told by resonance_hz, resonance_damping_ratio and flexible_mass_fraction, all three
+  150"#,
+        16,
+    );
+}
+
+#[test]
+fn a_transmission_cogging_and_noise_have_ranges_and_belong_together() {
+    assert_faults(
+        r#"encoder_quantum_m = 0 -> noise_m = -1e-6
+  17:11: device.noise_m is -0.000001 m, but must be finite and not below 0
+  -1e-6
+encoder_quantum_m = 0 -> resonance_hz = 0
+  17:16: device.resonance_hz is 0 Hz, but must be above 0 and at most 5000
+  0
+encoder_quantum_m = 0 -> resonance_hz = 150\nresonance_damping_ratio = 2
+  18:27: device.resonance_damping_ratio is 2, but must be from 0 to 1
+  2
+encoder_quantum_m = 0 -> resonance_hz = 150\nmotor_mass_share = 1
+  18:20: device.motor_mass_share is 1, but must be above 0 and below 1
+  1
+encoder_quantum_m = 0 -> resonance_hz = 150\nbacklash_m = -1
+  18:14: device.backlash_m is -1 m, but must be finite and not below 0
+  -1
+encoder_quantum_m = 0 -> backlash_m = 1e-4
+  17:14: this is of a flexible transmission, which needs resonance_hz
+  1e-4
+encoder_quantum_m = 0 -> cogging_n = 0.1
+  17:13: cogging needs both cogging_n and cogging_pitch_m
+  0.1
+encoder_quantum_m = 0 -> cogging_n = 0.1\ncogging_pitch_m = 0
+  18:19: device.cogging_pitch_m is 0 m, but must be finite and greater than 0
+  0"#,
+        8,
+    );
+}

@@ -1,0 +1,140 @@
+//! Scenes written as files read back to the same bits.
+
+use std::sync::Arc;
+
+use palpate_scene::{Grip, Intention, Scene, SceneFile};
+use palpate_testbed::recorded_path::RecordedPath;
+
+use super::{GOOD, edited};
+use crate::common;
+
+/// Checks that `text` reads to the same scene as what is written of it.
+#[track_caller]
+fn assert_written(name: &str, text: &str) -> Scene {
+    let read = |text: &str| {
+        SceneFile::parse(name, text)
+            .unwrap_or_else(|error| panic!("{error} in:\n{text}"))
+            .scene
+    };
+    let scene = read(text);
+    let written = scene.to_toml().unwrap();
+    assert_eq!(read(&written), scene, "{written}");
+    assert_eq!(read(&written).to_toml().unwrap(), written);
+    scene
+}
+
+#[test]
+fn the_committed_scenes_read_back_from_what_is_written_of_them() {
+    for entry in std::fs::read_dir(common::experiments()).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            let text = std::fs::read_to_string(&path).unwrap();
+            assert_written(path.to_str().unwrap(), &text);
+        }
+    }
+}
+
+#[test]
+fn every_key_is_written() {
+    assert_written("good", GOOD);
+    let edit = |from, to| assert_written("edited", &edited(from, to));
+    let told = edit(
+        "unilateral = false",
+        "device_mass_kg = 0.3\nunilateral = true",
+    );
+    assert_eq!(told.told_device_mass, Some(0.3));
+    assert!(told.contact.unilateral);
+    for (from, to) in [
+        ("\"a block\"", "\"a \\\"block\\\", \\\\ and a\\ttab\""),
+        ("mass_kg = 0.1\n", "mass_kg = inf\n"),
+        ("collisions = 3", "duration_s = 0.1234567890123456789"),
+        ("\"positive\"", "\"negative\""),
+        ("force_n = -0.981", "force_n = -0.0"),
+        (
+            "velocity_m_per_s = 0\nforce",
+            "velocity_m_per_s = 1e-300\nforce",
+        ),
+        ("encoder_quantum_m = 0", "encoder_quantum_m = 1e-5"),
+        (
+            "encoder_quantum_m = 0",
+            "viscous_n_s_per_m = 0.1\ncoulomb_n = 0.02\nmotor_limit_n = 3",
+        ),
+        (
+            "force_n = 1\n",
+            "force_n = 1\ntremor_n = 0.2\ntremor_hz = 8\n",
+        ),
+        (
+            "kind = \"constant-force\"",
+            "kind = \"impedance\"\nmass_kg = 0.1\nstiffness_n_per_m = 60\ndamping_n_s_per_m = 1\n\
+             position_m = 0.01\nswing_m = 0.02\nswing_hz = 2",
+        ),
+        ("delay_samples = 0", "delay_samples = 3"),
+        (
+            "delay_samples = 0",
+            "delay_s = 0.0123\ncommand_jitter_s = 0.001\nlag_s = 3e-4\ngain = 0.97\n\n[told]\n\
+             delay_s = 0.013\ndelay_deviation_s = 1e-5\nlag_s = 2e-4\nlag_deviation_s = 1e-4\n\
+             gain = 1.01\ngain_deviation = 0.02\nsensor_noise_m = 5e-6\nresonance_hz = 140\nresonance_damping_ratio = 0.03\n\
+             flexible_mass_fraction = 0.4",
+        ),
+        (
+            "encoder_quantum_m = 0",
+            "noise_m = 1e-6\nresonance_hz = 150\nresonance_damping_ratio = 0.05\n\
+             motor_mass_share = 0.6\nbacklash_m = 1e-5\ncogging_n = 0.1\ncogging_pitch_m = 0.005",
+        ),
+        (
+            "delay_samples = 0",
+            "delay_fraction = 0.3\njitter_s = 0.001\ndrop_probability = 0.2\nseed = 7\n\
+             collapse = { from_s = 0.1, until_s = 0.2, period_s = 0.03 }",
+        ),
+        (
+            "delay_samples = 0",
+            "jitter_s = 0.001\njitter_deviation_s = 2e-4\ndropped_samples = [3, 5]",
+        ),
+        (
+            "estimate = \"ab2\"",
+            "estimate = \"ab2\"\n\n[methods.coupled]\nplacement = false\ncorrection = false",
+        ),
+        ("damping_n_s_per_m = 0.1", "prediction = \"observer\""),
+        (
+            "damping_n_s_per_m = 0.1",
+            "prediction = \"extrapolation\"\nentry_hold = \"sample\"",
+        ),
+        ("damping_n_s_per_m = 0.1", "entry_hold = \"midpoint\""),
+        (
+            "damping_n_s_per_m = 0.1",
+            "prediction = \"first-order-adaptive-window\"\nlongest_window_s = 0.05",
+        ),
+        (
+            "estimate = \"ab2\"",
+            "estimate = \"ab2\"\n\n[methods.virtual-damper]\ndamper_object = \"held-force\"",
+        ),
+        (
+            "estimate = \"ab2\"",
+            "estimate = \"ab2\"\n\n[methods.virtual-damper]\ndamper_object = \"spring\"",
+        ),
+        ("unilateral = false", "largest_gap_s = 0.5"),
+        ("damping_n_s_per_m = 0.1", "damping_n_s_per_m = \"auto\""),
+        ("estimate = \"ab2\"", "estimate = \"ab3\""),
+        ("estimate = \"ab2\"", "estimate = \"differences\""),
+        ("period_s = 0.02", "period_s = 0.1e-4"),
+        ("force_n = -0.981", "force_n = -0.981\nradius_m = 0.01"),
+    ] {
+        edit(from, to);
+    }
+}
+
+#[test]
+fn what_has_no_key_is_not_left_out_silently() {
+    let mut scene = SceneFile::parse("good", GOOD).unwrap().scene;
+    let path = RecordedPath::new(&[0.0, 1.0], &[0.0, 0.1]).unwrap();
+    scene.device.point_mass_mut().unwrap().hand.grip = Some(Grip {
+        mass: 0.1,
+        stiffness: 100.0,
+        damping: 1.0,
+        intention: Intention::Recorded(Arc::new(path)),
+    });
+    assert_eq!(
+        scene.to_toml().unwrap_err().to_string(),
+        "a scene file cannot say where a hand wants to be at every instant"
+    );
+}
