@@ -11,9 +11,9 @@ use palpate_haply::two_diy::{Calibration, Generation, Options, TwoDiy};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Rendering};
 
-use crate::common::running::Running;
 use super::processes::{children, is_held};
 use super::{ATTEMPTS, emulator, folder, is_on, off_since, presses, silence, wait_for};
+use crate::common::running::Running;
 
 /// A program of which the loop's own thread does something bad: this test program once more.
 const PORT: &str = "PALPATE_TEST_PORT";
@@ -99,9 +99,12 @@ fn silent_after(deed: &str) -> Duration {
     let port = emulator.path();
     let start = || {
         let mut bad = Command::new(std::env::current_exe().unwrap());
-        bad.args(["--exact", "guardian::deeds::a_program_whose_loop_does_something_bad"])
-            .env(PORT, &port)
-            .env(DEED, deed);
+        bad.args([
+            "--exact",
+            "guardian::deeds::a_program_whose_loop_does_something_bad",
+        ])
+        .env(PORT, &port)
+        .env(DEED, deed);
         let mut bad = Running::start(bad.stdout(Stdio::null()).stderr(Stdio::null()));
         // It may do it before anybody has looked.
         let is_seen = presses(&mut bad, &emulator) || off_since(&emulator).is_some();

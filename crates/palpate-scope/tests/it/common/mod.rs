@@ -1,6 +1,5 @@
 //! A session with a server in front of it, and clients as a page would be.
 
-
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::sync::Arc;
