@@ -279,9 +279,7 @@ impl EngineContact {
             elapsed,
             positions: &positions,
             refused: fault.is_some(),
-            created_energy: self
-                .renderer
-                .created_energy(&self.state, |_| self.safety.largest_wrench()[0]),
+            created_energy: self.state.created_at_ports(),
         };
         let limited = bounded::names(limited, self.safety.bound(&answered, &mut wrenches));
         let forces: Vec<_> = wrenches.iter().map(|wrench| wrench.force).collect();

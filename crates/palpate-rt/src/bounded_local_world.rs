@@ -86,9 +86,7 @@ impl BoundedLocalWorld {
             elapsed: sample.elapsed,
             positions: sample.positions,
             refused: fault.is_some(),
-            created_energy: self
-                .renderer
-                .created_energy(&self.state, |_| self.safety.largest_wrench()[0]),
+            created_energy: self.state.created_at_ports(),
         };
         let bounded = self.safety.bound(&answered, &mut self.wrenches);
         self.host.tell(self.state.progress());

@@ -35,7 +35,7 @@ pub struct Answered<'a> {
     /// Whether the renderer refused the sample, and so asks for no force.
     pub refused: bool,
     /// Energy that held forces have created by the renderer's books, up to this sample `[J]`: of a world
-    /// [`WorldRenderer::created_energy`].
+    /// [`WorldState::created_at_ports`].
     pub created_energy: f64,
 }
 
@@ -85,13 +85,6 @@ impl WorldSafety {
     #[must_use]
     pub fn created_energy(&self) -> f64 {
         self.created.counted()
-    }
-
-    /// The largest force `[N]` and torque `[N m]` that reach a device.
-    #[must_use]
-    pub fn largest_wrench(&self) -> [f64; 2] {
-        let params = self.params();
-        [params.largest_force, params.largest_torque]
     }
 
     /// The limits of each device.
@@ -225,9 +218,7 @@ impl BoundedWorld {
             elapsed: sample.elapsed,
             positions: sample.positions,
             refused: fault.is_some(),
-            created_energy: self
-                .renderer
-                .created_energy(&self.state, |_| self.safety.largest_wrench()),
+            created_energy: self.state.created_at_ports(),
         };
         let bounded = self.safety.bound(&answered, &mut self.wrenches);
         for (tool, wrench) in self.wrenches.iter().enumerate() {

@@ -121,7 +121,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
     pub(crate) fn rendering(
         devices: Vec<(D, SafetyParams)>,
         clock: C,
-        mut rendered: R,
+        rendered: R,
     ) -> Result<Self, SetupError> {
         let seconds = rendered.period();
         let period = Duration::try_from_secs_f64(seconds)
@@ -138,9 +138,6 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         // The most impatient of the devices counts.
         let stall_limits = devices.iter().map(|(_, limits)| limits.stall_after(period));
         let stall_limit = stall_limits.min().ok_or(wrong)?;
-        for (device, (_, limits)) in devices.iter().enumerate() {
-            rendered.limit_to(device, limits);
-        }
         let devices = devices.into_iter().map(|(device, limits)| {
             let safety = Safety::new(limits, seconds)?
                 .rendering(&rendered.actuation(), rendered.slew_limit());

@@ -37,6 +37,11 @@ impl ContactBook {
     pub fn leak(&self) -> f64 {
         self.held - self.work_on_avatar
     }
+
+    /// Energy that is stored or was given away beyond the work on the tool's avatar, and that nobody put in `[J]`.
+    pub(crate) fn created(&self) -> f64 {
+        self.observed + self.step_error - self.work_on_avatar
+    }
 }
 
 /// Energy of a joint, over all intervals that have ended `[J]`.
@@ -168,16 +173,6 @@ impl Gone {
     }
 }
 
-/// Share of the energy stored in contacts that a limit withholds: a linear spring whose force is cut to the part `passed` of it
-/// gives back `E (2 passed - passed^2)` of E = F^2/(2 K). The rest is lost.
-pub(crate) fn withheld_share(asked: f64, largest: f64) -> f64 {
-    if asked > largest {
-        (1.0 - largest / asked).powi(2)
-    } else {
-        0.0
-    }
-}
-
 impl Books {
     /// Sum of what the contacts' stored energy changed by from outside `[J]`.
     pub(crate) fn observed(&self) -> f64 {
@@ -234,23 +229,77 @@ impl Books {
     /// put in. A force that is no contact's, such as that of a virtual damper, counts by its port work.
     #[must_use]
     pub fn created(&self) -> f64 {
+        let contacts: f64 = self.contacts.iter().map(ContactBook::created).sum();
+        self.at_ports() + contacts + self.created_otherwise()
+    }
+
+    /// Work at the ports of all devices `[J]`.
+    pub(crate) fn at_ports(&self) -> f64 {
         let devices = self.devices.iter();
-        let devices: f64 = devices.map(|book| book.port_work + book.carried).sum();
-        let Gone {
-            contacts,
-            bodies,
-            joints,
-        } = &self.gone;
-        let contacts: f64 = self
-            .contacts
-            .iter()
-            .chain([contacts])
-            .map(|book| book.observed + book.step_error - book.work_on_avatar)
-            .sum();
-        let bodies = self.bodies.iter().chain([bodies]);
-        let bodies: f64 = bodies.map(|book| book.step_error).sum();
-        let joints = self.joints.iter().chain([joints]);
-        let joints: f64 = joints.map(|book| book.step_error).sum();
-        devices + contacts + bodies + joints
+        devices.map(|book| book.port_work + book.carried).sum()
+    }
+
+    /// Energy that sub-steps of bodies and joints created, and contacts that are gone `[J]`.
+    pub(crate) fn created_otherwise(&self) -> f64 {
+        let gone = &self.gone;
+        let bodies = self.bodies.iter().chain([&gone.bodies]);
+        let joints = self.joints.iter().chain([&gone.joints]);
+        gone.contacts.created()
+            + bodies.map(|book| book.step_error).sum::<f64>()
+            + joints.map(|book| book.step_error).sum::<f64>()
+    }
+}
+
+/// Energy that forces created at the ports of the devices, as they reached these. A contact whose force reached its device by a
+/// part, because a limit cut it, counts by that part.
+#[derive(Clone, Debug)]
+pub(crate) struct CreatedAtPorts {
+    /// Of each contact what its own force had created, up to the last sample `[J]`.
+    contacts: Vec<f64>,
+    others: f64,
+    ports: f64,
+    created: f64,
+}
+
+impl CreatedAtPorts {
+    /// Nothing is created yet.
+    pub fn none(contacts: usize) -> Self {
+        Self {
+            contacts: vec![0.0; contacts],
+            others: 0.0,
+            ports: 0.0,
+            created: 0.0,
+        }
+    }
+
+    /// Continues with other `books`, of as many contacts, at `created` `[J]`. It does not allocate.
+    pub fn go_on(&mut self, books: &Books, created: f64) {
+        for (before, book) in self.contacts.iter_mut().zip(&books.contacts) {
+            *before = book.created();
+        }
+        self.others = books.created_otherwise();
+        self.ports = books.at_ports();
+        self.created = created;
+    }
+
+    /// Takes the books at a sample: of each contact what it created, and by which part its force reached its device since the last
+    /// sample; the work at the ports; and what was created otherwise, with such a part `[J]`.
+    pub fn close(
+        &mut self,
+        contacts: impl Iterator<Item = (f64, f64)>,
+        ports: f64,
+        (others, part): (f64, f64),
+    ) {
+        for (before, (now, part)) in self.contacts.iter_mut().zip(contacts) {
+            self.created += part * (now - *before);
+            *before = now;
+        }
+        self.created += ports - self.ports + part * (others - self.others);
+        (self.ports, self.others) = (ports, others);
+    }
+
+    /// What it has come to be `[J]`.
+    pub fn created(&self) -> f64 {
+        self.created
     }
 }

@@ -103,6 +103,20 @@ impl Commands {
         tool.map_or(Vector3::zeros(), |tool| Acting::of(&tool.passed).sent)
     }
 
+    /// Part of the intended force that acted on a tool over the interval that has ended, 0 to 1: less than 1 under a limit.
+    pub fn part_sent(&self, tool: usize) -> f64 {
+        let Some(tool) = self.tools.get(tool) else {
+            return 1.0;
+        };
+        let Acting { intended, sent, .. } = Acting::of(&tool.passed);
+        let square = intended.norm_squared();
+        if square > 0.0 {
+            (sent.dot(&intended) / square).clamp(0.0, 1.0)
+        } else {
+            1.0
+        }
+    }
+
     /// What acted on a tool over the interval that has ended.
     pub fn passed(&self, tool: usize) -> Acting {
         Acting::of(&self.tools[tool].passed)

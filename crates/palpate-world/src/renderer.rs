@@ -5,7 +5,7 @@ use palpate::Fault;
 
 use crate::axes::Axes;
 use crate::blocks::Blocks;
-use crate::books::{BodyBook, Books, ContactBook, DeviceBook, Gone, JointBook, withheld_share};
+use crate::books::{BodyBook, Books, ContactBook, CreatedAtPorts, DeviceBook, Gone, JointBook};
 use crate::commands::Commands;
 use crate::far_side::Entry;
 use crate::guard::{Account, most_of};
@@ -186,6 +186,7 @@ impl WorldRenderer {
             bodies: bodies.iter().map(body_state).collect(),
             contacts: contacts.collect(),
             sides: vec![Entry::default(); self.points.len()],
+            at_ports: CreatedAtPorts::none(self.points.len()),
             books: Books {
                 contacts: vec![ContactBook::default(); self.points.len()],
                 bodies: bodies
@@ -282,6 +283,7 @@ impl WorldRenderer {
                 (Limited::default(), Some(fault))
             }
         };
+        progress.close_ports();
         progress.commands.send(&progress.intended, &progress.forces);
         let torques = &progress.intended_torques;
         progress.torque_commands.send(torques, &progress.torques);
@@ -401,43 +403,6 @@ impl WorldRenderer {
         let asked = power * state.commands.gain() * self.in_loop.period;
         // Where it exceeds the bound, asked is above 0.
         (asked > state.guard.left).then(|| state.guard.left / asked)
-    }
-
-    /// Energy that held forces created `[J]`: [`Books::created`](crate::Books::created), where a tool's contact whose force is
-    /// limited stores what the limited force gives back, `F^2/(2 K) (1 - (1 - largest/F)^2)`. A hand that presses on against a
-    /// limited force then creates nothing. `largest` gives the largest force `[N]` and torque `[N m]` that may reach a tool
-    /// besides the limits of the loop, infinite where there are none.
-    pub fn created_energy(&self, state: &WorldState, largest: impl Fn(usize) -> [f64; 2]) -> f64 {
-        let gain = self.in_loop.actuation.limit_gain();
-        let progress = &state.progress;
-        let share = |tool: usize| {
-            let [force, torque] = largest(tool);
-            let most = |limits: &[f64], largest: f64| {
-                limits.get(tool).map_or(largest, |limit| limit.min(largest)) / gain
-            };
-            let of_force = withheld_share(
-                progress.intended[tool].norm(),
-                most(&self.in_loop.force_limits, force),
-            );
-            let of_torque = withheld_share(
-                progress.intended_torques[tool].norm(),
-                most(&self.in_loop.torque_limits, torque),
-            );
-            of_force.max(of_torque)
-        };
-        let contacts = progress.books.contacts.iter().zip(&progress.contacts);
-        let withheld: f64 = contacts
-            .filter(|(book, _)| book.stored > 0.0)
-            .map(|(book, contact)| {
-                let sides = contact.between.iter();
-                let shares = sides.map(|side| match *side {
-                    Side::Tool(tool) => share(tool),
-                    Side::Body(_) => 0.0,
-                });
-                book.stored * shares.fold(0.0, f64::max)
-            })
-            .sum();
-        progress.books.created() - withheld
     }
 
     /// Makes other forces and torques, which are to be held in place of those of the last output, so small that the limits of

@@ -1,6 +1,6 @@
 //! What a world remembers from sample to sample, and what can be read from it.
 
-use crate::books::Books;
+use crate::books::{Books, ContactBook, CreatedAtPorts};
 use crate::commands::Commands;
 use crate::far_side::Entry;
 use crate::guard::Account;
@@ -46,7 +46,29 @@ pub(crate) struct Progress {
     /// Of each contact, whether it has changed its side.
     pub sides: Vec<Entry>,
     pub books: Books,
+    pub at_ports: CreatedAtPorts,
     pub guard: Account,
+}
+
+impl Progress {
+    /// Takes account of the energy created at the ports, up to this sample.
+    pub fn close_ports(&mut self) {
+        let (commands, torque_commands) = (&self.commands, &self.torque_commands);
+        let part = |side: &Side| match *side {
+            Side::Tool(tool) => commands
+                .part_sent(tool)
+                .min(torque_commands.part_sent(tool)),
+            Side::Body(_) => 1.0,
+        };
+        let contacts = self.books.contacts.iter().zip(&self.contacts);
+        let contacts = contacts.map(|(book, contact)| {
+            let [first, second] = &contact.between;
+            (ContactBook::created(book), part(first).min(part(second)))
+        });
+        let otherwise = (self.books.created_otherwise(), 1.0);
+        self.at_ports
+            .close(contacts, self.books.at_ports(), otherwise);
+    }
 }
 
 /// Writes the contacts of a world in motion.
@@ -97,6 +119,14 @@ impl WorldState {
         let contacts = self.progress.contacts.iter().zip(&self.progress.sides);
         let through = contacts.filter(|(_, side)| side.is_through);
         through.map(|(contact, _)| contact.between)
+    }
+
+    /// Energy that forces created at the ports of the devices `[J]`: [`Books::created`], where a contact whose force reached its
+    /// device by a part, because a limit cut it, counts by that part. A hand that presses on against a limited force creates
+    /// nothing, nor does a body that is pushed by more than reaches the hand.
+    #[must_use]
+    pub fn created_at_ports(&self) -> f64 {
+        self.progress.at_ports.created()
     }
 
     /// The books of energy, as of the last sample.

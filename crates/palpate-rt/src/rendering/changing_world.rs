@@ -341,10 +341,6 @@ impl Renders for ChangingWorld {
         self.world.actuation()
     }
 
-    fn limit_to(&mut self, device: usize, limits: &SafetyParams) {
-        self.world.limit_to(device, limits);
-    }
-
     fn created_energy(&self) -> f64 {
         self.world.created_energy()
     }

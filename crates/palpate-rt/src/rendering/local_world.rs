@@ -37,8 +37,6 @@ pub struct LocalWorld {
     acts_at_once: bool,
     limited: Limited,
     created: CreatedEnergy,
-    /// The largest force that the loop lets through to the device `[N]`.
-    largest_force: f64,
     contacts: Vec<ContactTick>,
 }
 
@@ -104,7 +102,6 @@ pub fn local_world(
         acts_at_once: actuation.delay == 0.0 && actuation.lag == 0.0,
         limited: Limited::default(),
         created: CreatedEnergy::default(),
-        largest_force: f64::INFINITY,
         contacts: Vec::with_capacity(renderer.params().contacts),
         renderer,
         state,
@@ -179,8 +176,7 @@ impl Renders for LocalWorld {
         let fault = output.fault.map(|fault| fault.fault);
         self.limited = output.limited;
         self.host.tell(self.state.progress());
-        let largest_force = self.largest_force;
-        let booked = self.renderer.created_energy(&self.state, |_| largest_force);
+        let booked = self.state.created_at_ports();
         self.created.close(booked, fault.is_some(), sample.was_off);
         if let Some(asked) = asked.first_mut() {
             *asked = Wrench {
@@ -241,10 +237,6 @@ impl Renders for LocalWorld {
 
     fn actuation(&self) -> Actuation<f64> {
         self.renderer.in_loop().actuation
-    }
-
-    fn limit_to(&mut self, _: usize, limits: &SafetyParams) {
-        self.largest_force = limits.largest_force;
     }
 
     fn created_energy(&self) -> f64 {

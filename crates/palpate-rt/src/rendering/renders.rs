@@ -5,7 +5,6 @@ use palpate_device::{Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
 
 use super::{Parameters, Rendering};
-use crate::safety::SafetyParams;
 
 /// What a loop renders: [`OneContact`](super::OneContact), a [`RenderedWorld`](super::RenderedWorld), or what a slow host
 /// publishes, a [`LocalWorld`](super::LocalWorld). Nothing here may allocate, lock or panic: all of it is part of a tick.
@@ -85,11 +84,6 @@ pub trait Renders: Send {
     /// Fastest change of the force that the rendering allows `[N/s]`; infinite: none.
     fn slew_limit(&self) -> f64 {
         f64::INFINITY
-    }
-
-    /// The loop lets no more through to a device than these limits: created energy is counted for forces so limited.
-    fn limit_to(&mut self, device: usize, limits: &SafetyParams) {
-        let _ = (device, limits);
     }
 
     /// Energy that held forces created since the start while the motors were on `[J]`, as of the last sample.

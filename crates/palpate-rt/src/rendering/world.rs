@@ -11,7 +11,6 @@ use super::frame::WorldFrame;
 use super::renders::{Answer, Fresh, Renders};
 use super::world_rows::WorldRows;
 use crate::created_energy::CreatedEnergy;
-use crate::safety::SafetyParams;
 use crate::setup::SetupError;
 
 /// How a tool turns, and so what its device has to be able to do.
@@ -54,8 +53,6 @@ pub struct RenderedWorld {
     acts_at_once: bool,
     limited: Limited,
     created: CreatedEnergy,
-    /// The largest force `[N]` and torque `[N m]` that the loop lets through to each device.
-    largest: Vec<[f64; 2]>,
     rows: WorldRows,
 }
 
@@ -109,7 +106,6 @@ impl RenderedWorld {
             turns,
             limited: Limited::default(),
             created: CreatedEnergy::default(),
-            largest: vec![[f64::INFINITY; 2]; tools],
             rows: WorldRows::new(world, &state),
             state,
             renderer,
@@ -143,8 +139,7 @@ impl RenderedWorld {
     pub(super) fn go_on(&mut self, before: &Self, succession: &Succession) {
         let past = (&before.renderer, &before.state);
         self.renderer.go_on(&mut self.state, past, succession);
-        self.largest.clone_from(&before.largest);
-        let booked = self.booked();
+        let booked = self.state.created_at_ports();
         self.created.go_on(&before.created, booked);
     }
 
@@ -155,16 +150,6 @@ impl RenderedWorld {
             [&mut wrench.force, &mut wrench.torque]
         });
         self.limited = self.limited.and(limited);
-    }
-
-    /// The renderer's created energy at the last sample `[J]`.
-    fn booked(&self) -> f64 {
-        self.renderer.created_energy(&self.state, |device| {
-            self.largest
-                .get(device)
-                .copied()
-                .unwrap_or([f64::INFINITY; 2])
-        })
     }
 
     /// Tells the renderer what was sent to a device, or held by it, in the axes of the device.
@@ -234,7 +219,7 @@ impl Renders for RenderedWorld {
         }
         let fault = output.fault.map(|fault| fault.fault);
         self.limited = output.limited;
-        let booked = self.booked();
+        let booked = self.state.created_at_ports();
         self.created.close(booked, fault.is_some(), sample.was_off);
         Answer {
             coordinate: 0.0,
@@ -275,12 +260,6 @@ impl Renders for RenderedWorld {
 
     fn actuation(&self) -> Actuation<f64> {
         self.renderer.in_loop().actuation
-    }
-
-    fn limit_to(&mut self, device: usize, limits: &SafetyParams) {
-        if let Some(largest) = self.largest.get_mut(device) {
-            *largest = [limits.largest_force, limits.largest_torque];
-        }
     }
 
     fn created_energy(&self) -> f64 {

@@ -5,8 +5,8 @@ use palpate_device::Wrench;
 use palpate_rt::BoundedWorld;
 use palpate_rt::safety::{OscillationParams, Rendered, Safety, SafetyParams, Trip};
 use palpate_world::{
-    BasicParams, Body, Contact, ContactLaw, Motion, Party, Sample, Shape, Tool, World, WorldLoop,
-    WorldRenderer,
+    BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Motion, Party, Sample, Shape,
+    Tool, World, WorldLoop, WorldRenderer,
 };
 
 /// A fresh sample a millisecond after the last.
@@ -398,4 +398,44 @@ fn a_press_through_the_force_limit_is_no_oscillation() {
     }
     // With the whole stored energy it would stop: 5 N over 29 mm are 133 mJ, and the spring stores 421 mJ.
     assert!(most_in_books > 0.25, "{most_in_books} J");
+}
+
+/// A ball of 0.1 kg that is thrown by a contact of up to 40 N, of which 5 N reach the device, gets more than the hand gives: it is
+/// the world that gives it, and the hand gets nothing of it.
+#[test]
+fn a_ball_that_a_limited_force_throws_is_no_oscillation() {
+    let mut ball = Body::new(
+        "ball",
+        Shape::Sphere { radius: 0.03 },
+        Motion::Free(Free::of_mass(0.1)),
+    );
+    ball.position = [0.0, 0.0, -0.03];
+    let world = World {
+        tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.0 })],
+        bodies: vec![ball],
+        contacts: vec![Contact {
+            between: [Party::Any, Party::Any],
+            law: ContactLaw::spring(20_000.0),
+        }],
+        joints: Vec::new(),
+    };
+    let in_loop = WorldLoop::new(0.001);
+    let renderer = WorldRenderer::new(&world, in_loop, CoupledParams::new(vec![[0.1; 3]])).unwrap();
+    let limits = SafetyParams::bounding(Some(5.0), None, 0.0);
+    let mut world = BoundedWorld::new(renderer, limits).unwrap();
+    let (mut given, mut limited): (f64, usize) = (0.0, 0);
+    for tick in 0..200 {
+        let position = 0.02 - 2e-3 * f64::from(tick);
+        let held = world.step(&Sample::at(&[[0.0, 0.0, position]]));
+        assert!(!held.bounded.stopped, "{tick}");
+        limited += usize::from(held.bounded.force);
+        given += 2e-3 * held.wrenches[0].force[2];
+    }
+    let speed = world.state().bodies()[0].velocity[2];
+    let kinetic = 0.05 * speed * speed;
+    println!("{given} J from the hand, {kinetic} J in the ball, {limited} samples");
+    assert!(
+        limited > 0 && kinetic > given + 0.05,
+        "{kinetic} J of {given} J"
+    );
 }

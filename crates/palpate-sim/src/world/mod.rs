@@ -66,7 +66,7 @@ pub struct WorldRun {
     /// Energy that contacts have by their overlap at the first sample `[J]`: nobody created it.
     pub found_at_start: f64,
     /// Created energy at the end, with the energy found at the start `[J]`:
-    /// [`WorldRenderer::created_energy`].
+    /// [`palpate_world::WorldState::created_at_ports`].
     booked: f64,
     /// Samples that the renderer refused.
     pub refused: usize,
@@ -140,7 +140,7 @@ pub enum WorldBenchError {
 }
 
 impl WorldRun {
-    /// Energy that held forces created `[J]`: what [`WorldRenderer::created_energy`] says, without the energy of contacts that
+    /// Energy that held forces created `[J]`: what [`palpate_world::WorldState::created_at_ports`] says, without the energy of contacts that
     /// overlap at the first sample.
     #[must_use]
     pub fn created(&self) -> f64 {
@@ -287,7 +287,6 @@ impl WorldBench {
         };
         let end = grid.edge(grid.intervals());
         let period = self.params.period;
-        let unlimited = |_| [f64::INFINITY; 2];
         let guard_limits = matches!(renderer.in_loop().guard, WorldGuard::Limit(_));
         while plant.time() < end - 0.5 * period {
             let (mut measured, mut turned) = (plant.measure(), plant.measure_orientations());
@@ -328,7 +327,7 @@ impl WorldBench {
                 });
             }
             if is_first {
-                run.found_at_start = renderer.created_energy(&state, unlimited);
+                run.found_at_start = state.created_at_ports();
             }
         }
         let devices = 0..self.judged.devices.len();
@@ -343,7 +342,7 @@ impl WorldBench {
         }
         let (forces, torques) = (&run.delivered, &run.delivered_torques);
         run.judgement = WorldJudgement::of_wrenches(&self.judged, &self.ideal, forces, torques)?;
-        run.booked = renderer.created_energy(&state, unlimited);
+        run.booked = state.created_at_ports();
         run.books = state.books().clone();
         Ok(run)
     }

@@ -152,6 +152,9 @@ impl WorldRenderer {
             }
             self.publish(&mut state.progress, &state.memory);
         }
+        let progress = &mut state.progress;
+        let created = past.progress.at_ports.created();
+        progress.at_ports.go_on(&progress.books, created);
         if !is_same_guard {
             let progress = &mut state.progress;
             let commands = (&progress.commands, &progress.torque_commands);

@@ -9,7 +9,7 @@ use super::state::{
     BodyPortBook, EngineBooks, EngineContact, EngineState, Period, PortBook, TrackedDevice,
 };
 use super::touch::Touch;
-use crate::books::withheld_share;
+use crate::books::CreatedAtPorts;
 use crate::commands::Commands;
 use crate::interval::MOST_TIMES;
 use crate::method::coupled::{Coupled, LEAST_FORCE};
@@ -111,6 +111,7 @@ impl Coupling {
                 devices: vec![PortBook::default(); tools],
                 bodies: vec![BodyPortBook::default(); bodies],
             },
+            at_ports: CreatedAtPorts::none(pairs.len()),
         }
     }
 
@@ -143,26 +144,6 @@ impl Coupling {
                 None
             }
         }
-    }
-
-    /// Energy that the contacts of tools store and their limited forces do not give back `[J]`: see
-    /// [`WorldRenderer::created_energy`](crate::WorldRenderer::created_energy).
-    pub fn withheld(
-        &self,
-        pairs: &[Pair],
-        state: &EngineState,
-        largest: impl Fn(usize) -> f64,
-    ) -> f64 {
-        let gain = self.in_loop.actuation.limit_gain();
-        let books = state.books.contacts.iter().zip(pairs);
-        books
-            .filter_map(|(book, pair)| {
-                let tool = pair.toucher.tool().filter(|_| book.stored > 0.0)?;
-                let limit = self.in_loop.force_limits.get(tool);
-                let most = limit.map_or(largest(tool), |limit| limit.min(largest(tool))) / gain;
-                Some(book.stored * withheld_share(state.intended[tool].norm(), most))
-            })
-            .sum()
     }
 
     /// Says what was really sent to a tool for the last [`hold`](Self::hold) `[N]`.
@@ -200,8 +181,11 @@ impl Coupling {
         true
     }
 
-    /// Ends the period: the forces on the devices, to hold until the next.
-    pub fn hold(&self, pairs: &[Pair], state: &mut EngineState) {
+    /// Ends the period: the forces on the devices, to hold until the next. `with_bodies` is what was created at the ports of the
+    /// bodies `[J]`.
+    pub fn hold(&self, pairs: &[Pair], state: &mut EngineState, with_bodies: f64) {
+        // Before the work of the period that is planned now is booked.
+        state.close_ports(pairs, with_bodies);
         if state.fault.is_none() && state.advanced > 0.0 {
             self.plan(pairs, state);
         } else {

@@ -6,7 +6,7 @@ use super::body::{BodyNow, BodyWrench, EngineBody, Stepping};
 use super::coupling::Coupling;
 use super::image::Image;
 use super::pairs::{Pair, pairs};
-use super::state::{EngineOutput, EngineState};
+use super::state::{BodyPortBook, EngineOutput, EngineState};
 use crate::{CoupledParams, Sample, Tool, Vector, WorldError, WorldLoop};
 
 /// Contacts of tools with the bodies of another engine, in one loop. Immutable: one renderer serves any number of
@@ -112,15 +112,9 @@ impl EngineRenderer {
 
     /// Ends the period: the forces on the devices, to hold until the next.
     pub fn hold<'s>(&self, state: &'s mut EngineState) -> EngineOutput<'s> {
-        self.coupling.hold(&self.pairs, state);
+        let with_bodies = BodyPortBook::created(&state.books.bodies);
+        self.coupling.hold(&self.pairs, state, with_bodies);
         state.output()
-    }
-
-    /// Energy that held forces created `[J]`: [`EngineBooks::created`](super::EngineBooks::created), where a contact whose force is
-    /// limited stores what the limited force gives back. `largest` gives the largest force `[N]` that may reach a tool besides the
-    /// limits of the loop, infinite where there is none.
-    pub fn created_energy(&self, state: &EngineState, largest: impl Fn(usize) -> f64) -> f64 {
-        state.books().created() - self.coupling.withheld(&self.pairs, state, largest)
     }
 
     /// Says what was really sent to a tool for the last [`EngineRenderer::hold`] `[N]`, where it is not that force. A

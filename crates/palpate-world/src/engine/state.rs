@@ -7,6 +7,7 @@ use super::body::BodyNow;
 use super::image::ImageOffset;
 use super::meeting::Meeting;
 use super::pairs::Pair;
+use crate::books::CreatedAtPorts;
 use crate::commands::Commands;
 use crate::method::coupled_avatar::Avatar;
 use crate::observer::{AxisMotion, AxisObserver, AxisPrior};
@@ -38,6 +39,7 @@ pub struct EngineState {
     pub(super) tools: Vec<ToolState>,
     pub(super) contacts: Vec<EngineContact>,
     pub(super) books: EngineBooks,
+    pub(super) at_ports: CreatedAtPorts,
 }
 
 /// What is known of a device and of its avatar.
@@ -142,6 +144,13 @@ pub struct BodyPortBook {
     pub host_work: f64,
 }
 
+impl BodyPortBook {
+    /// Energy that was made at the ports of all bodies `[J]`.
+    pub(super) fn created(books: &[Self]) -> f64 {
+        books.iter().map(|book| book.host_work - book.work).sum()
+    }
+}
+
 /// Effect of the tools on a body in an engine's step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pushed {
@@ -176,8 +185,7 @@ impl EngineBooks {
         let contacts = contacts.map(|book| book.observed + book.step_error - book.work_on_avatar);
         let devices = self.devices.iter();
         let devices = devices.map(|book| book.port_work + book.carried);
-        let bodies = self.bodies.iter().map(|book| book.host_work - book.work);
-        contacts.sum::<f64>() + devices.sum::<f64>() + bodies.sum::<f64>()
+        contacts.sum::<f64>() + devices.sum::<f64>() + BodyPortBook::created(&self.bodies)
     }
 }
 
@@ -201,10 +209,34 @@ impl EngineState {
         &self.contacts
     }
 
+    /// Energy that forces created at the ports of the devices `[J]`: [`EngineBooks::created`], where a contact whose force reached
+    /// its device by a part, because a limit cut it, counts by that part.
+    #[must_use]
+    pub fn created_at_ports(&self) -> f64 {
+        self.at_ports.created()
+    }
+
     /// The books of energy.
     #[must_use]
     pub fn books(&self) -> &EngineBooks {
         &self.books
+    }
+
+    /// Takes account of the energy created at the ports of the devices, up to this sample, and at those of the bodies `[J]`.
+    pub(super) fn close_ports(&mut self, pairs: &[Pair], with_bodies: f64) {
+        let commands = &self.commands;
+        let contacts = self.books.contacts.iter().zip(pairs).map(|(book, pair)| {
+            let tool = pair.toucher.tool();
+            let part = tool.map_or(1.0, |tool| commands.part_sent(tool));
+            (book.created() + book.outside, part)
+        });
+        let devices = self.books.devices.iter();
+        let ports = devices.map(|book| book.port_work + book.carried).sum();
+        let tools = 0..self.devices.len();
+        let least = tools
+            .map(|tool| commands.part_sent(tool))
+            .fold(1.0, f64::min);
+        self.at_ports.close(contacts, ports, (with_bodies, least));
     }
 
     /// The engine's `bodies` are seen where a step ended: books what the tools did to each in it. The next step begins.

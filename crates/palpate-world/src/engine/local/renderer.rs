@@ -193,7 +193,9 @@ impl LocalRenderer {
                 self.forget(state);
             }
         }
-        self.coupling.hold(&state.pairs, &mut state.engine);
+        let with_bodies = BodyPortBook::created(&state.slow_ports);
+        self.coupling
+            .hold(&state.pairs, &mut state.engine, with_bodies);
         self.remember(state);
         let engine = &state.engine;
         LocalOutput {
@@ -205,14 +207,6 @@ impl LocalRenderer {
             is_stale: state.is_stale,
             refusal: state.refusal,
         }
-    }
-
-    /// Energy that held forces created `[J]`: [`LocalBooks::created`](super::LocalBooks::created), where a contact whose force is
-    /// limited stores what the limited force gives back. `largest` gives the largest force `[N]` that may reach a tool besides the
-    /// limits of the loop, infinite where there is none.
-    pub fn created_energy(&self, state: &LocalState, largest: impl Fn(usize) -> f64) -> f64 {
-        let withheld = self.coupling.withheld(&state.pairs, &state.engine, largest);
-        state.books().created() - withheld
     }
 
     /// Says what was really sent to a tool for the last [`step`](Self::step) `[N]`, where it is not that force. A force that is

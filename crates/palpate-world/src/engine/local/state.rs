@@ -98,9 +98,7 @@ impl LocalBooks<'_> {
             .sum();
         let devices = self.devices.iter();
         let devices: f64 = devices.map(|book| book.port_work + book.carried).sum();
-        let ports = self.slow_ports.iter();
-        let bodies: f64 = ports.map(|book| book.host_work - book.work).sum();
-        of_contacts + devices + bodies
+        of_contacts + devices + BodyPortBook::created(self.slow_ports)
     }
 }
 
@@ -123,6 +121,13 @@ impl LocalState {
         let slots = self.engine.contacts().iter().zip(&self.pairs).enumerate();
         let of_tools = slots.filter(|(_, (_, pair))| pair.is_open && pair.toucher.tool().is_some());
         of_tools.map(|(slot, (contact, _))| (slot, contact))
+    }
+
+    /// Energy that forces created at the ports of the devices `[J]`: [`LocalBooks::created`], where a contact whose force reached
+    /// its device by a part, because a limit cut it, counts by that part.
+    #[must_use]
+    pub fn created_at_ports(&self) -> f64 {
+        self.engine.created_at_ports()
     }
 
     /// The books of energy.
