@@ -28,6 +28,8 @@ export async function serve(folder, below = "/some/where/") {
     createReadStream(path).pipe(answer);
   });
   await new Promise((done) => server.listen(0, "127.0.0.1", done));
+  // A test that fails does not end it, and no process waits for it.
+  server.unref();
   const { port } = server.address();
   return {
     url: `http://127.0.0.1:${port}${below}`,
