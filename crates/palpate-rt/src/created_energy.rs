@@ -30,7 +30,7 @@ impl CreatedEnergy {
         self.is_begun = false;
     }
 
-    /// Continues from `before`, with the renderer's created energy at `booked` `[J]`.
+    /// Continues from `before`, where the renderer counts `booked` `[J]` of created energy.
     pub fn go_on(&mut self, before: &Self, booked: f64) {
         *self = Self { booked, ..*before };
     }

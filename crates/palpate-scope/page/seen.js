@@ -2,7 +2,7 @@
 
 import { digits, quantity } from "./si.js";
 
-// What is less is said to be less: it is felt from about a millijoule on.
+// Less is rounded: about a millijoule can be felt.
 const LEAST_J = 1e-4;
 // Below this there is nothing but rounding.
 const NONE_J = 1e-12;

@@ -1,4 +1,4 @@
-//! The unit of recorded positions: said by the column or a flag, and doubted where no hand moves so.
+//! Units of recorded positions: from the column or a flag, and questioned if the motion is unusual for a hand.
 
 use crate::common::{Folder, number, of_method, taps};
 
@@ -35,7 +35,7 @@ fn millimetres_in_a_column_of_metres_are_refused_with_the_flag_that_reads_them()
             "--unit m says",
         ],
     );
-    // Whoever means it goes on.
+    // An explicit unit is accepted.
     let meant = folder.palpate(&format!("render wrong.csv {CONTACT} --unit m"));
     assert_eq!(meant.code, 0, "{meant:?}");
 }

@@ -112,7 +112,7 @@ pub enum TraceFault {
         way: Way,
     },
     /// A cell of the unit row is not a unit.
-    #[error("`{text}` in the unit row is no unit of column `{name}`; allowed are {allowed}")]
+    #[error("`{text}` in the unit row is not a unit of column `{name}`; allowed are {allowed}")]
     NotAUnit {
         /// The column.
         name: String,

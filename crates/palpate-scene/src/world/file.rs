@@ -1,21 +1,23 @@
 //! Scene files of format 2.
 
+mod contact;
+
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use palpate::Range;
 use palpate_world::{
-    Body, Contact, ContactLaw, Free, Motion, NOT_TURNED, Quaternion, Shape, Vector, World,
-    WorldField as Field, WorldGuard, WorldPart, out_of_range,
+    Body, Contact, Free, Motion, NOT_TURNED, Quaternion, Shape, Vector, World, WorldField as Field,
+    WorldGuard, WorldPart,
 };
 use serde::Deserialize;
 use toml::Spanned;
 use toml::de::DeTable;
 
+use self::contact::RawContact;
 use super::device::RawDevice;
 use super::guard::RawGuard;
 use super::joint::RawJoint;
-use super::pair::Pair;
 use super::per_axis::PerAxis;
 use super::place::WorldPlaces;
 use super::shape::{RawShape, unit};
@@ -74,17 +76,6 @@ struct RawBody {
     angular_velocity_rad_per_s: Option<Spanned<Vector>>,
     force_n: Option<Spanned<Vector>>,
     shape: Spanned<RawShape>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawContact {
-    between: Spanned<Pair>,
-    stiffness_n_per_m: Spanned<f64>,
-    damping_n_s_per_m: Option<Spanned<f64>>,
-    friction: Option<Spanned<f64>>,
-    friction_stiffness_n_per_m: Option<Spanned<f64>>,
-    friction_damping_n_s_per_m: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize, Default)]
@@ -567,49 +558,5 @@ impl Reading {
         }
         // Its place is that of the mesh's origin, wherever the centre of mass is.
         .balanced()
-    }
-
-    fn contact(&mut self, index: usize, raw: Spanned<RawContact>) -> Contact {
-        let place = WorldPart::Contact(index);
-        self.places.part(place, raw.span());
-        let raw = raw.into_inner();
-        let Pair(between) = self.places.take(place, Field::Between, raw.between);
-        let stiffness = self
-            .places
-            .take(place, Field::Stiffness, raw.stiffness_n_per_m);
-        // What is wrong with the stiffness is said once.
-        let is_wrong = out_of_range("", stiffness, Range::Positive).is_some();
-        let usual = if is_wrong { 1.0 } else { stiffness };
-        let mut or = |field, value: Option<Spanned<f64>>, default: f64| {
-            value.map_or(default, |value| self.places.take(place, field, value))
-        };
-        let damping = or(Field::Damping, raw.damping_n_s_per_m, 0.0);
-        let friction = or(Field::Friction, raw.friction, 0.0);
-        let friction_stiffness = or(
-            Field::FrictionStiffness,
-            raw.friction_stiffness_n_per_m,
-            usual,
-        );
-        let usual = ContactLaw::usual_friction_damping(stiffness, damping, friction_stiffness);
-        // The damping itself or a stiffness is wrong, and is reported by its own key.
-        let usual = if out_of_range("", usual, Range::NotNegative).is_some() {
-            0.0
-        } else {
-            usual
-        };
-        Contact {
-            between,
-            law: ContactLaw {
-                stiffness,
-                damping,
-                friction,
-                friction_stiffness,
-                friction_damping: or(
-                    Field::FrictionDamping,
-                    raw.friction_damping_n_s_per_m,
-                    usual,
-                ),
-            },
-        }
     }
 }

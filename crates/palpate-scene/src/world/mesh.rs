@@ -371,7 +371,7 @@ impl RawRevolved {
 /// Vertices in the file's unit, triangles, and notes on an STL or OBJ file. Files that it names, such as of colours, are not read.
 fn triangles(path: &Path) -> Result<(gallery::Triangles, Option<String>), String> {
     let at = |why: String| format!("{}: {why}", path.display());
-    // A browser has no files, and the readers would be a tenth of what it loads.
+    // In a browser there are no files, and the readers are 3 % of the download.
     if cfg!(target_family = "wasm") {
         return Err(at("a page reads no files".into()));
     }

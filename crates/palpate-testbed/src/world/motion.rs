@@ -1,11 +1,15 @@
 //! The equations of motion of a scene, for contacts of given modes.
 
+mod hand;
+
 use super::contact::{Acceleration, Contact, Placed, Touch, WorldError};
 use super::joints::{Bearing, Hold};
 use super::layout::Layout;
 use super::scene::{ContactLaw, FreeMotion, Member, WorldDevice, WorldScene};
 use super::surface::Feature;
 use super::vector::{Rotation, Vec3, quaternion_rate};
+
+pub(super) use hand::{hand_force, hand_force_at};
 
 /// What a contact does. Within a mode, the equations are smooth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -541,29 +545,6 @@ fn angular_velocity(rotation: &Rotation, motion: &FreeMotion, v: Vec3) -> Vec3 {
     rotation.out(Vec3(std::array::from_fn(|i| {
         local.0[i] / motion.inertia[i]
     })))
-}
-
-/// Force of the hand on its device `[N]`.
-pub(super) fn hand_force(device: &WorldDevice, time: f64, placed: &Placed) -> Vec3 {
-    hand_force_at(device, time, placed.position, placed.velocity)
-}
-
-/// The same at a place with a velocity.
-pub(super) fn hand_force_at(
-    device: &WorldDevice,
-    time: f64,
-    position: Vec3,
-    velocity: Vec3,
-) -> Vec3 {
-    let hand = &device.hand;
-    let tremor = hand.tremor.each_ref();
-    let tremor = tremor.map(|sines| sines.iter().map(|sine| sine.value(time)).sum());
-    let tremor = device.out(Vec3(tremor));
-    Vec3(std::array::from_fn(|axis| {
-        hand.force[axis] + tremor.0[axis]
-            - hand.stiffness * (position.0[axis] - hand.rest[axis])
-            - hand.damping * velocity.0[axis]
-    }))
 }
 
 impl Instant {
