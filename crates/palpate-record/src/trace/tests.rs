@@ -168,7 +168,7 @@ fn units_that_contradict_each_other_are_refused() {
         (
             "t_s,position_m\ns,inch\n0,1\n",
             &nothing,
-            "`inch` in the unit row is no unit",
+            "`inch` in the unit row is not a unit of column `position_m`",
         ),
     ] {
         let error = parse_as(text, layout).unwrap_err();
