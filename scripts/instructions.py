@@ -26,7 +26,7 @@ def build():
     """Builds the counted program and returns its path."""
     command = ["cargo", "bench", "-p", "palpate", "--bench", "instructions", "--no-run"]
     command += ["--message-format", "json-render-diagnostics"]
-    # An incremental build inlines less, and so counts more.
+    # An incremental build inlines less and gives higher counts.
     whole = {**os.environ, "CARGO_INCREMENTAL": "0"}
     output = subprocess.run(
         command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True, env=whole
@@ -42,7 +42,7 @@ def count(program):
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out"
         command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}"]
-        # A dump ends when `lap` is entered: the odd ones hold preparations, the even ones ticks.
+        # Each call of `lap` ends a dump: odd dumps hold the setup, even dumps the ticks.
         command += ["--dump-before=*instructions::lap*", program, "--count"]
         run = subprocess.run(command, capture_output=True, text=True)
         if run.returncode != 0:

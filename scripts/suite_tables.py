@@ -29,7 +29,7 @@ def cell(found):
     error = found["mean_force_error_percent"]
     diverged = " !" if found["diverged"] else ""
     values = (error["median"], error["quantile_90"], error["largest"])
-    # An infinite error is null in JSON.
+    # JSON represents an infinite error as null.
     return " / ".join("inf" if value is None else f"{value:.1f}" for value in values) + diverged
 
 

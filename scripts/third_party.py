@@ -20,10 +20,10 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parent.parent
 VENDORED = ROOT / "crates/palpate-scope/page/vendor"
 
-# Which licence this file follows where a crate leaves the choice: the first of these it offers.
+# Preference among the licences that a crate offers: the first match applies.
 PREFERRED = ["Apache-2.0", "MIT", "BSD-3-Clause", "BSD-2-Clause", "ISC", "Zlib", "CC0-1.0", "Unicode-3.0", "MPL-2.0"]
 
-# Licences whose text goes with the crate's copyright lines, and words that their texts contain.
+# Licences whose text appears with the crate's copyright lines, and words that identify their texts.
 TEXTS = {
     "MIT": "permission is hereby granted, free of charge",
     "BSD-3-Clause": "neither the name of",
@@ -33,7 +33,7 @@ TEXTS = {
     "Unicode-3.0": "unicode license v3",
     "CC0-1.0": "cc0 1.0 universal",
 }
-# Apache-2.0 is in LICENSE-APACHE. MPL-2.0 is said with the crates that have it.
+# Apache-2.0 is in LICENSE-APACHE. MPL-2.0 is named with its crates.
 ELSEWHERE = {"Apache-2.0", "MPL-2.0"}
 
 HEAD = """# Third parties
@@ -100,7 +100,7 @@ def linked(folder, root):
 
 def followed(expression):
     """The licences that this file follows, of an SPDX expression such as `(MIT OR Apache-2.0) AND ISC`."""
-    # An exception to a licence allows more, so the licence itself is what is followed.
+    # A licence exception only grants more rights, so the licence itself is used.
     expression = re.sub(r" WITH [\w.-]+", "", expression.replace("/", " OR "))
     words = re.findall(r"[()]|[^\s()]+", expression)
 
@@ -196,7 +196,7 @@ def texts_part(licence, packages):
         else:
             rights, body = [copyright_by_authors(package)], None
         groups.setdefault(plain(body) if body else None, []).append((package, rights, body))
-    # A crate without a text of its own has the one that most others have.
+    # A crate without a licence text uses the most common text of that licence.
     largest = max((key for key in groups if key), key=lambda key: len(groups[key]), default=None)
     if None in groups:
         if largest is None:

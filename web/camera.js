@@ -1,10 +1,10 @@
-// From the world to the screen: seen from far away, turned about the upright axis z and tilted.
+// Projection of the world to the screen: seen from far away, turned about the upright axis z and tilted.
 
 const TILT = [-1.5, 1.5];
 const PART_OF_SCREEN = 0.8;
 
 export class Camera {
-  /** @param {number[]} centre of what is seen [m] @param {number} size how much of it is seen across [m] */
+  /** @param {number[]} centre of the view [m] @param {number} size width of the view [m] */
   constructor(centre = [0, 0, 0], size = 0.1) {
     this.centre = centre;
     this.size = size;
@@ -17,7 +17,7 @@ export class Camera {
     this.tilt = Math.min(TILT[1], Math.max(TILT[0], this.tilt + tilt));
   }
 
-  /** Unit vectors to the right, up and away, as it is seen. */
+  /** Unit vectors to the right, up and away in the view. */
   get axes() {
     const [cy, sy, ct, st] = [Math.cos(this.yaw), Math.sin(this.yaw), Math.cos(this.tilt), Math.sin(this.tilt)];
     return {
@@ -27,13 +27,13 @@ export class Camera {
     };
   }
 
-  /** A place moved to the right, up and away [m]. */
+  /** A position moved to the right, up and away [m]. */
   moved(from, right, up, away) {
     const { axes } = this;
     return from.map((x, i) => x + right * axes.right[i] + up * axes.up[i] + away * axes.away[i]);
   }
 
-  /** How places of the world lie on a canvas, in CSS pixels. */
+  /** Projection of world positions to a canvas, in CSS pixels. */
   frame(canvas) {
     const { axes, centre, size } = this;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
@@ -67,7 +67,7 @@ export function turned([w, x, y, z], v) {
   ];
 }
 
-/** Centre [m] and size [m] of what moves in a world. */
+/** Centre [m] and size [m] of the moving objects of a world. */
 export function about({ tools, bodies }) {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
@@ -89,7 +89,7 @@ export function about({ tools, bodies }) {
   return [centre, 1.15 * size];
 }
 
-/** Radius of a ball about its centre that holds a shape [m]; null if none does. */
+/** Radius of a ball about a shape's centre that contains it [m]; null if there is none. */
 export function reachOf(shape) {
   switch (shape.kind) {
     case "sphere":

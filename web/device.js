@@ -1,4 +1,4 @@
-// The fields of the virtual device: what it is, not only what the renderer is told of it.
+// The fields of the virtual device: its true values, not only the renderer's model values.
 
 import { Field, number } from "./page/field.js";
 import { refusalInWords } from "./page/refusal.js";

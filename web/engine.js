@@ -1,10 +1,10 @@
-// The compiled loop, and what it is asked: numbers, and text through one buffer in and one out
+// The compiled loop, called with numbers, and with text through an input and an output buffer
 // (bindings/wasm/src/edge.rs).
 
 const encoder = new TextEncoder();
 const decoder = new TextDecoder();
 
-/** What the engine refuses, in its words: a message as text, or a plain sentence. */
+/** A refusal of the engine, in its words: a message as text, or a plain sentence. */
 export class Refusal extends Error {}
 
 export class Engine {
@@ -19,7 +19,7 @@ export class Engine {
     return new Engine(instance);
   }
 
-  /** Loads it from an address, compiling while it comes where the server says what it is. */
+  /** Loads it from an address; compiles while downloading if the server sends the content type. */
   static async from(url) {
     const response = await fetch(url);
     if (!response.ok) {
@@ -31,17 +31,17 @@ export class Engine {
   give(text) {
     const bytes = encoder.encode(text);
     const at = this.exports.palpate_input(bytes.length);
-    // The memory may have grown, so it is looked up anew each time.
+    // The memory may have grown, so its buffer is fetched each time.
     new Uint8Array(this.exports.memory.buffer, at, bytes.length).set(bytes);
   }
 
-  /** What the last call has to say: a copy, since the next call writes over it. */
+  /** Output of the last call: a copy, because the next call overwrites it. */
   get bytes() {
     const { memory, palpate_output: at, palpate_output_bytes: length } = this.exports;
     return new Uint8Array(memory.buffer, at(), length()).slice();
   }
 
-  /** Calls by name; what it says, or a refusal. */
+  /** Calls a function by name; returns its output, or throws a refusal. */
   ask(name, { text = "", values = [] } = {}) {
     this.give(text);
     const refused = this.exports[name](...values);
@@ -61,7 +61,7 @@ export class Engine {
     return this.words("palpate_open", { text: scene });
   }
 
-  /** Does what a message asks for; the state as text. */
+  /** Applies a message; returns the state as text. */
   hear(message) {
     return this.words("palpate_hear", { text: JSON.stringify(message) });
   }
@@ -70,29 +70,29 @@ export class Engine {
     return this.words("palpate_state");
   }
 
-  /** Ticks up to a time of the run [s]; the number of ticks of all lanes. */
+  /** Ticks up to a time of the run [s]; returns the number of ticks of all renderings. */
   advance(untilS) {
     return this.exports.palpate_advance(untilS);
   }
 
-  /** Time of the run that all lanes have reached [s]. */
+  /** Time of the run reached by all renderings [s]. */
   get timeS() {
     return this.exports.palpate_time();
   }
 
-  /** The rows of a lane that have not been taken yet; null if there are none. */
+  /** New rows of a rendering; null if there are none. */
   frame(lane) {
     const bytes = this.ask("palpate_frame", { values: [lane] });
     return bytes.length > 0 ? bytes.buffer : null;
   }
 
-  /** What has happened since this was asked last: messages as texts. */
+  /** Events since the last call: messages as texts. */
   get notes() {
     const text = this.words("palpate_notes");
     return text === "" ? [] : text.split("\n");
   }
 
-  /** Opens a world with a lane for each of these methods; what there is to draw. */
+  /** Opens a world with a rendering for each of these methods; returns the objects to draw. */
   openWorld(world, methods) {
     return JSON.parse(this.words("palpate_open_world", { text: `${world}\0${methods.join(",")}` }));
   }
@@ -105,7 +105,7 @@ export class Engine {
     return this.exports.palpate_advance_world(untilS);
   }
 
-  /** Where everything in the world is. */
+  /** Positions of all objects of the world. */
   get world() {
     return JSON.parse(this.words("palpate_world"));
   }

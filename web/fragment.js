@@ -1,4 +1,4 @@
-// Settings as the end of a link: after `#`, each key with its unit and its value. What is as at the start is left out.
+// Settings as the end of a link: after `#`, each key with its unit and its value. Initial values are left out.
 
 import { START } from "./presets.js";
 
@@ -38,7 +38,7 @@ export function writtenWorld(world, methods) {
 }
 
 /**
- * Reads the end of a link. What is not understood is left out, and said.
+ * Reads the end of a link. Invalid parts are left out and reported.
  *
  * @param {string} text with or without its `#`
  * @returns {{settings: object, world: string | null, worldMethods: string[] | null, faults: string[]}}

@@ -1,4 +1,4 @@
-// The loop behind the page: a worker, in place of the server of `palpate live`.
+// The loop behind the page: a worker instead of the server of `palpate live`.
 
 export class Loop {
   /**
@@ -8,7 +8,7 @@ export class Loop {
   constructor(on) {
     this.on = on;
     this.goes = false;
-    /** Whether it has stopped, not only been asked to: nothing comes of it any more. */
+    /** Whether it has stopped completely, so that no further message arrives. */
     this.isStill = true;
     this.worker = new Worker(new URL("worker.js", import.meta.url), { type: "module" });
     this.worker.onmessage = ({ data }) => this.hear(data);

@@ -1,4 +1,4 @@
-// Puts the playground together: the parts of the page of `palpate live`, on a loop in a worker.
+// Assembles the playground: the parts of the page of `palpate live`, on a loop in a worker.
 
 import { Banners } from "./page/banners.js";
 import { Charts } from "./page/charts.js";
@@ -25,12 +25,12 @@ import { PRESETS, START, messagesOf, settingsOf } from "./presets.js";
 import { TooSlow, paceInWords } from "./slow.js";
 import { WorldView } from "./world.js";
 
-// Somebody who wants less motion sees the charts go on this often.
+// Interval of chart updates for users who prefer reduced motion.
 const STILL_S = 0.5;
 const READ_OUT_S = 0.1;
 const SENTENCE_S = 0.5;
 const SPAN_S = 5;
-// What is further away than this has flown off, and will not come back by itself.
+// Distance beyond which an object has flown off and will not return by itself.
 const FAR_M = 10;
 
 const place = (id) => document.getElementById(id);
@@ -58,19 +58,19 @@ const device = new Device(place("device"), model, (message) => later(device, mes
 const hand = new Hand(place("scene"), scene, model, send);
 const worlds = new WorldView(place, { openWorld, lead: (device, to) => loop.ask({ type: "lead", device, to }) });
 const slow = new TooSlow();
-/** What is to be said with the next frame: of several messages of a type the newest, with all that they change. */
+/** Messages to send with the next frame: the newest message of each type, with all its changes. */
 const pending = new Map();
-/** What was used last: it shows a refusal that names no field. */
+/** The last used input, which shows a refusal without a field. */
 let asked = null;
-/** "contact" or "world": what is seen. */
+/** "contact" or "world": the current view. */
 let seen = null;
-/** What is opened once the loop is loaded. */
+/** The link to open once the loop is loaded. */
 let wanted = read(location.hash);
-/** The fragment that the page itself has written last. */
+/** The last fragment written by the page itself. */
 let ownFragment = null;
-/** Stopped by the button, or by itself; a tab that is hidden stands still, too. */
+/** Stopped by the button, or by itself; a hidden tab pauses too. */
 let stopped = false;
-/** Whether it has stopped because something has flown off. */
+/** Whether it has stopped because an object has flown off. */
 let hasFlown = false;
 let fit = false;
 
@@ -111,7 +111,7 @@ function send(message) {
   return loop.say(message);
 }
 
-/** Opens what a link says. */
+/** Opens the contents of a link. */
 async function open(link) {
   wanted = link;
   banners.show("link", link.faults.length > 0 ? `Of the link not understood: ${link.faults.join("; ")}.` : null);
@@ -148,7 +148,7 @@ async function openWorld(world, methods) {
   loop.ask({ type: "openWorld", world: source, methods });
 }
 
-/** Gives the loop these settings, from the start. */
+/** Restarts the loop with these settings. */
 function begin(settings) {
   view.anew();
   loop.ask({ type: "begin", messages: messagesOf(settings) });
@@ -171,7 +171,7 @@ function show(what) {
   banners.show("slow", null);
 }
 
-/** Writes the link of what is shown into the address, without a step back in the browser's history. */
+/** Writes the link of the current view into the address, without a history entry. */
 function tellLink(fragment) {
   if (fragment !== ownFragment) {
     ownFragment = fragment;
@@ -185,7 +185,7 @@ function later(who, message) {
   pending.set(message.type, { ...pending.get(message.type), ...message });
 }
 
-/** A reason for a refusal stands until something else is entered, else it would stand beside a value that is right. */
+/** Clears the reason of a refusal at the next input; otherwise it would remain beside a valid value. */
 function forgive() {
   if (model.hello) {
     contact.forgive();
@@ -220,7 +220,7 @@ function tellStop() {
   place("stop").textContent = stopped ? "Go on" : "Stop";
 }
 
-/** Another stretch of time is to be seen. */
+/** Updates the view for another time span. */
 function changed() {
   fit = true;
   toolbar.take();
@@ -277,7 +277,7 @@ model.addEventListener("refused", ({ detail: { about, text } }) => {
   }
 });
 
-/** Shows which preset is as the settings are, wherever the hand is. */
+/** Marks the preset with the current settings, for any position of the hand. */
 function markPreset(settings) {
   const asLink = (some) => written({ ...START, ...some, hand_m: START.hand_m });
   const now = asLink(settings);
@@ -287,7 +287,7 @@ function markPreset(settings) {
   }
 }
 
-/** The same of the bodies of a world. */
+/** Stops the loop if a body of a world has flown off. */
 function watchFarWorld() {
   const far = worlds.far(FAR_M);
   if (far && !stopped) {
@@ -295,7 +295,7 @@ function watchFarWorld() {
   }
 }
 
-/** Stops the loop, and says what is far away. */
+/** Stops the loop, and names the object that has flown off. */
 function flown({ method, what, at }) {
   hold();
   hasFlown = true;
@@ -303,7 +303,7 @@ function flown({ method, what, at }) {
   banners.show("flown", `The loop has stopped: the ${what} of ${method} is ${quantity(Math.abs(at), "m")} away.`, restart);
 }
 
-/** What has flown off comes back by a restart only: the loop stops, and says so. */
+/** Stops the loop, with a message, if an object has flown off: only a restart brings it back. */
 function watchFar() {
   const { state } = model;
   const far = state.lanes.flatMap(({ method }, lane) =>
@@ -332,7 +332,7 @@ place("copy").addEventListener("click", async () => {
     await navigator.clipboard.writeText(location.href);
     button.textContent = "Copied";
   } catch {
-    // Without leave to write there: the address bar has the link.
+    // Without clipboard permission the address bar contains the link.
     button.textContent = "It is in the address bar";
   }
   setTimeout(() => (button.textContent = "Copy link"), 2000);
@@ -442,5 +442,5 @@ function frame(nowMs) {
 }
 requestAnimationFrame(frame);
 
-// To look at from the console, and for tests; nothing here reads it.
+// For the console and for tests; no code here reads it.
 globalThis.palpate = { model, view, scene, charts, counted, link: loop, worlds, pace: null };

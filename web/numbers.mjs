@@ -1,4 +1,4 @@
-// Writes every number of a run by the compiled loop: node web/numbers.mjs PALPATE.wasm SCENE.toml
+// Prints every number of a run by the compiled loop: node web/numbers.mjs PALPATE.wasm SCENE.toml
 
 import { readFileSync, writeSync } from "node:fs";
 import { Engine } from "./engine.js";

@@ -1,8 +1,9 @@
-// How far a loop in simulated time is to be, and whether it keeps up with real time.
+// Target time of a loop in simulated time, and whether it keeps up with real time.
 
-// A loop that is further behind than this does not catch up: it goes on from where it is, and the time is counted as lost.
+// Largest lag behind real time. A loop that is further behind continues from its own time, and the difference counts as
+// lost.
 const MOST_BEHIND_S = 0.25;
-// Of how long a report speaks.
+// Time span of a report.
 const WINDOW_MS = 2000;
 
 export class Pacer {
@@ -11,7 +12,7 @@ export class Pacer {
     this.hold();
   }
 
-  /** The run begins at this time of its own [s]. */
+  /** Starts the run at this time of its own [s]. */
   anew(nowMs, timeS) {
     this.originMs = nowMs - 1000 * timeS;
     this.timeS = timeS;
@@ -26,19 +27,19 @@ export class Pacer {
     this.lostS = 0;
   }
 
-  /** Time stands still. */
+  /** Pauses the time. */
   hold() {
     this.held = true;
   }
 
-  /** Time goes on where it stood. */
+  /** Resumes the time. */
   goOn(nowMs) {
     this.held = false;
     this.originMs = nowMs - 1000 * this.timeS;
     this.forget(nowMs);
   }
 
-  /** Up to which time of its own the loop should have run by now [s]. */
+  /** Target time of the loop's run [s]. */
   until(nowMs) {
     const wanted = (nowMs - this.originMs) / 1000;
     const behind = wanted - this.timeS;
@@ -51,22 +52,22 @@ export class Pacer {
     return wanted;
   }
 
-  /** It has made so many ticks, and reached this time [s]. */
+  /** Records the number of ticks and the reached time [s]. */
   ran(ticks, timeS) {
     this.ticks += ticks;
     this.timeS = timeS;
   }
 
-  /** That has kept the thread busy for so long. */
+  /** Records the time for which the thread was busy. */
   worked(ms) {
     this.workedMs += ms;
   }
 
   /**
-   * How it went over the last seconds.
+   * Returns the performance over the last seconds.
    *
    * @returns {{ratio: number, busy: number, ticksPerS: number, lostS: number, overS: number}} `ratio`: simulated over
-   *     real time; `busy`: part of the time in which the thread worked; `lostS`: what it has not caught up, since it goes
+   *     real time; `busy`: fraction of time in which the thread worked; `lostS`: lost time since the start or last resume
    */
   report(nowMs) {
     const { marks, timeS, ticks, workedMs, lostS } = this;

@@ -1,8 +1,8 @@
-// What can be set, as one plain object; the presets are such objects.
+// Settings as one plain object; the presets are such objects.
 //
-// Of a setting that a preset leaves out, the value of `START` counts.
+// Settings that a preset leaves out have the values of `START`.
 
-/** A block that lies on the device by its weight: the scene of `palpate live`. */
+/** A block that rests on the device by its weight: the scene of `palpate live`. */
 export const START = {
   methods: ["basic", "coupled"],
   damping_n_s_per_m: [null, null],
@@ -49,13 +49,13 @@ export const PRESETS = [
   },
 ];
 
-/** The messages to the loop that give it these settings, in an order in which none depends on what was before. */
+/** Messages that give the loop these settings, in an order without dependencies on earlier settings. */
 export function messagesOf(settings) {
   const { methods, damping_n_s_per_m: dampings, stiffness_n_per_m, mass_kg, virtual_force_n, period_s } = settings;
   const { device_mass_kg, delay_s, cut_off } = settings;
   const device = { type: "device", mass_kg: device_mass_kg, cut_off };
   return [
-    // A delay may be too long for the period before.
+    // A delay may be too long for the previous period.
     { ...device, delay_s: 0 },
     {
       type: "set",
@@ -69,7 +69,7 @@ export function messagesOf(settings) {
   ];
 }
 
-/** The settings that a state of the loop tells. */
+/** Settings in a state of the loop. */
 export function settingsOf(state) {
   const { stiffness_n_per_m, mass_kg, virtual_force_n, period_s, device, lanes, hand_m } = state;
   return {

@@ -1,9 +1,9 @@
-// Whether the loop keeps up with real time, in words.
+// Message about a loop that does not keep up with real time.
 
 import { digits } from "./page/si.js";
 
 const ENOUGH = 0.97;
-// What is too slow for a moment is not said: a browser compiles and collects now and then.
+// Short slowdowns are not reported: a browser occasionally compiles and collects garbage.
 const FOR_S = 1.5;
 const REPORTS = 3;
 
@@ -16,7 +16,7 @@ export class TooSlow {
     this.slow = 0;
   }
 
-  /** What is to be said of a report of the loop's pace; null if it keeps up. */
+  /** Message for a report of the loop's pace; null if it keeps up. */
   about({ ratio, overS }) {
     this.slow = ratio < ENOUGH && overS >= FOR_S ? this.slow + 1 : 0;
     if (this.slow < REPORTS) {

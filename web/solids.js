@@ -1,4 +1,4 @@
-// Draws a world as its solids are seen from far away: the outline of each, and its edges.
+// Draws a world by its solids seen from far away: the outline of each, and its edges.
 
 import { dot, turned } from "./camera.js";
 import { theme } from "./page/theme.js";
@@ -38,7 +38,7 @@ export function drawWorld({ canvas, context, lane }, { drawn, camera, targets, t
     things.push({ depth: frame.depth(position), draw: () => drawTool(context, frame, position, radius, colour) });
   });
   things.sort((a, b) => b.depth - a.depth).forEach(({ draw }) => draw());
-  // What is told lies over what is seen, or a body would hide it.
+  // Annotations are drawn last, or a body would hide them.
   for (const [place, force] of now.contacts) {
     drawArrow(context, frame, place, force, theme.quiet);
   }
@@ -54,7 +54,7 @@ function path(context, points) {
   points.forEach(([x, y], i) => (i === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
 }
 
-/** The outline of points: the smallest polygon without dents that holds them. */
+/** Convex hull of points. */
 export function outline(points) {
   const sorted = [...points].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
   const half = (list) => {
@@ -109,7 +109,7 @@ function drawBody(context, frame, { shape, name }, position, orientation) {
     context.closePath();
     context.fill();
     context.stroke();
-    // A circle about its middle, so that one sees it turn: the half in front.
+    // A circle about its centre, which shows its rotation: only the front half.
     for (const flip of [(p) => p, ([x, y]) => [x, 0, y]]) {
       front(context, frame, circle(shape.radius_m, 0).map(flip), world, position);
     }
@@ -120,7 +120,7 @@ function drawBody(context, frame, { shape, name }, position, orientation) {
     context.fill();
     context.stroke();
     for (const line of lines) {
-      // An edge is seen where it is not behind the middle: enough for what has no dents.
+      // An edge is visible if it is not behind the centre, which suffices for convex shapes.
       const isFront = line.every((place) => frame.depth(place) <= frame.depth(position) + 1e-4);
       context.globalAlpha = isFront ? 1 : 0.18;
       path(context, line.map(frame.at));
@@ -156,7 +156,7 @@ function front(context, frame, line, world, centre) {
   context.restore();
 }
 
-/** A patch of the surface of a half space, about what is seen. */
+/** A patch of the surface of a half space, around the visible objects. */
 function drawPlane(context, frame, camera, { shape, name }, [position, orientation]) {
   const normal = turned(orientation, shape.normal);
   const offset = shape.offset_m + dot(normal, position);
@@ -206,7 +206,7 @@ function drawTool(context, frame, position, radius, colour) {
   context.fill();
 }
 
-/** Where the hand wants to be, and the line along which it pulls. */
+/** Target position of the hand, and the line along which it pulls. */
 function drawHand(context, frame, position, target, isChosen) {
   const [x, y] = frame.at(position);
   const [tx, ty] = frame.at(target);

@@ -1,6 +1,6 @@
-// The loop, on a thread of its own: it ticks as much simulated time as real time has passed, and tells what it did.
+// The loop, on a separate thread: it advances simulated time by the elapsed real time, and reports its results.
 //
-// It says what the server of `palpate live` says (docs/scope.md), and `pace`: how well it keeps up.
+// Its messages are those of the server of `palpate live` (docs/scope.md), and `pace`: how well it keeps up.
 
 import { Engine, Refusal } from "./engine.js";
 import { Pacer } from "./pacer.js";
@@ -10,7 +10,7 @@ const PACE_MS = 500;
 const STATE_MS = 100;
 
 let engine = null;
-/** "contact" or "world": what is open. */
+/** "contact" or "world": the open scene. */
 let kind = null;
 let timer = null;
 let toldPaceMs = 0;
@@ -25,7 +25,7 @@ function tell(text) {
   say({ kind: "text", text });
 }
 
-/** Does something of the engine; what it refuses is told, and what breaks ends the loop. */
+/** Calls the engine; refusals are reported, and errors end the loop. */
 function guarded(act) {
   try {
     act();
@@ -55,7 +55,7 @@ const asked = {
     kind = "contact";
     begin(messages);
   },
-  /** All of these, and then from the start. */
+  /** Applies all of these messages, and restarts. */
   begin({ messages }) {
     begin(messages);
   },

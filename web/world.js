@@ -1,4 +1,4 @@
-// The view of worlds: what is chosen, a picture for each method, and the hands.
+// The view of worlds: the selection, a picture for each method, and the hands.
 
 import { seenInWords } from "./page/seen.js";
 import { quantity } from "./page/si.js";
@@ -13,7 +13,7 @@ export const WORLDS = [
   ["groove-90", "A groove of 90°"],
   ["groove-60-rough", "A rough groove of 60°"],
 ];
-/** The methods that need no setting that these worlds leave out. */
+/** The methods whose settings these worlds all contain. */
 const METHODS = ["basic", "coupled"];
 const SENTENCE_S = 0.5;
 const WINDOW_S = 5;
@@ -62,10 +62,10 @@ export class WorldView {
     });
   }
 
-  /** Takes over what there is to draw. */
+  /** Stores the objects to draw. */
   begin(drawn) {
     this.drawn = drawn;
-    /** Which world it is of what is drawn: the chosen one may be on its way yet. */
+    /** World of the drawn objects; the chosen one may still be loading. */
     this.shown = this.chosen?.world ?? null;
     this.now = null;
     this.tool = 0;
@@ -106,7 +106,7 @@ export class WorldView {
     return figure;
   }
 
-  /** Takes over where everything is. */
+  /** Stores the positions of all objects. */
   take(now) {
     this.now = now;
     const created = now.lanes.map(({ created_j: joules }) => joules);
@@ -116,7 +116,7 @@ export class WorldView {
     }
   }
 
-  /** A body or a tool that is further away than `most` [m]; null if there is none. */
+  /** Returns a body or a tool beyond the distance `most` [m], or null. */
   far(most) {
     for (const { method, bodies, tools_m: tools } of this.now.lanes) {
       const places = [...this.drawn.bodies.map(({ name }, i) => [name, bodies[i][0]]), ...this.drawn.tools.map(({ name }, i) => [name, tools[i]])];
@@ -185,12 +185,12 @@ export class WorldView {
     }
   }
 
-  /** Moves the hand of the chosen tool to the right, up and away, as it is seen [m]. */
+  /** Moves the hand of the chosen tool to the right, up and away in the view [m]. */
   lead(right, up, away) {
     const before = this.targets[this.tool];
     const to = this.camera.moved(before, right, up, away);
     const { start_m: start } = this.drawn.tools[this.tool];
-    // As far as the loop lets it be led.
+    // Up to the limits of the loop.
     this.targets[this.tool] = to.map((x, axis) => Math.min(start[axis] + 0.2, Math.max(start[axis] - 0.2, x)));
     this.acts.lead(this.tool, this.targets[this.tool]);
   }

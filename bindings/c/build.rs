@@ -1,4 +1,4 @@
-//! Writes the version of the ABI into the shared library: programs of another one do not load it.
+//! Writes the ABI version into the shared library, so that the loader rejects programs of another version.
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");

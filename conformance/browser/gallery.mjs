@@ -3,9 +3,9 @@
 //     npm run gallery --prefix conformance/browser
 //     npm run gallery --prefix conformance/browser -- stylus pinch
 //
-// With names, only those are drawn anew.
+// With names, only those are drawn.
 //
-// Needs what the tests beside it need: the program, built for release, and Chromium.
+// Requirements are those of the tests beside it: the program, built for release, and Chromium.
 
 import { mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
@@ -16,12 +16,12 @@ const here = (path) => fileURLToPath(new URL(`../../${path}`, import.meta.url));
 const WORLDS = here("experiments/worlds");
 const PICTURES = here("docs/figures/gallery");
 const SIZE = { width: 1200, height: 760 };
-/** The picture stands still once the tool touches something, and is taken at this time at the latest [s]. */
+/** The animation stops once the tool touches something; the picture is taken at this time at the latest [s]. */
 const LATEST_S = 2;
 
 const field = (text, pattern) => pattern.exec(text)?.[1];
 
-/** Leads each tool from where it begins to where the hand of the scene would have it, as one would by hand, until one touches. */
+/** Moves each tool gradually from its start to the scene's hand position, until one touches. */
 async function leadTo(open, rests) {
   const starts = await open.get(() => palpate.model.hello.world.tools.map((tool) => tool.position_m));
   for (let share = 0.05; share < 1.01; share += 0.05) {
@@ -35,7 +35,7 @@ async function leadTo(open, rests) {
   }
 }
 
-// Whatever goes wrong, no program goes on.
+// Ends all programs in any case.
 process.on("exit", endAll);
 const named = process.argv.slice(2);
 if (named.length === 0) {
@@ -120,7 +120,7 @@ ${left.map(({ name, title, why }) => `| [${name}](../experiments/worlds/${name}.
 `,
 );
 
-/** Why there is no picture of a world, if there is none. */
+/** Explains a missing picture of a world, if it is missing. */
 function reason(name, text) {
   if (name.endsWith("-rough")) {
     return `looks like ${name.replace("-rough", "")}`;

@@ -1,11 +1,11 @@
-// The page in a browser, on the real program. One process, one browser, one test after the other: a loop that keeps
-// time does not share a machine with a second one.
+// The page in a browser, with the real program. One process and one browser, with tests in sequence: a loop that keeps
+// time needs the machine for itself.
 
 import { afterEach, test } from "node:test";
 import { endAll } from "./program.mjs";
 import { closeBrowser } from "./visit.mjs";
 
-// What a test that has failed leaves running would disturb those after it.
+// Processes of a failed test would disturb the following tests.
 afterEach(endAll);
 
 await import("./live/hand.mjs");
@@ -17,5 +17,5 @@ await import("./live/looks.mjs");
 await import("./live/worlds.mjs");
 await import("./live/several.mjs");
 
-// As a test, not as something after all tests: that would wait for the browser to end.
+// A test rather than an after-all hook, which would wait for the browser to end.
 test("the browser ends", closeBrowser);

@@ -1,5 +1,5 @@
-// The playground in a browser, as `web/build` has built it. One browser, one test after the other: a loop that keeps
-// time does not share a machine with a second one.
+// The playground in a browser, as built by `web/build`. One browser, with tests in sequence: a loop that keeps time
+// needs the machine for itself.
 
 import { test } from "node:test";
 import { closeBrowser } from "./visit.mjs";

@@ -49,7 +49,7 @@ function paeth(left, up, corner) {
   return a <= b && a <= c ? left : b <= c ? up : corner;
 }
 
-/** How many pixels have about this colour, [red, green, blue]. */
+/** Returns the number of pixels with about this colour, [red, green, blue]. */
 export function countColour({ channels, pixels }, [red, green, blue], apart = 12) {
   let count = 0;
   for (let i = 0; i < pixels.length; i += channels) {

@@ -1,4 +1,4 @@
-// The real program, started as a user starts it.
+// The real program, started as by a user.
 
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
@@ -17,18 +17,18 @@ if (!existsSync(PROGRAM)) {
 
 const running = new Set();
 
-/** Ends every program that still runs. */
+/** Ends every running program. */
 export function endAll() {
   for (const child of running) {
     child.kill("SIGKILL");
   }
 }
 
-/** `palpate live` with these arguments; ready when it has said where its page is. */
+/** Starts `palpate live` with these arguments; ready once it has printed the address of its page. */
 export async function startLive(...args) {
   const folder = mkdtempSync(join(tmpdir(), "palpate-browser-"));
   const listen = args.includes("--listen") ? [] : ["--listen", "127.0.0.1:0"];
-  // A machine that others keep busy lets a loop wait for long, which ends it unless it may.
+  // On a loaded machine a loop waits for long, which ends it without this flag.
   const patient = args.includes("--stall-after") ? [] : ["--stall-after", "1000"];
   const child = spawn(PROGRAM, ["live", ...listen, ...patient, ...args], { cwd: folder, stdio: ["ignore", "pipe", "pipe"] });
   running.add(child);
@@ -65,8 +65,8 @@ export async function startLive(...args) {
       });
     },
     /**
-     * Ends it, and checks that it has ended as it should. A loop that a busy machine lets miss its deadlines can create
-     * energy, and safety has the motors off then, which is said.
+     * Ends it, and checks its exit code. On a busy machine a loop that misses its deadlines can generate energy; then
+     * safety has disabled the motors, which is reported.
      */
     async endsWell(signal) {
       const code = await this.end(signal);

@@ -1,4 +1,4 @@
-// The page of `palpate report` as a browser shows and prints it.
+// The page of `palpate report` as shown and printed by a browser.
 
 import { strict as assert } from "node:assert";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -25,7 +25,7 @@ before(() => {
   made("record", SCENE, at("tap.mcap"), "--duration", "0.5", "--fast");
   made("calibrate", "--device", "simulated", "--fast", "--out", at("device.toml"), "--report", at("fit.json"));
   page = at("device.html");
-  // Everything that a page can have, with a long name; one method, since this is about looks.
+  // All possible content of a page, with a long name; one method, because this test is about looks.
   const sources = ["--device-file", at("device.toml"), "--calibration", at("fit.json")];
   made("report", at("tap.mcap"), ...sources, "--name", "A name ".repeat(20), "--method", "basic", "--out", page);
 });
@@ -71,5 +71,5 @@ test("it prints on two sheets", async () => {
   await open.close();
 });
 
-// As a test, not as something after all tests: that would wait for the browser to end.
+// A test rather than an after-all hook, which would wait for the browser to end.
 test("the browser ends", closeBrowser);

@@ -1,4 +1,4 @@
-// A plain file server, as anybody would put a folder on.
+// A plain static file server.
 
 import { createReadStream, statSync } from "node:fs";
 import { createServer } from "node:http";
@@ -12,7 +12,7 @@ const TYPES = {
   ".wasm": "application/wasm",
 };
 
-/** Serves a folder below a path of its own, so that an absolute address in a page finds nothing. */
+/** Serves a folder below a path, so that absolute addresses in a page fail. */
 export async function serve(folder, below = "/some/where/") {
   const asked = [];
   const server = createServer(({ url }, answer) => {
@@ -28,12 +28,12 @@ export async function serve(folder, below = "/some/where/") {
     createReadStream(path).pipe(answer);
   });
   await new Promise((done) => server.listen(0, "127.0.0.1", done));
-  // A test that fails does not end it, and no process waits for it.
+  // A failed test does not end it, and it does not keep the process alive.
   server.unref();
   const { port } = server.address();
   return {
     url: `http://127.0.0.1:${port}${below}`,
-    /** What was asked for. */
+    /** The requested addresses. */
     asked,
     end: () =>
       new Promise((done) => {

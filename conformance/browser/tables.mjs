@@ -1,4 +1,4 @@
-// Reads a table with commas, as RFC 4180 has it.
+// Reads a comma-separated table (RFC 4180).
 
 /** @returns {{header: string[], rows: string[][]}} */
 export function parse(text) {

@@ -4,7 +4,7 @@ import { existsSync } from "node:fs";
 import puppeteer from "puppeteer-core";
 
 const CHROMIUM = process.env.CHROMIUM ?? ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find(existsSync);
-// How long something may take before it counts as never: on a machine where many others build this may be long.
+// Timeout of a wait; on a machine with many builds a wait may be long.
 const PATIENCE_MS = 60_000;
 
 let browser = null;
@@ -16,7 +16,7 @@ async function launch() {
   browser ??= await puppeteer.launch({
     executablePath: CHROMIUM,
     // The tests may run as root, and in containers with little shared memory.
-    // The page of a world draws by WebGL, and there may be no graphics processor.
+    // The page of a world draws by WebGL, possibly without a graphics processor.
     args: [
       "--no-sandbox",
       "--disable-dev-shm-usage",
@@ -33,7 +33,7 @@ export async function closeBrowser() {
   browser = null;
 }
 
-/** A page of its own for a document that is no page of `palpate live`. */
+/** Opens a separate page for a document other than the page of `palpate live`. */
 export async function openPage(url, viewport) {
   const page = await (await launch()).newPage();
   await page.setViewport(viewport);
@@ -44,7 +44,7 @@ export async function openPage(url, viewport) {
 export const WIDE = { width: 1400, height: 900 };
 export const NARROW = { width: 360, height: 740, isMobile: true, hasTouch: true, deviceScaleFactor: 2 };
 
-/** Opens the page in a window of its own, and waits until curves come. `first` is run in the page before its own scripts. */
+/** Opens the page in a new window, and waits for curves. `first` runs in the page before the page's own scripts. */
 export async function visit(url, { viewport = WIDE, scheme = "light", motion = "no-preference", wait = true, first = () => {} } = {}) {
   const context = await (await launch()).createBrowserContext();
   const page = await context.newPage();
@@ -78,12 +78,12 @@ export class Visit {
     Object.assign(this, { page, context, errors, response });
   }
 
-  /** What an expression is in the page; the page's own state is `palpate`. */
+  /** Evaluates an expression in the page; the page's own state is `palpate`. */
   get(expression, ...args) {
     return this.page.evaluate(expression, ...args);
   }
 
-  /** Waits until something is so; returns what it was. */
+  /** Waits until a condition holds; returns its value. */
   async until(what, condition, ...args) {
     const end = Date.now() + PATIENCE_MS;
     for (;;) {
@@ -99,13 +99,13 @@ export class Visit {
     }
   }
 
-  /** Waits until the loop has gone on by so many seconds. */
+  /** Waits until the loop has advanced by this many seconds. */
   async pass(seconds) {
     const from = await this.get(() => palpate.model.newestS);
     await this.until(`${seconds} s have passed`, (to) => palpate.model.newestS >= to, from + seconds);
   }
 
-  /** Waits for a status that is told from now on; with it, how many rows had come of each lane by then. */
+  /** Waits for the next status; returns it with the number of rows of each rendering by then. */
   async told() {
     const wait = () =>
       new Promise((told) => {
@@ -116,14 +116,14 @@ export class Visit {
     return this.get(wait);
   }
 
-  /** Puts a text into a field, as a person does. */
+  /** Enters a text into a field, as by a person. */
   async enter(selector, text) {
     await this.page.click(selector, { count: 3 });
     await this.page.keyboard.type(text);
     await this.page.keyboard.press("Enter");
   }
 
-  /** Mean, spread (greatest less least) and number of a column of a lane over the last seconds. */
+  /** Mean, spread (greatest less least) and number of a column of a rendering over the last seconds. */
   over(lane, column, seconds) {
     return this.get(
       (lane, column, seconds) => {
@@ -145,14 +145,14 @@ export class Visit {
     );
   }
 
-  /** Where the middle of an element is on the screen. */
+  /** Returns the centre of an element on the screen. */
   async middle(selector) {
     const element = await this.page.$(selector);
     const { x, y, width, height } = await element.boundingBox();
     return { x: x + width / 2, y: y + height / 2, width, height, left: x, top: y };
   }
 
-  /** Ends the visit; what has gone wrong in the page meanwhile is an error, but for what is expected. */
+  /** Ends the visit; errors of the page since its start are failures, except for expected ones. */
   async leave(expected = /^$/) {
     const violations = await this.get(() => globalThis.violations);
     await this.context.close();

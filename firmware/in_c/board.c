@@ -1,5 +1,5 @@
-/* The start of a program in C on QEMU's MPS2 boards, and what it says to the emulator over semihosting. For a board
-   of yours take its maker's. */
+/* The start of a C program on QEMU's MPS2 boards, and its output to the emulator over semihosting. For a real board
+   use the start-up code of its manufacturer. */
 #include "board.h"
 
 #include <stddef.h>
@@ -20,7 +20,7 @@ static uint32_t empty;
 
 void reset(void) {
 #ifdef __ARM_FP
-  /* The unit for floating point is off after a reset. */
+  /* The floating-point unit is off after a reset. */
   *(volatile uint32_t *)0xE000ED88 |= 0xf << 20;
   __asm__ volatile("dsb\nisb" ::: "memory");
 #endif
@@ -62,7 +62,7 @@ static void fault(void) {
   leave(0);
 }
 
-/* Of firmware: takes the force off the motors. Here the emulator ends. */
+/* In firmware: disables the motors. Here the emulator ends. */
 void palpate_panicked(void) {
   say("the library has panicked\n");
   leave(0);

@@ -1,4 +1,4 @@
-//! Whatever an Inverse Service sends: a frame is read or refused, and what is believed is possible.
+//! Arbitrary output of an Inverse Service: a frame is parsed or rejected, and parsed values are plausible.
 #![no_main]
 
 #[path = "../../crates/palpate-haply/tests/inverse3/believed.rs"]

@@ -1,4 +1,4 @@
-//! Whatever a 2DIY's port says: answers are taken apart, and no angle makes a torque that cannot be.
+//! Arbitrary output of a 2DIY's port: answers are parsed, and every angle gives a possible torque.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

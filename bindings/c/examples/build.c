@@ -1,5 +1,5 @@
-/* A world that is built by calls and changed while it runs: a finger over a table, on which a block appears, is pushed, gets
-   lighter and goes back, and is taken away. */
+/* A world that is built by calls and changed while it runs: a finger above a table pushes a block that appears, becomes
+   lighter, moves back, and is removed. */
 #include <palpate.h>
 #include <stdio.h>
 
@@ -38,7 +38,7 @@ int main(void) {
     palpate_pose pose = {{-0.03 + 1.2e-4 * (phase < 200 ? phase : 400 - phase), 0.003, 0.01}, {1, 0, 0, 0}};
     palpate_world_sample sample = palpate_world_sample_at(&pose, 1); /* read your device here [m] */
     palpate_wrench wrench;
-    if (tick == 400) { /* between two ticks: takes memory, as making a world does */
+    if (tick == 400) { /* between two ticks: allocates, as creating a world does */
       failed |= refused(palpate_scene_add_body(scene, "block", &block, &box));
       failed |= refused(palpate_world_change(world, scene));
     }
@@ -48,7 +48,7 @@ int main(void) {
       failed |= refused(palpate_scene_set_body(scene, "block", &block, NULL));
       failed |= refused(palpate_world_change(world, scene));
       back.pose.position[2] = 0.01;
-      failed |= refused(palpate_world_place(world, 1, &back)); /* takes no memory */
+      failed |= refused(palpate_world_place(world, 1, &back)); /* does not allocate */
     }
     if (tick == 1200) {
       failed |= refused(palpate_scene_remove_body(scene, "block"));

@@ -1,4 +1,4 @@
-/* A contact in a loop: a wall at 0 m, and a device that is pushed 1 mm into it and let go. */
+/* A contact in a loop: a device is pushed 1 mm into a wall at 0 m and pulled back. */
 #include <palpate.h>
 #include <stdio.h>
 

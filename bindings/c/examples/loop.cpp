@@ -1,4 +1,4 @@
-// A contact in a loop, from C++: the same wall and the same motion as loop.c.
+// A contact in a loop in C++, with the wall and motion of loop.c.
 #include <cstdio>
 #include <palpate.hpp>
 

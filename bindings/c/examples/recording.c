@@ -1,5 +1,5 @@
-/* A loop that is recorded: a tool pushes a block over a table. Takes the path of a scene of a world, and that of the
-   recording: `palpate info`, `palpate convert` and `palpate replay` read it. */
+/* A recorded loop: a tool pushes a block over a table. Arguments: the path of a world scene, and the path of the
+   recording, which `palpate info`, `palpate convert` and `palpate replay` read. */
 #include <palpate.h>
 #include <stdio.h>
 
@@ -28,7 +28,7 @@ int main(int argc, char **argv) {
     palpate_world_output output = palpate_world_output_empty();
     palpate_wrench wrench;
     palpate_world_step(world, &sample, &wrench, 1, &output); /* command wrench.force [N] */
-    palpate_recorder_world_tick(recorder, world, &sample, &output, &wrench); /* waits for nothing */
+    palpate_recorder_world_tick(recorder, world, &sample, &output, &wrench); /* never waits */
   }
   if (palpate_recorder_close(recorder, &recorded) != PALPATE_STATUS_OK) {
     fprintf(stderr, "%s\n", palpate_last_error());

@@ -1,5 +1,6 @@
-/* A host at 50 Hz owns a ball on a floor; a loop at 1 kHz renders both to a hand that presses. Here the two take turns in one
-   thread; a program has a thread for each, and neither waits for the other. `step` and `contacts` are what a physics engine does. */
+/* A 50 Hz simulator owns a ball on a floor; a 1 kHz loop renders both to a pressing hand. Here both run alternately in
+   one thread; a program uses one thread for each, and neither waits for the other. `step` and `contacts` stand for a
+   physics engine. */
 #include <math.h>
 #include <palpate.h>
 #include <stdio.h>
@@ -10,7 +11,7 @@
 static double height = BALL, velocity = 0.0;
 static const double STIFF = 3000.0, DAMPING = 5.0; /* of the floor */
 
-/* The engine's step of `time` [s] under a wrench that is held, in parts of its own. */
+/* Integrates the engine over `time` [s] under a constant wrench, in sub-steps. */
 static void step(const palpate_wrench *wrench, double time) {
   int parts = (int)ceil(time / 1e-4);
   for (int part = 0; part < parts; part++) {
@@ -20,7 +21,7 @@ static void step(const palpate_wrench *wrench, double time) {
   }
 }
 
-/* The ball as it is. What moves it otherwise is its weight: the floor is published as a contact. */
+/* Returns the state of the ball. Its only other load is its weight: the floor is published as a contact. */
 static palpate_host_body ball(void) {
   palpate_host_body now = palpate_host_body_fixed(0.0, 0.0, height);
   now.velocity[2] = velocity;
@@ -32,7 +33,7 @@ static palpate_host_body ball(void) {
   return now;
 }
 
-/* Where the tool may touch the ball, and where the ball may touch the floor. */
+/* Potential contacts of the tool with the ball and of the ball with the floor. */
 static void contacts(const double tool[3], palpate_host_contact found[2]) {
   double from[3] = {tool[0], tool[1], tool[2] - height}, up[3] = {0.0, 0.0, 1.0}, *normal = from;
   double far = sqrt(from[0] * from[0] + from[1] * from[1] + from[2] * from[2]);
@@ -44,7 +45,7 @@ static void contacts(const double tool[3], palpate_host_contact found[2]) {
   found[1].normal[2] = 1.0;
   found[1].stiffness = STIFF;
   found[1].damping = DAMPING;
-  found[1].of = 0; /* a sphere of the ball, on what never moves */
+  found[1].of = 0; /* a sphere of the ball on a fixed surface */
   found[1].centre[2] = height;
   found[1].radius = BALL;
 }
@@ -55,7 +56,7 @@ int main(void) {
   palpate_slow_host *host;
   palpate_progress progress = palpate_progress_empty();
   palpate_body_progress given, before = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
-  double place = 0.055, speed = 0.0; /* of the device, which is simulated [m], [m/s] */
+  double place = 0.055, speed = 0.0; /* of the simulated device [m], [m/s] */
   uint64_t stepped = 0;
   params.period = 0.001; /* [s] */
   for (int axis = 0; axis < 3; axis++) params.device_mass[axis] = 0.15; /* [kg] */
@@ -70,7 +71,7 @@ int main(void) {
     palpate_pose pose = {{0.0, 0.0, place}, {1.0, 0.0, 0.0, 0.0}}; /* read your device here [m] */
     palpate_world_sample sample = palpate_world_sample_at(&pose, 1);
     palpate_wrench wrench;
-    if (tick % 20 == 0) { /* the host's turn */
+    if (tick % 20 == 0) { /* the simulator's step */
       palpate_host_body now;
       palpate_host_contact found[2];
       double time;

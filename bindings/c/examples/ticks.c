@@ -1,5 +1,5 @@
-/* The ticks that bindings/c/measure counts: METHOD COUNT. A sine of 16 mm about the surface of an object of
-   0.1 kg, at 1 kHz. examples/ticks.rs runs the same in Rust. */
+/* The ticks that bindings/c/measure times: METHOD COUNT. A 16 mm sine about the surface of an object of 0.1 kg, at
+   1 kHz. examples/ticks.rs runs the same in Rust. */
 #include <palpate.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,7 +26,7 @@ int main(int argc, char **argv) {
     fprintf(stderr, "%s\n", palpate_last_error());
     return 1;
   }
-  /* x'' = -(0.2 x), which is five turns in the table. */
+  /* x'' = -(0.2 x): five oscillations in the table. */
   for (int at = 0; at < POSITION_COUNT; at++) {
     positions[at] = position;
     velocity -= 0.004 * position;

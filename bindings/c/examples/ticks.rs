@@ -1,4 +1,4 @@
-//! The ticks of ticks.c, from the core without C: METHOD COUNT.
+//! The ticks of ticks.c, run on the core without C: METHOD COUNT.
 
 use palpate::{Basis, Contact, LoopParams, MethodName, ObjectState, Renderer, Sample, Settings};
 

@@ -1,5 +1,5 @@
-//! What tests/c/trace.c prints, from the core without C: the two must not differ in a bit. The parameters are those
-//! that C says in double, rounded once.
+//! Prints the output of tests/c/trace.c from the core without C: both must agree bit for bit. The parameters are the
+//! doubles of the C program, rounded once.
 
 use palpate::{
     Actuation, Basis, Contact, Fault, LoopParams, MethodName, ObjectState, Phase, Rendering,

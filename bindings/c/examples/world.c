@@ -1,4 +1,4 @@
-/* A world in a loop: a tool pushes a block over a table. Takes the path of experiments/worlds/pushed-block.toml. */
+/* A world in a loop: a tool pushes a block over a table. Argument: the path of experiments/worlds/pushed-block.toml. */
 #include <palpate.h>
 #include <stdio.h>
 

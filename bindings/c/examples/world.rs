@@ -1,4 +1,4 @@
-//! What tests/c/world.c prints, without C: the two must not differ in a bit.
+//! Prints the output of tests/c/world.c without C: both must agree bit for bit.
 
 use palpate_device::Wrench;
 use palpate_rt::BoundedWorld;
@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         for number in force.iter().chain(&torque) {
             print!("{:016x} ", number.to_bits());
         }
-        // A position that is not finite is fault 1.
+        // Fault 1 is a non-finite position.
         println!("{} {sub_steps}", u32::from(fault));
     }
     Ok(())

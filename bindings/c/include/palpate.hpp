@@ -1,8 +1,8 @@
 /*
- * palpate for C++17: palpate.h with handles that free themselves. docs/integrate/c.md
+ * palpate for C++17: palpate.h with RAII handles. docs/integrate/c.md
  *
- * What is checked once throws palpate::Error: making a contact or a world, and changing it. A tick is noexcept and
- * gives 0 N where anything is wrong.
+ * Creating and changing a contact or world throws palpate::Error on a wrong parameter. A tick is noexcept and returns
+ * 0 N on any error.
  *
  * License: MIT OR Apache-2.0
  */
@@ -21,14 +21,14 @@
 
 namespace palpate {
 
-/* The parameters of the loop, with every default and a period [s]. */
+/* Returns the default loop parameters with a period [s]. */
 inline palpate_loop_params loop_params(double period) {
   palpate_loop_params params = palpate_loop_params_default();
   params.period = period;
   return params;
 }
 
-/* A contact of `stiffness` [N/m] with an object of `mass` [kg]; without a mass, with a wall. */
+/* Returns the parameters of a contact of `stiffness` [N/m] with an object of `mass` [kg], by default a wall. */
 inline palpate_contact_params contact_params(double stiffness, double mass = INFINITY) {
   palpate_contact_params params = palpate_contact_params_default();
   params.stiffness = stiffness;
@@ -36,8 +36,8 @@ inline palpate_contact_params contact_params(double stiffness, double mass = INF
   return params;
 }
 
-/* Sets the settings of the method. `params` points to them, so the array has to outlive the parameters; a temporary array does
-   not compile. */
+/* Sets the settings of the method. `params` points to them, so the array must outlive the parameters; a temporary array
+   does not compile. */
 inline void use(palpate_contact_params &params, span<const palpate_setting> settings) noexcept {
   params.settings = settings.data();
   params.setting_count = settings.size();
@@ -47,8 +47,8 @@ void use(palpate_contact_params &params, Array &&settings) = delete;
 template <std::size_t N>
 void use(palpate_contact_params &params, const palpate_setting (&&settings)[N]) = delete;
 
-/* A sample of a world: a pose of each device, in the order of the scene. It points to the poses, so the array has to outlive
-   the sample; a temporary array does not compile. */
+/* Returns a world sample with one pose per device, in the order of the scene. It points to the poses, so the array must
+   outlive the sample; a temporary array does not compile. */
 inline palpate_world_sample world_sample(span<const palpate_pose> poses) noexcept {
   return palpate_world_sample_at(poses.data(), poses.size());
 }
@@ -57,15 +57,15 @@ palpate_world_sample world_sample(Array &&poses) = delete;
 template <std::size_t N>
 palpate_world_sample world_sample(const palpate_pose (&&poses)[N]) = delete;
 
-/* Shapes, in the own axes of the tool or body that has them. A hull or mesh points to its points and faces, so the arrays have
-   to outlive the shape; temporary arrays do not compile. */
+/* Shapes, in the axes of their tool or body. A hull or mesh points to its points and faces, so the arrays must outlive
+   the shape; temporary arrays do not compile. */
 inline palpate_shape sphere(double radius) noexcept {
   palpate_shape shape = palpate_shape_default();
   shape.radius = radius;
   return shape;
 }
 
-/* A block, by half of its lengths [m]. */
+/* Returns a box with the given half lengths [m]. */
 inline palpate_shape box(double x, double y, double z) noexcept {
   palpate_shape shape = palpate_shape_default();
   shape.kind = PALPATE_SHAPE_KIND_BOX;
@@ -75,7 +75,7 @@ inline palpate_shape box(double x, double y, double z) noexcept {
   return shape;
 }
 
-/* All that is behind a plane across a direction, `offset` along it [m]. */
+/* Returns the half-space behind the plane with normal x, y, z at distance `offset` [m]. */
 inline palpate_shape half_space(double x, double y, double z, double offset = 0.0) noexcept {
   palpate_shape shape = palpate_shape_default();
   shape.kind = PALPATE_SHAPE_KIND_HALF_SPACE;
@@ -86,7 +86,7 @@ inline palpate_shape half_space(double x, double y, double z, double offset = 0.
   return shape;
 }
 
-/* The convex hull of points, three numbers for each [m]. */
+/* Returns the convex hull of points, three numbers per point [m]. */
 inline palpate_shape hull(span<const double> points) noexcept {
   palpate_shape shape = palpate_shape_default();
   shape.kind = PALPATE_SHAPE_KIND_HULL;
@@ -99,7 +99,7 @@ palpate_shape hull(Points &&points) = delete;
 template <std::size_t N>
 palpate_shape hull(const double (&&points)[N]) = delete;
 
-/* Triangles, by the places of three points for each, in turn to the left as they are seen from outside. */
+/* Returns a mesh of triangles: three point indices each, counter-clockwise as seen from outside. */
 inline palpate_shape mesh(span<const double> points, span<const std::uint32_t> faces) noexcept {
   palpate_shape shape = hull(points);
   shape.kind = PALPATE_SHAPE_KIND_MESH;
@@ -114,7 +114,7 @@ palpate_shape mesh(const double (&&points)[N], span<const std::uint32_t> faces) 
 template <std::size_t N>
 palpate_shape mesh(span<const double> points, const std::uint32_t (&&faces)[N]) = delete;
 
-/* The law of a contact of `stiffness` [N/m]. */
+/* Returns the contact law of `stiffness` [N/m]. */
 inline palpate_contact_law contact_law(double stiffness, double damping = 0.0, double friction = 0.0) noexcept {
   palpate_contact_law law = palpate_contact_law_default();
   law.stiffness = stiffness;
@@ -123,7 +123,7 @@ inline palpate_contact_law contact_law(double stiffness, double damping = 0.0, d
   return law;
 }
 
-/* The names of all methods. */
+/* Returns the names of all methods. */
 inline std::vector<std::string> method_names() {
   std::vector<std::string> names;
   for (std::size_t method = 0; method < palpate_method_count(); method++) {
@@ -134,7 +134,7 @@ inline std::vector<std::string> method_names() {
   return names;
 }
 
-/* The names of all methods for worlds. */
+/* Returns the names of all methods for worlds. */
 inline std::vector<std::string> world_method_names() {
   std::vector<std::string> names;
   for (std::size_t method = 0; method < palpate_world_method_count(); method++) {
@@ -143,15 +143,15 @@ inline std::vector<std::string> world_method_names() {
   return names;
 }
 
-/* The name of a status, such as "struct-size". */
+/* Returns the name of a status, such as "struct-size". */
 inline const char *name(palpate_status status) noexcept { return palpate_status_name(status); }
 
-/* The name of a fault, such as "gap-too-long". */
+/* Returns the name of a fault, such as "gap-too-long". */
 inline const char *name(palpate_fault fault) noexcept { return palpate_fault_name(fault); }
 
 namespace detail {
 
-/* The structs and functions of palpate.h for ticks in double or in float. */
+/* Structs and functions of palpate.h for ticks in double or in float. */
 template <typename Number>
 struct Ticks;
 
@@ -197,8 +197,8 @@ struct Ticks<float> {
 
 }  // namespace detail
 
-/* A contact that is rendered, with ticks in `Number`: Contact and ContactF32. One thread at a time may use it. It can be
-   moved and not copied; one that was moved from gives 0 N. */
+/* A rendered contact with ticks in `Number`: Contact and ContactF32. Only one thread may use it at a time. It is
+   movable and not copyable; a moved-from contact returns 0 N. */
 template <typename Number>
 class BasicContact {
   using Ticks = detail::Ticks<Number>;
@@ -209,13 +209,13 @@ class BasicContact {
   using Output = typename Ticks::Output;
   using Ledger = typename Ticks::Ledger;
 
-  /* Throws Error where a parameter is outside its range. */
+  /* Throws Error if a parameter is outside its range. */
   BasicContact(const palpate_contact_params &params, const palpate_loop_params &loop) {
     detail::check_version();
     detail::check(Ticks::make(&params, &loop, &contact_));
   }
 
-  /* The same in memory of the caller's, which stays as long as the contact: PALPATE_CONTACT_SIZE_MAX bytes at a multiple of
+  /* Creates the contact in caller-owned memory, which must outlive it: PALPATE_CONTACT_SIZE_MAX bytes aligned to
      PALPATE_CONTACT_ALIGN_MAX are enough. */
   BasicContact(span<unsigned char> memory, const palpate_contact_params &params, const palpate_loop_params &loop) {
     detail::check_version();
@@ -234,42 +234,42 @@ class BasicContact {
 
   ~BasicContact() { Ticks::free(contact_); }
 
-  /* One tick: the force on the device [N], from its position [m]. */
+  /* Executes one tick: returns the force on the device [N] for its position [m]. */
   Number step(Number device_position) noexcept { return step(Ticks::sample_at(device_position), nullptr); }
 
-  /* One tick, with all that goes in and, where `output` is not null, all that comes out. */
+  /* Executes one tick with a full sample and, if `output` is not null, the full output. */
   Number step(const Sample &sample, Output *output) noexcept { return Ticks::step(contact_, &sample, output); }
 
-  /* The force on the device that was really sent for the last tick [N]. What is not finite is refused. */
+  /* Reports the force that was actually sent to the device for the last tick [N]. A non-finite force is rejected. */
   palpate_status report_sent(Number force_on_device) noexcept { return Ticks::report_sent(contact_, force_on_device); }
 
-  /* The force on the device that has really acted since the last sample, in the mean [N]. */
+  /* Reports the measured mean force on the device since the last sample [N]. */
   palpate_status report_held(Number force_on_device) noexcept { return Ticks::report_held(contact_, force_on_device); }
 
-  /* Renders something else from the next tick on, without a step in the force. Throws Error. */
+  /* Changes the rendering from the next tick on, without a step in the force. Throws Error. */
   void change(const palpate_contact_params &params, const palpate_loop_params &loop) {
     detail::check(Ticks::change(contact_, &params, &loop));
   }
 
-  /* Puts the object at `position` [m] with `velocity` [m/s] with the next sample. Throws Error. */
+  /* Moves the object to `position` [m] with `velocity` [m/s] at the next sample. Throws Error. */
   void teleport(Number position, Number velocity = 0) {
     detail::check(Ticks::teleport(contact_, position, velocity));
   }
 
-  /* The books up to the last sample. */
+  /* Returns the energy ledger up to the last sample. */
   Ledger ledger() const noexcept {
     Ledger ledger = Ticks::empty_ledger();
     Ticks::ledger(contact_, &ledger);
     return ledger;
   }
 
-  /* What is rendered, in words. */
+  /* Returns a description of the rendering. */
   std::string description() const {
     return detail::text(
         [this](char *memory, std::size_t size) { return Ticks::describe(contact_, memory, size); });
   }
 
-  /* The handle, for functions of palpate.h. */
+  /* Returns the handle, for functions of palpate.h. */
   Handle *handle() noexcept { return contact_; }
 
  private:
@@ -278,23 +278,23 @@ class BasicContact {
 
 /* A contact with ticks in double. */
 using Contact = BasicContact<double>;
-/* The same in float. */
+/* A contact with ticks in float. */
 using ContactF32 = BasicContact<float>;
 
-/* What a world is made of: devices, bodies, laws and joints, by calls or from a scene file of format 2. Every call throws Error
-   where it is refused, and leaves the scene as it was. It can be moved and not copied. */
+/* Description of a world: devices, bodies, laws and joints, added by calls or read from a scene file of format 2. A
+   rejected call throws Error and leaves the scene unchanged. Movable and not copyable. */
 class Scene {
  public:
-  /* An empty scene. */
+  /* Creates an empty scene. */
   explicit Scene(const palpate_scene_params &params) {
     detail::check_version();
     detail::check(palpate_scene_new(&params, &scene_));
   }
 
-  /* The same with every default and a period [s]. */
+  /* Creates an empty scene with the default parameters and a period [s]. */
   explicit Scene(double period) : Scene(with_period(period)) {}
 
-  /* That of a file. */
+  /* Reads a scene file. */
   explicit Scene(const std::string &path) {
     detail::check_version();
     detail::check(palpate_scene_open(path.c_str(), &scene_));
@@ -320,32 +320,32 @@ class Scene {
     detail::check(palpate_scene_add_body(scene_, name.c_str(), &params, &shape));
   }
 
-  /* What the scene says of a body. */
+  /* Returns the parameters of a body. */
   palpate_body_params body(const std::string &name) const {
     palpate_body_params params = palpate_body_params_default();
     detail::check(palpate_scene_body(scene_, name.c_str(), &params));
     return params;
   }
 
-  /* Says another thing of a body, which keeps its shape. */
+  /* Replaces the parameters of a body, which keeps its shape. */
   void set_body(const std::string &name, const palpate_body_params &params) {
     detail::check(palpate_scene_set_body(scene_, name.c_str(), &params, nullptr));
   }
 
-  /* The same with another shape. */
+  /* Replaces the parameters and the shape of a body. */
   void set_body(const std::string &name, const palpate_body_params &params, const palpate_shape &shape) {
     detail::check(palpate_scene_set_body(scene_, name.c_str(), &params, &shape));
   }
 
-  /* Takes a body out, with its joints and the laws that name it. */
+  /* Removes a body with its joints and the laws that name it. */
   void remove_body(const std::string &name) { detail::check(palpate_scene_remove_body(scene_, name.c_str())); }
 
-  /* Lets two touch by a law: names, or "*" for all. */
+  /* Sets the contact law of a pair: two names, or "*" for any. */
   void set_law(const std::string &one, const std::string &other, const palpate_contact_law &law) {
     detail::check(palpate_scene_set_law(scene_, one.c_str(), other.c_str(), &law));
   }
 
-  /* The law between just these. */
+  /* Returns the law of exactly this pair. */
   palpate_contact_law law(const std::string &one, const std::string &other) const {
     palpate_contact_law law = palpate_contact_law_default();
     detail::check(palpate_scene_law(scene_, one.c_str(), other.c_str(), &law));
@@ -356,12 +356,12 @@ class Scene {
     detail::check(palpate_scene_remove_law(scene_, one.c_str(), other.c_str()));
   }
 
-  /* A joint of a body with the world. */
+  /* Adds a joint between a body and the world. */
   void add_joint(const std::string &body, const palpate_joint_params &params) {
     detail::check(palpate_scene_add_joint(scene_, body.c_str(), nullptr, &params));
   }
 
-  /* A joint of a body with another one. */
+  /* Adds a joint between two bodies. */
   void add_joint(const std::string &body, const std::string &against, const palpate_joint_params &params) {
     detail::check(palpate_scene_add_joint(scene_, body.c_str(), against.c_str(), &params));
   }
@@ -376,7 +376,7 @@ class Scene {
   std::size_t body_count() const noexcept { return palpate_scene_body_count(scene_); }
   std::size_t joint_count() const noexcept { return palpate_scene_joint_count(scene_); }
 
-  /* The handle, for functions of palpate.h. */
+  /* Returns the handle, for functions of palpate.h. */
   palpate_scene *handle() const noexcept { return scene_; }
 
  private:
@@ -389,46 +389,47 @@ class Scene {
   palpate_scene *scene_ = nullptr;
 };
 
-/* A world, of a scene or of a scene file of format 2. One thread at a time may use it. It can be moved and not copied; one that was moved
-   from gives no force. */
+/* A world of a scene or of a scene file of format 2. Only one thread may use it at a time. It is movable and not
+   copyable; a moved-from world returns no force. */
 class World {
  public:
-  /* Throws Error where the scene cannot be read or rendered; every default without `params`. */
+  /* Throws Error if the scene cannot be read or rendered. */
   explicit World(const std::string &path, const palpate_world_params &params = palpate_world_params_default()) {
     detail::check_version();
     detail::check(palpate_world_open(path.c_str(), &params, &world_));
   }
 
-  /* The world of a scene, which stays as it is. */
+  /* Creates the world of a scene, which is not modified. */
   explicit World(const Scene &scene, const palpate_world_params &params = palpate_world_params_default()) {
     detail::check_version();
     detail::check(palpate_world_of_scene(scene.handle(), &params, &world_));
   }
 
-  /* Goes on with another scene between two ticks: what is there by its name already moves on. Throws Error; the world is then
-     as it was. It takes memory, which a tick does not. */
+  /* Changes to another scene between two ticks: bodies with an existing name keep their motion. Throws Error and then
+     leaves the world unchanged. It allocates, unlike a tick. */
   void change(const Scene &scene) { detail::check(palpate_world_change(world_, scene.handle())); }
 
-  /* Puts a body elsewhere between two ticks. Throws Error. */
+  /* Moves a body between two ticks. Throws Error. */
   void place(std::size_t body, const palpate_body_state &state) {
     detail::check(palpate_world_place(world_, body, &state));
   }
 
-  /* The place of a body by its name, until the world is changed. Throws Error where there is none. */
+  /* Returns the index of a body by its name, valid until the world is changed. Throws Error if there is no such body.
+     */
   std::size_t body_named(const std::string &name) const {
     std::size_t body = 0;
     detail::check(palpate_world_body_named(world_, name.c_str(), &body));
     return body;
   }
 
-  /* Where the tool of a device is, by its place in the scene. Throws Error where there is none. */
+  /* Returns the tool state of a device by its index in the scene. Throws Error if there is no such device. */
   palpate_device_state device(std::size_t device) const {
     palpate_device_state state = palpate_device_state_empty();
     detail::check(palpate_world_device_state(world_, device, &state));
     return state;
   }
 
-  /* What a point of contact does. Throws Error where there is none. */
+  /* Returns the state of a contact point. Throws Error if there is no such point. */
   palpate_contact_state contact(std::size_t contact) const {
     palpate_contact_state state = palpate_contact_state_empty();
     detail::check(palpate_world_contact_state(world_, contact, &state));
@@ -449,57 +450,57 @@ class World {
 
   ~World() { palpate_world_free(world_); }
 
-  /* One tick: a pose of each device in, what it is to hold out. Why there is no force, where there is none; another number of
-     poses or wrenches than of devices is PALPATE_FAULT_ARGUMENT. */
+  /* Executes one tick: reads one pose per device and writes one wrench per device. Returns the reason if the wrenches
+     are 0; a wrong number of poses or wrenches is PALPATE_FAULT_ARGUMENT. */
   palpate_fault step(span<const palpate_pose> poses, span<palpate_wrench> wrenches) noexcept {
     return step(world_sample(poses), wrenches, nullptr);
   }
 
-  /* The same of a world of one device. */
+  /* Executes one tick of a world of one device. */
   palpate_fault step(const palpate_pose &pose, palpate_wrench &wrench) noexcept {
     return step(span<const palpate_pose>(&pose, 1), span<palpate_wrench>(&wrench, 1));
   }
 
-  /* One tick, with all that goes in and, where `output` is not null, all that comes out. */
+  /* Executes one tick with a full sample and, if `output` is not null, the full output. */
   palpate_fault step(const palpate_world_sample &sample, span<palpate_wrench> wrenches,
                      palpate_world_output *output) noexcept {
     return palpate_world_step(world_, &sample, wrenches.data(), wrenches.size(), output);
   }
 
-  /* What was really sent to a device for the last tick. What is not finite is refused. */
+  /* Reports the wrench that was actually sent to a device for the last tick. A non-finite wrench is rejected. */
   palpate_status report_sent(std::size_t device, const palpate_wrench &sent) noexcept {
     return palpate_world_report_sent(world_, device, &sent);
   }
 
   std::size_t device_count() const noexcept { return palpate_world_device_count(world_); }
   std::size_t body_count() const noexcept { return palpate_world_body_count(world_); }
-  /* The nominal time from sample to sample [s]. */
+  /* Returns the nominal sampling period [s]. */
   double period() const noexcept { return palpate_world_period(world_); }
   std::string device_name(std::size_t device) const { return name(palpate_world_device_name(world_, device)); }
   std::string body_name(std::size_t body) const { return name(palpate_world_body_name(world_, body)); }
 
-  /* Where a body is and how it moves, by its place in the scene. Throws Error where there is none. */
+  /* Returns pose and velocities of a body by its index in the scene. Throws Error if there is no such body. */
   palpate_body_state body(std::size_t body) const {
     palpate_body_state state = palpate_body_state_empty();
     detail::check(palpate_world_body_state(world_, body, &state));
     return state;
   }
 
-  /* The same of the first bodies of the scene, as many as `states` has room for. Throws Error where there are fewer. */
+  /* Writes the states of the first `states.size()` bodies of the scene. Throws Error if there are fewer. */
   void bodies(span<palpate_body_state> states) const {
     for (std::size_t body = 0; body < states.size(); body++) {
       states[body] = this->body(body);
     }
   }
 
-  /* The sums of the books up to the last sample. */
+  /* Returns the sums of the energy ledger up to the last sample. */
   palpate_world_ledger ledger() const noexcept {
     palpate_world_ledger ledger = palpate_world_ledger_empty();
     palpate_world_ledger_of(world_, &ledger);
     return ledger;
   }
 
-  /* The handle, for functions of palpate.h. */
+  /* Returns the handle, for functions of palpate.h. */
   palpate_world *handle() noexcept { return world_; }
 
  private:
@@ -508,23 +509,23 @@ class World {
   palpate_world *world_ = nullptr;
 };
 
-/* A recording that is being written. One thread at a time may use it. It can be moved and not copied; one that was moved from
-   or closed records nothing. What is not closed is closed in the end, and nobody hears whether that worked. */
+/* A recording in progress. Only one thread may use it at a time. It is movable and not copyable; a moved-from or closed
+   recorder records nothing. The destructor closes the recording and ignores errors. */
 class Recorder {
  public:
-  /* Throws Error where the file cannot be begun; a file that is there is not replaced. Every default without `params`. */
+  /* Throws Error if the file cannot be created; an existing file is not replaced. */
   Recorder(Contact &contact, const std::string &path,
            const palpate_recorder_params &params = palpate_recorder_params_default()) {
     detail::check(palpate_recorder_of_contact(contact.handle(), path.c_str(), &params, &recorder_));
   }
 
-  /* The same of one device of a world of several, by its place in the scene: each has a recording of its own. */
+  /* Records one device of a world of several, by its index in the scene: use one recorder for each. */
   Recorder(World &world, std::size_t device, const std::string &path,
            const palpate_recorder_params &params = palpate_recorder_params_default()) {
     detail::check(palpate_recorder_of_device(world.handle(), device, path.c_str(), &params, &recorder_));
   }
 
-  /* The same of a world of one device. */
+  /* Records a world of one device. */
   Recorder(World &world, const std::string &path,
            const palpate_recorder_params &params = palpate_recorder_params_default()) {
     detail::check(palpate_recorder_of_world(world.handle(), path.c_str(), &params, &recorder_));
@@ -542,29 +543,29 @@ class Recorder {
 
   ~Recorder() { palpate_recorder_close(recorder_, nullptr); }
 
-  /* A tick after its step, with the force on the device that was really sent [N]. It waits for nothing. */
+  /* Records a tick after its step, with the force that was actually sent to the device [N]. It never waits. */
   palpate_status tick(Contact &contact, const palpate_sample &sample, const palpate_output &output,
                       double sent_force) noexcept {
     return palpate_recorder_contact_tick(recorder_, contact.handle(), &sample, &output, sent_force);
   }
 
-  /* The same of a world, with what was really sent to the device that is recorded. */
+  /* Records a tick of a world, with the wrench that was actually sent to the recorded device. */
   palpate_status tick(World &world, const palpate_world_sample &sample, const palpate_world_output &output,
                       const palpate_wrench &sent) noexcept {
     return palpate_recorder_world_tick(recorder_, world.handle(), &sample, &output, &sent);
   }
 
-  /* Ticks that found no room so far. */
+  /* Returns the number of dropped ticks so far. */
   std::uint64_t lost() const noexcept { return palpate_recorder_lost(recorder_); }
 
-  /* Waits until everything is written; what the recording has. Throws Error where the system refused to write. */
+  /* Waits until everything is written and returns the result of the recording. Throws Error if writing failed. */
   palpate_recorded close() {
     palpate_recorded recorded = palpate_recorded_empty();
     detail::check(palpate_recorder_close(std::exchange(recorder_, nullptr), &recorded));
     return recorded;
   }
 
-  /* The handle, for functions of palpate.h. */
+  /* Returns the handle, for functions of palpate.h. */
   palpate_recorder *handle() noexcept { return recorder_; }
 
  private:

@@ -1,5 +1,5 @@
 /*
- * What palpate.h answers, as exceptions of C++17; a part of palpate.hpp.
+ * Errors of palpate.h as C++17 exceptions; part of palpate.hpp.
  *
  * License: MIT OR Apache-2.0
  */
@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-/* A parameter that cannot be: what() says which, its value, and what is allowed. */
+/* An invalid parameter: what() returns its name, its value and the allowed range. */
 class Error : public std::runtime_error {
  public:
   Error(palpate_status status, const std::string &words) : std::runtime_error(words), status_(status) {}
@@ -41,7 +41,7 @@ inline void check_version() {
 template <typename Text>
 std::string text(Text put) {
   std::string words(put(nullptr, std::size_t{0}), '\0');
-  // The 0 behind a string's last character may be written with 0.
+  // Writing 0 to the terminator of a std::string is allowed.
   put(words.data(), words.size() + 1);
   return words;
 }

@@ -1,6 +1,5 @@
 /*
- * An array that somebody else owns: where it begins and how long it is. For C++17, which has no std::span; where there is
- * one, each turns into the other.
+ * Non-owning array view for C++17, which has no std::span. With C++20 it converts to and from std::span.
  *
  * License: MIT OR Apache-2.0
  */
@@ -28,7 +27,7 @@ class span;
 
 namespace detail {
 
-/* Whether elements at a `From *` are those of an array of `To`: the same type, perhaps made const. */
+/* Whether elements at a `From *` are elements of an array of `To`: the same type, possibly with const added. */
 template <typename From, typename To>
 inline constexpr bool is_element_v = std::is_convertible_v<From (*)[], To (*)[]>;
 
@@ -37,7 +36,7 @@ inline constexpr bool is_span_v = false;
 template <typename T>
 inline constexpr bool is_span_v<span<T>> = true;
 
-/* Whether `Container` has its elements in one array of `T`: a vector, a string, a std::span. */
+/* Whether `Container` stores its elements in one array of `T`: a vector, a string, a std::span. */
 template <typename Container, typename T, typename = void>
 inline constexpr bool is_array_of_v = false;
 template <typename Container, typename T>
@@ -49,8 +48,8 @@ inline constexpr bool is_array_of_v<Container, T,
 
 }  // namespace detail
 
-/* `size()` elements from `data()` on. It owns nothing: the array has to stay as long as the span is used. Copying it copies
-   no element. An empty one may have no array at all. */
+/* `size()` elements starting at `data()`. The span owns nothing, so the array must outlive it. Copying it copies no
+   element. An empty span may have no array. */
 template <typename T>
 class span {
  public:
@@ -64,22 +63,22 @@ class span {
 
   constexpr span() noexcept = default;
 
-  /* `size` elements from `data` on. */
+  /* Views `size` elements starting at `data`. */
   constexpr span(T *data, std::size_t size) noexcept : data_(data), size_(size) {}
 
-  /* The whole of an array. */
+  /* Views a whole array. */
   template <std::size_t N>
   constexpr span(T (&array)[N]) noexcept : data_(array), size_(N) {}
 
-  /* The whole of what has its elements in one array: std::array, std::vector, std::span. */
+  /* Views a container that stores its elements in one array: std::array, std::vector, std::span. */
   template <typename Container, std::enable_if_t<detail::is_array_of_v<Container, T>, int> = 0>
   constexpr span(Container &container) noexcept : data_(std::data(container)), size_(std::size(container)) {}
 
-  /* The same of one that is const or will go at the end of the call: to be read only. */
+  /* Views a const or temporary container, read-only. */
   template <typename Container, std::enable_if_t<detail::is_array_of_v<const Container, T>, int> = 0>
   constexpr span(const Container &container) noexcept : data_(std::data(container)), size_(std::size(container)) {}
 
-  /* The same elements, to be read only. */
+  /* Converts to a read-only view of the same elements. */
   template <typename Other, std::enable_if_t<!std::is_same_v<Other, T> && detail::is_element_v<Other, T>, int> = 0>
   constexpr span(const span<Other> &other) noexcept : data_(other.data()), size_(other.size()) {}
 
@@ -89,13 +88,13 @@ class span {
   constexpr T *begin() const noexcept { return data_; }
   constexpr T *end() const noexcept { return data_ + size_; }
 
-  /* An element that there is: as of an array, nobody checks `place`. */
+  /* Returns an element. The index is not checked. */
   constexpr T &operator[](std::size_t place) const noexcept { return data_[place]; }
 
-  /* The first `count` elements, of which there are so many. */
+  /* Returns the first `count` elements; `count` must not exceed size(). */
   constexpr span first(std::size_t count) const noexcept { return span(data_, count); }
 
-  /* Those from `from` on, up to which there are so many. */
+  /* Returns the elements starting at `from`; `from` must not exceed size(). */
   constexpr span subspan(std::size_t from) const noexcept { return span(data_ + from, size_ - from); }
 
  private:
@@ -108,8 +107,8 @@ class span {
 namespace palpate {
 namespace detail {
 
-/* Whether an argument of the deduced type `T &&` is a container that is destroyed at the end of the expression. A view, such
-   as a span, owns nothing. */
+/* Whether an argument of the deduced type `T &&` is a container that is destroyed at the end of the expression. A view,
+   such as a span, owns nothing. */
 template <typename T>
 inline constexpr bool is_temporary_v =
     !std::is_lvalue_reference_v<T> && !is_span_v<std::remove_cv_t<std::remove_reference_t<T>>>
@@ -118,7 +117,7 @@ inline constexpr bool is_temporary_v =
 #endif
     ;
 
-/* Enables a deleted overload that rejects a temporary container, whose elements the result would point to. */
+/* Enables a deleted overload that rejects a temporary container, because the result would point to its elements. */
 template <typename... Arrays>
 using if_temporary = std::enable_if_t<(is_temporary_v<Arrays> || ...), int>;
 
@@ -126,7 +125,7 @@ using if_temporary = std::enable_if_t<(is_temporary_v<Arrays> || ...), int>;
 }  // namespace palpate
 
 #if defined(__cpp_lib_ranges)
-/* So that a std::span can be made of one that goes at the end of the call: it owns nothing. */
+/* A span owns nothing, so a std::span may be made from a temporary one. */
 template <typename T>
 inline constexpr bool std::ranges::enable_borrowed_range<palpate::span<T>> = true;
 #endif

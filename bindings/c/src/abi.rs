@@ -1,5 +1,5 @@
-//! Sizes, alignments and places of the structs on machines of 64 bits; tests/c/abi.c asserts the same of
-//! the header.
+//! Sizes, alignments and field offsets of the structs on 64-bit machines. tests/c/abi.c asserts the same
+//! values for the header.
 #![cfg(target_pointer_width = "64")]
 
 use core::mem::offset_of;

@@ -1,13 +1,13 @@
-//! Arrays that C hands over.
+//! Arrays passed from C.
 
 use core::slice;
 
 use crate::status::Refusal;
 
-/// The elements of an array of C's.
+/// Returns a C array as a slice.
 ///
 /// # Safety
-/// `first` is NULL or to `count` elements, which nobody changes during `'a`.
+/// `first` is NULL or points to `count` elements that are not modified during `'a`.
 pub unsafe fn array<'a, T>(
     first: *const T,
     count: usize,
@@ -17,14 +17,14 @@ pub unsafe fn array<'a, T>(
         return Ok(&[]);
     }
     checked(first, count, name)?;
-    // SAFETY: not NULL, aligned, no longer than memory is, and as many elements are there by the caller's word.
+    // SAFETY: not NULL, aligned, at most `isize::MAX` bytes; the caller guarantees `count` elements.
     Ok(unsafe { slice::from_raw_parts(first, count) })
 }
 
-/// The elements of an array of C's that is to be filled.
+/// Returns a C output array as a mutable slice.
 ///
 /// # Safety
-/// `first` is NULL or to `count` elements, which nobody else looks at during `'a`.
+/// `first` is NULL or points to `count` elements that are not accessed otherwise during `'a`.
 pub unsafe fn array_mut<'a, T>(
     first: *mut T,
     count: usize,
@@ -38,7 +38,7 @@ pub unsafe fn array_mut<'a, T>(
     Ok(unsafe { slice::from_raw_parts_mut(first, count) })
 }
 
-/// Refuses what can be no array of so many.
+/// Rejects a NULL or misaligned pointer and a count that exceeds the address space.
 fn checked<T>(first: *const T, count: usize, name: &'static str) -> Result<(), Refusal<'static>> {
     if first.is_null() {
         return Err(Refusal::Null(name));

@@ -1,8 +1,8 @@
-//! Numbers that stand for a choice.
+//! Checks of integer arguments that encode a choice.
 
 use crate::status::Refusal;
 
-/// Whether a switch is on.
+/// Returns the value of a 0/1 switch.
 #[inline]
 pub fn switch<'a>(name: &'static str, given: u32) -> Result<bool, Refusal<'a>> {
     match given {
@@ -16,7 +16,7 @@ pub fn switch<'a>(name: &'static str, given: u32) -> Result<bool, Refusal<'a>> {
     }
 }
 
-/// Refuses a number in a place that has no meaning yet: a newer header may give it one.
+/// Rejects a nonzero reserved field, because a newer header may define it.
 #[inline]
 pub fn unused<'a>(given: u32) -> Result<(), Refusal<'a>> {
     if given == 0 {

@@ -1,4 +1,4 @@
-//! The contact and its method, as C says them.
+//! Parameters of a contact and of its rendering method in the C API.
 
 use core::ffi::c_char;
 use core::ptr;
@@ -13,7 +13,7 @@ use crate::sized::{self, SizedStruct};
 use crate::status::{Refusal, Status};
 use crate::text;
 
-/// On which side of the device the object lies.
+/// Side of the device on which the object lies.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
@@ -23,16 +23,15 @@ pub enum Side {
     Negative = 1,
 }
 
-/// A setting of a method, by its key in files: {"damping_n_s_per_m", 0.5, NULL}, or {"placement", 0,
-/// "false"}.
+/// A method setting, by its key in files: {"damping_n_s_per_m", 0.5, NULL}, or {"placement", 0, "false"}.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Setting {
-    /// Its key, such as "damping_n_s_per_m"; palpate_setting_text has those of each method.
+    /// Key, such as "damping_n_s_per_m"; palpate_setting_text lists the keys of each method.
     pub key: *const c_char,
-    /// Its number, in the unit of the key, where `word` is NULL.
+    /// Value in the unit of the key; used if `word` is NULL.
     pub number: f64,
-    /// Its word: one of its own words, "auto", or "true" and "false" of a switch. NULL: the number.
+    /// Value as a word: a word of this setting, "auto", or "true" and "false" for a switch. NULL: `number` is used.
     pub word: *const c_char,
 }
 
@@ -47,16 +46,16 @@ pub struct ContactParams {
     pub stiffness: f64,
     /// Mass M of the object [kg], greater than 0. INFINITY, the default: a wall.
     pub object_mass: f64,
-    /// Where the object's surface is at the start, and a wall always [m]. Default: 0.
+    /// Initial position of the object's surface, or the fixed position of a wall [m]. Default: 0.
     pub object_position: f64,
-    /// Its velocity at the start [m/s]; a wall has none. Default: 0.
+    /// Initial velocity of the object [m/s]; 0 for a wall. Default: 0.
     pub object_velocity: f64,
-    /// Virtual force f_V on the object, for instance its weight, positive along the axis [N]; that of a
-    /// sample adds to it. Default: 0.
+    /// Virtual force f_V on the object, for instance its weight, positive along the axis [N]. The virtual force
+    /// of a sample is added. Default: 0.
     pub virtual_force: f64,
-    /// Name of the method; palpate_method_text has them all. NULL, the default: coupled rendering.
+    /// Name of the method; palpate_method_text lists all names. NULL, the default: coupled rendering.
     pub method: *const c_char,
-    /// Settings of the method; what is not given has its default. NULL where there are none.
+    /// Settings of the method; a missing setting has its default. NULL if there are none.
     pub settings: *const Setting,
     /// Number of settings.
     pub setting_count: usize,
@@ -91,10 +90,10 @@ impl Default for ContactParams {
 }
 
 impl ContactParams {
-    /// What is to be rendered in a loop; the core checks the numbers when it makes a renderer.
+    /// Returns the rendering for a loop. The core checks the numbers when it creates a renderer.
     ///
     /// # Safety
-    /// The texts and the settings are what their documentation says.
+    /// The texts and the settings satisfy their documentation.
     unsafe fn rendering<'a, S: Scalar>(
         &self,
         of_loop: &LoopParams,
@@ -104,11 +103,11 @@ impl ContactParams {
         let method = if self.method.is_null() {
             MethodName::default()
         } else {
-            // SAFETY: as the caller says.
+            // SAFETY: guaranteed by the caller.
             let name = unsafe { text::read(self.method, "method") }?;
             MethodName::named(name).ok_or(Refusal::UnknownMethod(name))?
         };
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let settings = unsafe { methods::settings(method, self.settings, self.setting_count) }?;
         let side = match self.side {
             0 => CoreSide::Positive,
@@ -128,7 +127,7 @@ impl ContactParams {
         }
         let contact = Contact {
             stiffness: S::from_f64(self.stiffness),
-            // A mass that is infinite only when it is rounded is no wall.
+            // A finite mass that overflows to infinity when rounded to `S` does not become a wall.
             object_mass: if self.object_mass == f64::INFINITY {
                 Mass::Infinite
             } else {
@@ -148,10 +147,10 @@ impl ContactParams {
             device_mass: of_loop.device_mass,
             encoder_quantum: of_loop.encoder_quantum,
             recorded: of_loop.recorded,
-            // Until the first sample the object is taken as untouched.
+            // Until the first sample the object is assumed to be out of contact.
             stored_energy: moving,
         };
-        // What is derived from them has to say what is wrong with them, not with itself.
+        // Report faults of the inputs first: an error in a derived setting would hide the wrong input.
         contact
             .faults()
             .chain(of_loop.params.faults())
@@ -170,21 +169,21 @@ impl ContactParams {
     }
 }
 
-/// What is to be rendered, as two structs of C say it, rounded to the numbers of a tick.
+/// Converts the two C structs to a rendering, rounded to the number type of a tick.
 ///
 /// # Safety
-/// Both are NULL or what their documentation says, with the sizes that they begin with.
+/// Each pointer is NULL or points to a struct that satisfies its documentation; its first field is its size.
 pub(crate) unsafe fn rendering<'a, S: Scalar>(
     params: *const ContactParams,
     loop_params: *const LoopParams,
 ) -> Result<Rendering<S>, Refusal<'a>> {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     let (contact, of_loop) = unsafe { (sized::read(params)?, sized::read(loop_params)?) };
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact.rendering(&of_loop) }
 }
 
-/// Fills parameters of a contact with the defaults. `struct_size` is sizeof(palpate_contact_params).
+/// Fills contact parameters with the defaults. `struct_size` is sizeof(palpate_contact_params).
 ///
 /// # Safety
 /// `params` is NULL, or `struct_size` bytes can be written there.
@@ -193,6 +192,6 @@ pub unsafe extern "C" fn palpate_contact_params_init(
     params: *mut ContactParams,
     struct_size: usize,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     status(|| unsafe { sized::fill(params, struct_size, ContactParams::default()) })
 }

@@ -1,12 +1,12 @@
-//! The edge to C: nothing unwinds across it, and every refusal leaves its words.
+//! Boundary to C: stops unwinding and stores the message of each error.
 
 use crate::last_error;
 use crate::status::{Refusal, Status};
 
-/// What `call` gives; nothing where it panicked.
+/// Returns the result of `call`, or `None` after a panic.
 #[cfg(feature = "std")]
 pub fn caught<T>(call: impl FnOnce() -> T) -> Option<T> {
-    // What a call that panicked has left half done is a contact's state, which is plain numbers.
+    // A panic can only leave plain numbers of a contact half updated.
     let call = std::panic::AssertUnwindSafe(call);
     std::panic::catch_unwind(call).ok().or_else(|| {
         last_error::set("a defect in palpate was caught; please report it");
@@ -14,13 +14,13 @@ pub fn caught<T>(call: impl FnOnce() -> T) -> Option<T> {
     })
 }
 
-/// What `call` gives. Without std nothing unwinds.
+/// Returns the result of `call`. Without std nothing unwinds.
 #[cfg(not(feature = "std"))]
 pub fn caught<T>(call: impl FnOnce() -> T) -> Option<T> {
     Some(call())
 }
 
-/// The status of a call; the words of a refusal are kept.
+/// Returns the status of a call and stores the message of an error.
 pub fn status<'a>(call: impl FnOnce() -> Result<(), Refusal<'a>>) -> Status {
     caught(|| match call() {
         Ok(()) => Status::Ok,
@@ -32,21 +32,21 @@ pub fn status<'a>(call: impl FnOnce() -> Result<(), Refusal<'a>>) -> Status {
     .unwrap_or(Status::Internal)
 }
 
-/// A firmware that has panicked must take its force off, and only the firmware knows how.
+/// Panic handler: the firmware provides the function that sets the force to zero.
 #[cfg(all(not(feature = "std"), not(test)))]
 mod panic {
     unsafe extern "C" {
-        /// Given by the firmware: takes the force off the motors, and does not return.
+        /// Defined by the firmware: sets the motor forces to zero and does not return.
         fn palpate_panicked() -> !;
     }
 
     #[panic_handler]
     fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
-        // SAFETY: the firmware has it, or nothing would link; it takes nothing and does not return.
+        // SAFETY: the linker requires the firmware to define it; it has no arguments and does not return.
         unsafe { palpate_panicked() }
     }
 
-    /// The precompiled `core` refers to it on systems that could unwind; it is never called.
+    /// Symbol that the precompiled `core` references on systems with unwinding; never called.
     #[cfg(target_os = "linux")]
     #[unsafe(no_mangle)]
     extern "C" fn rust_eh_personality() {}

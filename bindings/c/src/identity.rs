@@ -1,13 +1,13 @@
-//! Which contact or world a recorder was made of.
+//! Identity of the contact or world that a recorder belongs to.
 
 use core::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-/// What no other contact or world of this program has, whatever became of those before.
+/// A number that is unique among all contacts and worlds of this program, including freed ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Identity(usize);
 
 impl Identity {
-    /// A new one.
+    /// Returns a new identity.
     pub fn next() -> Self {
         static NEXT: AtomicUsize = AtomicUsize::new(0);
         Self(NEXT.fetch_add(1, Relaxed))

@@ -1,4 +1,4 @@
-//! The words of the last error: of each thread, or of the whole program where there are no threads.
+//! Message of the last error: per thread, or one for the program if there are no threads.
 
 use core::ffi::c_char;
 use core::fmt;
@@ -6,7 +6,7 @@ use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
 
 use crate::text;
 
-/// Room for the words of an error, with the 0 at their end. A scene may have many.
+/// Buffer size for a message with its terminating 0. A message about a scene can be long.
 const SIZE: usize = if cfg!(feature = "worlds") { 2048 } else { 384 };
 
 struct LastError([AtomicU8; SIZE]);
@@ -33,22 +33,22 @@ std::thread_local! {
 #[cfg(not(feature = "std"))]
 static LAST: LastError = LastError::none();
 
-/// Keeps the words of an error.
+/// Stores the message of an error.
 #[cfg(feature = "std")]
 pub fn set(words: impl fmt::Display) {
-    // There is nothing to destroy, so the text lives as long as its thread.
+    // The value has no destructor, so the text lives as long as its thread.
     let _ = LAST.try_with(|last| last.set(words));
 }
 
-/// Keeps the words of an error.
+/// Stores the message of an error.
 #[cfg(not(feature = "std"))]
 pub fn set(words: impl fmt::Display) {
     LAST.set(words);
 }
 
-/// What was wrong with the last call that failed: what, which value, and what is allowed, in UTF-8. ""
-/// before the first one. Each thread has its own; in the library for firmware there is one for the whole
-/// program. The text is there until the next call that fails, at most as long as its thread.
+/// Returns the message of the last failed call in UTF-8: what is wrong, the value, and the allowed range.
+/// Returns "" before the first failure. Each thread has its own message; the firmware library has one for the
+/// whole program. The text is valid until the next failed call, and not after the end of its thread.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_last_error() -> *const c_char {
     #[cfg(feature = "std")]

@@ -1,9 +1,9 @@
 #![cfg_attr(not(feature = "std"), no_std)]
-//! palpate from C and C++. The header `include/palpate.h` is made from this crate; what each function
-//! means stands in both.
+//! C and C++ API of palpate. The header `include/palpate.h` is generated from this crate, including the
+//! documentation of each function.
 //!
-//! Handles are opaque. Structs begin with their own size, so that they can grow. A tick cannot fail: it
-//! gives the force on the device, 0 where anything is wrong. Nothing unwinds into the caller.
+//! Handles are opaque. Each struct begins with its own size, so later versions can add fields. A tick cannot
+//! fail: it returns the force on the device, or 0 on any error. Nothing unwinds into the caller.
 
 mod abi;
 #[cfg(feature = "worlds")]
@@ -53,18 +53,18 @@ pub use world::*;
 
 use core::ffi::c_char;
 
-/// Version of this interface. It goes up with a change that a compiled program would not survive; what
-/// is only added leaves it as it is.
+/// Version of this interface. It increases with changes that break compiled programs; pure additions
+/// do not change it.
 pub const PALPATE_ABI_VERSION: u32 = 1;
 
-/// The version of the interface that the library has: that of the header, `PALPATE_ABI_VERSION`, or the
-/// two do not belong together.
+/// Returns the interface version of the library. It must equal `PALPATE_ABI_VERSION` of the header; otherwise
+/// header and library are incompatible.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_abi_version() -> u32 {
     PALPATE_ABI_VERSION
 }
 
-/// The version of the library, such as "0.1.0".
+/// Returns the version of the library, such as "0.1.0".
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_version() -> *const c_char {
     const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");

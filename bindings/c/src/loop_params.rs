@@ -1,4 +1,4 @@
-//! The loop and the device in it, as C says them.
+//! Parameters of the loop and of its device in the C API.
 
 use palpate::{
     Actuation, Allowed, Guard, GuardParams, LoopParams as Core, Parameter, ParameterError, Scalar,
@@ -9,22 +9,22 @@ use crate::edge::status;
 use crate::sized::{self, SizedStruct};
 use crate::status::{Refusal, Status};
 
-/// Largest force that is held unless another one is set [N], as in the program.
+/// Default force limit [N], equal to that of the program.
 const FORCE_LIMIT: f64 = 20.0;
 
-/// Whether the energy that held forces give out is bounded.
+/// Mode of the guard, which bounds the energy that held forces generate.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GuardKind {
-    /// It is not.
+    /// The guard is off.
     Off = 0,
     /// A force beyond the bound is held and reported.
     Report = 1,
-    /// No force exceeds the bound.
+    /// Forces are limited to the bound.
     Limit = 2,
 }
 
-/// The loop, the device in it, and what must never be exceeded. palpate_loop_params_default() fills it.
+/// Parameters of the loop and its device, and the limits. palpate_loop_params_default() fills it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct LoopParams {
@@ -32,39 +32,39 @@ pub struct LoopParams {
     pub struct_size: usize,
     /// Nominal time T between samples [s], greater than 0: 0.001 is 1 ms. It has no default.
     pub period: f64,
-    /// Longest time between two samples that is bridged [s]; a longer one is a fault. 0: 20 periods.
+    /// Largest allowed time between two samples [s]; a longer gap is a fault. 0: 20 periods.
     pub largest_gap: f64,
-    /// Fastest device motion that is believed [m/s]; a faster jump is a fault. INFINITY believes any.
+    /// Largest accepted device speed [m/s]; a faster jump is a fault. INFINITY: no limit.
     /// Default: 100.
     pub speed_limit: f64,
-    /// Largest force that is held [N]. INFINITY: no limit. Default: 20.
+    /// Largest held force [N]. INFINITY: no limit. Default: 20.
     pub force_limit: f64,
-    /// Fastest change of the held force [N/s]. INFINITY, the default: no limit.
+    /// Largest rate of change of the held force [N/s]. INFINITY, the default: no limit.
     pub slew_limit: f64,
-    /// Time from a sample to the beginning of its force [s], at most 8 periods. Default: 0.
+    /// Delay from a sample to the start of its force [s], at most 8 periods. Default: 0.
     pub delay: f64,
-    /// Standard deviation of the delay, its changes from command to command included [s].
+    /// Standard deviation of the delay, including its variation between commands [s].
     pub delay_deviation: f64,
     /// Time constant of the actuator [s]. Default: 0.
     pub lag: f64,
     /// Standard deviation of the lag [s].
     pub lag_deviation: f64,
-    /// Delivered over commanded force, greater than 0. Default: 1.
+    /// Ratio of delivered to commanded force, greater than 0. Default: 1.
     pub gain: f64,
     /// Standard deviation of the gain.
     pub gain_deviation: f64,
     /// Effective mass of the device at its end-point [kg], within a factor of 2; coupled rendering needs
-    /// it. 0, the default: not known. INFINITY: a recording moves the device, and no force can.
+    /// it. 0, the default: unknown. INFINITY: the device is position-driven by a recording.
     pub device_mass: f64,
-    /// Quantum of the position sensor [m]; 0, the default: not known to have one.
+    /// Quantum of the position sensor [m]. 0, the default: unknown or none.
     pub encoder_quantum: f64,
-    /// Fastest device motion against which the guard's bound holds [m/s].
+    /// Largest device speed for which the guard's bound holds [m/s].
     pub guard_speed: f64,
-    /// Energy that the guard lets be given out beyond the balance [J].
+    /// Energy that the guard allows beyond the energy balance [J].
     pub guard_allowance: f64,
     /// A palpate_guard. Default: PALPATE_GUARD_OFF.
     pub guard: u32,
-    /// 0.
+    /// Must be 0.
     pub reserved: u32,
 }
 
@@ -73,7 +73,7 @@ unsafe impl SizedStruct for LoopParams {
     const NAME: &'static str = "palpate_loop_params";
 }
 
-/// The loop as the core has it, with what methods are derived from.
+/// Loop parameters of the core, and the values from which method settings are derived.
 pub(crate) struct Loop<S> {
     pub params: Core<S>,
     pub device_mass: Option<f64>,
@@ -118,7 +118,7 @@ impl Default for LoopParams {
 }
 
 impl LoopParams {
-    /// As the core has it, rounded to its numbers; the core checks what it has.
+    /// Returns the loop parameters of the core, rounded to `S`. The core checks their ranges.
     pub(crate) fn checked<S: Scalar>(&self) -> Result<Loop<S>, Refusal<'static>> {
         let number = S::from_f64;
         let limit = |limit: f64| (limit != f64::INFINITY).then_some(number(limit));
@@ -184,7 +184,7 @@ impl LoopParams {
     }
 }
 
-/// Fills parameters of a loop with the defaults. `struct_size` is sizeof(palpate_loop_params).
+/// Fills loop parameters with the defaults. `struct_size` is sizeof(palpate_loop_params).
 ///
 /// # Safety
 /// `params` is NULL, or `struct_size` bytes can be written there.
@@ -193,6 +193,6 @@ pub unsafe extern "C" fn palpate_loop_params_init(
     params: *mut LoopParams,
     struct_size: usize,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     status(|| unsafe { sized::fill(params, struct_size, LoopParams::default()) })
 }

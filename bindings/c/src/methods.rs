@@ -1,4 +1,4 @@
-//! Methods and their settings by name, from the core's own list.
+//! Methods and their settings by name, from the list of the core.
 
 use core::ffi::c_char;
 use core::fmt::{self, Display};
@@ -13,48 +13,48 @@ use crate::edge::caught;
 use crate::status::Refusal;
 use crate::text;
 
-/// What palpate_method_text tells of a method.
+/// Texts that palpate_method_text returns for a method.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MethodText {
-    /// Its name, which `method` of palpate_contact_params takes.
+    /// Name, as accepted by `method` of palpate_contact_params.
     Name = 0,
-    /// What it is, in a few words.
+    /// Short description.
     Summary = 1,
 }
 
-/// What palpate_setting_text tells of a setting.
+/// Texts that palpate_setting_text returns for a setting.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SettingText {
-    /// Its key.
+    /// Key.
     Key = 0,
-    /// The symbol of its unit, "" of words, switches and pure numbers.
+    /// Unit symbol; "" for words, switches and dimensionless numbers.
     Unit = 1,
-    /// What it is, in words that follow the method's name.
+    /// Short description that continues the method's name.
     Help = 2,
-    /// What is taken where it is not given.
+    /// Default value.
     Default = 3,
-    /// The words that it takes, with commas between them; "" of one that takes numbers only.
+    /// Accepted words, separated by commas; "" if the setting accepts only numbers.
     Words = 4,
 }
 
-/// Number of methods.
+/// Returns the number of methods.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_method_count() -> usize {
     MethodName::ALL.len()
 }
 
-/// Number of settings of method number `method`, counted from 0; 0 where there is no such method.
+/// Returns the number of settings of the method with the 0-based index `method`; 0 if there is no such method.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_method_setting_count(method: usize) -> usize {
     let method = MethodName::ALL.get(method);
     method.map_or(0, |method| method.info().settings.len())
 }
 
-/// Puts a text about method number `method`, counted from 0, into `size` bytes at `memory`, cut to them
-/// and ended by a 0. `what` is a palpate_about_method. Its whole length without the 0; 0 where there
-/// is no such method or text.
+/// Writes a text about the method with the 0-based index `method` to `memory`, truncated to `size` bytes and
+/// terminated by a 0. `what` is a palpate_about_method. Returns the untruncated length without the 0, or 0 if
+/// there is no such method or text.
 ///
 /// # Safety
 /// `memory` is NULL, or `size` bytes can be written there.
@@ -71,12 +71,12 @@ pub unsafe extern "C" fn palpate_method_text(
         1 => Some(method.summary()),
         _ => None,
     });
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     caught(|| unsafe { text::put_at(text.unwrap_or_default(), memory, size) }).unwrap_or(0)
 }
 
-/// The same about setting number `setting` of method number `method`. `what` is a
-/// palpate_about_setting.
+/// Writes a text about the setting with the 0-based index `setting` of the method with the 0-based index
+/// `method`, as palpate_method_text does. `what` is a palpate_about_setting.
 ///
 /// # Safety
 /// `memory` is NULL, or `size` bytes can be written there.
@@ -99,11 +99,11 @@ pub unsafe extern "C" fn palpate_setting_text(
         _ => None,
     });
     let text = text.unwrap_or(Text::Whole(""));
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     caught(|| unsafe { text::put_at(text, memory, size) }).unwrap_or(0)
 }
 
-/// The words that a setting takes.
+/// Returns the words that a setting accepts.
 fn words_of(setting: &Core) -> &'static [&'static str] {
     match setting.values {
         SettingValues::Number { .. } => &[],
@@ -113,7 +113,7 @@ fn words_of(setting: &Core) -> &'static [&'static str] {
     }
 }
 
-/// A text, or several with commas between them.
+/// A text, or several texts separated by commas.
 enum Text {
     Whole(&'static str),
     Words(&'static [&'static str]),
@@ -128,10 +128,10 @@ impl Display for Text {
     }
 }
 
-/// The settings at `given`, `count` of them.
+/// Reads `count` settings at `given`.
 ///
 /// # Safety
-/// `given` is NULL or points to `count` settings, whose texts are NULL or ended by a 0.
+/// `given` is NULL or points to `count` settings, whose texts are NULL or terminated by a 0.
 pub(crate) unsafe fn settings<'a>(
     method: MethodName,
     given: *const Setting,
@@ -142,9 +142,9 @@ pub(crate) unsafe fn settings<'a>(
         return Err(Refusal::Null("settings"));
     }
     for at in 0..count {
-        // SAFETY: not NULL, and `at` is below the count that the caller says.
+        // SAFETY: not NULL, and `at` is below the count that the caller guarantees.
         let Setting { key, number, word } = unsafe { given.add(at).read() };
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let key = unsafe { text::read(key, "key of a setting") }?;
         let mut own = method.info().settings.iter();
         let Some(setting) = own.find(|setting| setting.key.as_str() == key) else {
@@ -157,7 +157,7 @@ pub(crate) unsafe fn settings<'a>(
         let value = if word.is_null() {
             of_number(setting, number)?
         } else {
-            // SAFETY: as the caller says.
+            // SAFETY: guaranteed by the caller.
             of_word(setting, unsafe { text::read(word, "word of a setting") }?)?
         };
         settings.set(setting.key, Some(value));
@@ -192,7 +192,7 @@ fn of_word<'a>(setting: &'static Core, word: &'a str) -> Result<ParameterValue<f
     })
 }
 
-/// A virtual force that is no number.
+/// Returns the error for a non-finite virtual force.
 pub(crate) fn not_finite_virtual_force(value: f64) -> Refusal<'static> {
     Refusal::Parameter(ParameterError {
         parameter: Parameter::VirtualForce,
@@ -212,12 +212,12 @@ fn write_joined(
     Ok(())
 }
 
-/// The names of all methods, with commas between them.
+/// Writes the names of all methods, separated by commas.
 pub(crate) fn write_names(f: &mut fmt::Formatter<'_>) -> fmt::Result {
     write_joined(f, MethodName::ALL.into_iter().map(MethodName::name))
 }
 
-/// The keys of a method's settings, with commas between them.
+/// Writes the keys of a method's settings, separated by commas.
 pub(crate) fn write_keys(f: &mut fmt::Formatter<'_>, method: &str) -> fmt::Result {
     let settings = MethodName::named(method).map_or(&[][..], |method| method.info().settings);
     if settings.is_empty() {

@@ -1,4 +1,4 @@
-//! Names of what is answered, for messages and files.
+//! Names of result codes, for messages and files.
 
 use core::ffi::{CStr, c_char};
 
@@ -71,7 +71,7 @@ impl Fault {
     }
 }
 
-/// The name of a palpate_status, such as "struct-size"; "unknown" of any other number. Nobody has to free it.
+/// Returns the name of a palpate_status, such as "struct-size", or "unknown". The text is static.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_status_name(status: u32) -> *const c_char {
     let mut all = Status::ALL.into_iter();
@@ -79,8 +79,8 @@ pub extern "C" fn palpate_status_name(status: u32) -> *const c_char {
     known.map_or(UNKNOWN, Status::name).as_ptr()
 }
 
-/// The name of a palpate_fault, such as "gap-too-long", as the files of the program have it; "unknown" of any other number.
-/// Nobody has to free it.
+/// Returns the name of a palpate_fault as in files of the program, such as "gap-too-long", or "unknown".
+/// The text is static.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_fault_name(fault: u32) -> *const c_char {
     let mut all = Fault::ALL.into_iter();
@@ -115,7 +115,7 @@ mod tests {
     #[test]
     fn every_number_has_one_name() {
         let of = |name: extern "C" fn(u32) -> *const c_char, number| {
-            // SAFETY: the text is ended by a 0, and stays.
+            // SAFETY: the text is static and terminated by a 0.
             unsafe { CStr::from_ptr(name(number)) }.to_str().unwrap()
         };
         let known = |name: extern "C" fn(u32) -> *const c_char| {

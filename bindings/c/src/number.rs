@@ -1,14 +1,14 @@
-//! The number type of a tick: `double` or `float` of C.
+//! Number type of a tick: `double` or `float` in C.
 
 use palpate::Scalar;
 
-/// A number that a tick can be made of, with what C calls the structs that are made of it.
+/// A number type of a tick, with the C names of its structs.
 pub trait Number: Scalar {
-    /// A sample.
+    /// C name of the sample struct.
     const SAMPLE: &'static str;
-    /// What comes out of a tick.
+    /// C name of the output struct.
     const OUTPUT: &'static str;
-    /// The books.
+    /// C name of the energy ledger struct.
     const LEDGER: &'static str;
 }
 

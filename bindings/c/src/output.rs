@@ -1,4 +1,4 @@
-//! What comes out of a tick, and the books.
+//! Output of a tick, and the energy ledger.
 
 use palpate::{
     Fault as CoreFault, Ledger as CoreLedger, Limited, Output as CoreOutput, Phase as CorePhase,
@@ -7,7 +7,7 @@ use palpate::{
 use crate::number::Number;
 use crate::sized::SizedStruct;
 
-/// What the object is predicted to do in the coming interval.
+/// Predicted contact phase of the object in the coming interval.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
@@ -19,24 +19,23 @@ pub enum Phase {
     Enters = 2,
     /// Contact ends within the interval.
     Leaves = 3,
-    /// A fault: the object waits.
+    /// Waiting after a fault: the object is held still.
     Waiting = 4,
 }
 
-/// Why a sample was refused: the force is then 0, and the next sample that can be trusted takes up
-/// rendering.
+/// Reason for rejecting a sample. The force is then 0; rendering resumes at the next valid sample.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// It was not refused.
+    /// The sample was accepted.
     None = 0,
     /// The device position is not a finite number.
     PositionNotFinite = 1,
     /// The virtual force is not a finite number.
     VirtualForceNotFinite = 2,
-    /// The time since the sample before is not positive.
+    /// The time since the previous sample is not positive.
     ElapsedNotPositive = 3,
-    /// The time since the sample before exceeds the largest gap.
+    /// The time since the previous sample exceeds the largest gap.
     GapTooLong = 4,
     /// The device position jumped faster than the speed limit.
     JumpTooFast = 5,
@@ -44,18 +43,18 @@ pub enum Fault {
     Overflow = 6,
     /// The device orientation is not a unit quaternion.
     OrientationNotUnit = 7,
-    /// Of a newer core.
+    /// A fault that a newer core defines.
     Other = 99,
-    /// There was no tick, since an argument is wrong: the contact, the world, the sample or an array is NULL, a struct_size is
-    /// too small, a number of poses or wrenches is not that of the devices, has_elapsed is neither 0 nor 1, or a reserved number is
-    /// not 0: palpate_last_error.
+    /// An argument is wrong, and no tick was executed: the contact, world, sample or an array is NULL, a
+    /// struct_size is too small, the number of poses or wrenches differs from the number of devices, has_elapsed
+    /// is neither 0 nor 1, or a reserved field is not 0. palpate_last_error has the details.
     Argument = 100,
-    /// A defect in the library, which has been caught. Report it, please.
+    /// A defect in the library was caught. Please report it.
     Internal = 101,
 }
 
 impl Fault {
-    /// As C has a fault of the core.
+    /// Converts a fault of the core.
     #[inline]
     pub(crate) fn of(fault: Option<CoreFault>) -> Self {
         match fault {
@@ -76,54 +75,54 @@ impl Fault {
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Limit {
-    /// It would have pulled, and the contact may only push.
+    /// A pulling force was removed, because the contact may only push.
     Pull = 1,
-    /// It exceeded the force limit.
+    /// The force exceeded the force limit.
     Force = 2,
-    /// It changed faster than the slew limit.
+    /// The force changed faster than the slew limit.
     Slew = 4,
-    /// It could give out more energy than there is: the guard's bound.
+    /// The force exceeded the guard's bound: it could generate more energy than the balance allows.
     Guard = 8,
-    /// A torque exceeded the torque limit; of worlds.
+    /// A torque exceeded the torque limit (worlds only).
     Torque = 16,
-    /// The offset of a tool's avatar was held at its limit; of worlds.
+    /// The proxy offset of a tool was clamped to its limit (worlds only).
     Offset = 32,
-    /// It was still coming back after a start or a fault; of worlds.
+    /// The soft start after a start or a fault reduced the force (worlds only).
     SoftStart = 64,
-    /// No limit but a safety stop: held forces have created energy, and all wrenches stay 0. Free the
-    /// world and make it again to go on; of worlds.
+    /// Safety stop: held forces have generated energy, and all wrenches stay 0 (worlds only). To resume, free the
+    /// world and create it again.
     Stopped = 128,
 }
 
-/// The answer to a sample, along the contact's axis. palpate_output_empty() makes one to be filled,
+/// Result of a tick, along the contact's axis. palpate_output_empty() returns an empty one to be filled,
 /// palpate_output_f32_empty() one in float.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Output<S> {
     /// Size of this struct.
     pub struct_size: usize,
-    /// Force on the device: what the motor is to be commanded, and to hold until the next sample [N].
+    /// Force on the device: command it to the motor and hold it until the next sample [N].
     pub force_on_device: S,
-    /// The same force on the object, opposite in sign [N].
+    /// Opposite force, on the object [N].
     pub force_on_object: S,
     /// Position of the object's surface at this sample [m].
     pub object_position: S,
     /// Velocity of the object at this sample [m/s].
     pub object_velocity: S,
-    /// Penetration of the device into the object at this sample, positive in contact on either side [m].
+    /// Penetration of the device into the object at this sample, positive in contact for either side [m].
     pub penetration: S,
-    /// Instant of the predicted transition, after this sample [s]; 0 where there is none.
+    /// Time from this sample to the predicted transition [s]; 0 if there is none.
     pub transition_after: S,
-    /// How far coupled rendering has shifted the object over the last interval [m]; a display takes it
-    /// off again.
+    /// Shift of the object by coupled rendering over the last interval [m]; subtract it before drawing
+    /// the object.
     pub placement_shift: S,
-    /// What the coming interval is predicted to hold.
+    /// Predicted contact phase in the coming interval.
     pub phase: Phase,
-    /// Why the sample was refused.
+    /// Reason for rejecting the sample.
     pub fault: Fault,
     /// Limits that changed the force: bits of palpate_limit.
     pub limited: u32,
-    /// 0.
+    /// Unused; 0.
     pub reserved: u32,
 }
 
@@ -133,7 +132,7 @@ unsafe impl<S: Number> SizedStruct for Output<S> {
 }
 
 impl<S: Number> Output<S> {
-    /// No force, and why.
+    /// Returns an output with zero force and the given fault.
     pub fn refused(fault: Fault) -> Self {
         Self {
             struct_size: size_of::<Self>(),
@@ -186,9 +185,9 @@ impl<S: Number> From<CoreOutput<S>> for Output<S> {
     }
 }
 
-/// Books of the object's energy, positive into the object; they balance at every sample: stored less
-/// stored at the start = port_work + virtual_force_work + outside_work + held_leak.
-/// palpate_ledger_empty() makes one to be filled, palpate_ledger_f32_empty() one in float.
+/// Energy ledger of the object, positive into the object. At every sample it balances: stored energy less
+/// initial stored energy = port_work + virtual_force_work + outside_work + held_leak.
+/// palpate_ledger_empty() returns an empty one to be filled, palpate_ledger_f32_empty() one in float.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Ledger<S> {
@@ -196,23 +195,23 @@ pub struct Ledger<S> {
     pub struct_size: usize,
     /// Kinetic energy of the object and elastic energy of the contact at the last sample [J].
     pub stored: S,
-    /// Work of the held force on the object's side of the port [J].
+    /// Work of the held force on the object [J].
     pub port_work: S,
     /// Work of the virtual force on the object [J].
     pub virtual_force_work: S,
-    /// Placing the object anew, other parameters, and what passed while no sample could be trusted [J].
+    /// Energy added by teleporting the object, by parameter changes and during faults [J].
     pub outside_work: S,
-    /// Energy that the force which was held has created, less what it has destroyed [J].
+    /// Remaining leak: energy generated by the held force, less energy dissipated by it [J].
     pub held_leak: S,
-    /// The same over the last closed interval [J].
+    /// Remaining leak over the last closed interval [J].
     pub held_leak_last: S,
-    /// Sum of the absolute leaks of all closed intervals [J].
+    /// Sum of the absolute remaining leaks of all closed intervals [J].
     pub held_leak_absolute: S,
-    /// Energy that the plain spring force would have created over the same motion [J].
+    /// Original leak: energy that the sampled spring would have generated over the same motion [J].
     pub original_leak: S,
-    /// The same over the last closed interval [J].
+    /// Original leak over the last closed interval [J].
     pub original_leak_last: S,
-    /// Sum of its absolute leaks over all closed intervals [J].
+    /// Sum of the absolute original leaks of all closed intervals [J].
     pub original_leak_absolute: S,
 }
 

@@ -1,4 +1,4 @@
-//! What goes into a tick.
+//! Input of a tick.
 
 use palpate::Sample as Core;
 
@@ -15,13 +15,13 @@ pub struct Sample<S> {
     pub struct_size: usize,
     /// Measured position of the device's end-point along the contact's axis [m].
     pub device_position: S,
-    /// Time since the sample before [s], where `has_elapsed` is not 0.
+    /// Time since the previous sample [s]; used if `has_elapsed` is 1.
     pub elapsed: S,
-    /// Virtual force on the object over the coming interval [N], beside that of the contact.
+    /// Virtual force on the object over the coming interval, in addition to that of the contact [N].
     pub virtual_force: S,
-    /// 1: `elapsed` was measured. 0: one period.
+    /// 1: `elapsed` is the measured time. 0: one period has elapsed.
     pub has_elapsed: u32,
-    /// 0.
+    /// Must be 0.
     pub reserved: u32,
 }
 
@@ -31,13 +31,13 @@ unsafe impl<S: Number> SizedStruct for Sample<S> {
 }
 
 impl<S: Number> Sample<S> {
-    /// The sample at `given`. What is wrong with its numbers says the tick.
+    /// Reads the sample at `given`. The tick checks its numbers.
     ///
     /// # Safety
-    /// `given` is NULL or to a sample of the size that it begins with.
+    /// `given` is NULL or points to a sample whose first field is its size.
     #[inline]
     pub(crate) unsafe fn at<'a>(given: *const Self) -> Result<Self, Refusal<'a>> {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let sample = unsafe { sized::read(given) }?;
         choice::switch("has_elapsed", sample.has_elapsed)?;
         choice::unused(sample.reserved)?;

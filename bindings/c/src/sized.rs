@@ -2,28 +2,28 @@
 
 use crate::status::Refusal;
 
-/// A struct of C that begins with `struct_size` and is valid whatever its bytes are.
+/// A C struct that begins with `struct_size` and is valid for any bit pattern.
 ///
 /// # Safety
-/// `#[repr(C)]`, a `usize` first, and nothing but numbers and raw pointers.
+/// The type is `#[repr(C)]`, begins with a `usize`, and contains only numbers and raw pointers.
 pub unsafe trait SizedStruct: Copy {
-    /// What C calls it.
+    /// Name of the struct in C.
     const NAME: &'static str;
 }
 
-/// The struct at `given`, which may be one of a newer header if what this library does not know is 0.
+/// Reads the struct at `given`. A larger struct of a newer header is accepted if the unknown bytes are 0.
 ///
 /// # Safety
-/// `given` is NULL or points to as many bytes as the `usize` there says.
+/// `given` is NULL or points to as many bytes as its leading `usize` states.
 #[inline]
 pub unsafe fn read<'a, T: SizedStruct>(given: *const T) -> Result<T, Refusal<'a>> {
     if given.is_null() {
         return Err(Refusal::Null(T::NAME));
     }
-    // SAFETY: not NULL, and a `usize` is there by the caller's word.
+    // SAFETY: not NULL, and the caller guarantees a leading `usize`.
     let size = unsafe { given.cast::<usize>().read_unaligned() };
     let known = size_of::<T>();
-    // SAFETY: `size` bytes are there by the caller's word.
+    // SAFETY: the caller guarantees `size` bytes.
     if size != known && !unsafe { is_newer(given, size) } {
         return Err(Refusal::StructSize {
             name: T::NAME,
@@ -31,42 +31,41 @@ pub unsafe fn read<'a, T: SizedStruct>(given: *const T) -> Result<T, Refusal<'a>
             known,
         });
     }
-    // SAFETY: at least `known` bytes are there, and any bytes are a `T`.
+    // SAFETY: at least `known` bytes exist, and any bit pattern is a valid `T`.
     Ok(unsafe { given.read_unaligned() })
 }
 
-/// Whether `size` bytes are a `T` of a newer header, of which nothing is used that this library does not
-/// know.
+/// Whether `size` bytes are a `T` of a newer header whose additional fields are all 0.
 ///
 /// # Safety
 /// `given` points to `size` bytes.
 #[cold]
 unsafe fn is_newer<T: SizedStruct>(given: *const T, size: usize) -> bool {
     let known = size_of::<T>();
-    // Nothing has megabytes of parameters: that is a struct that nobody has filled.
+    // A size of megabytes means an uninitialised struct.
     (known..=1 << 16).contains(&size)
-        // SAFETY: `size` bytes are there by the caller's word.
+        // SAFETY: the caller guarantees `size` bytes.
         && (known..size).all(|at| unsafe { given.cast::<u8>().add(at).read() } == 0)
 }
 
-/// Room for a struct of C's, which has been looked at: what is written into it finds its place.
+/// Checked output memory for a C struct: writing to it cannot fail.
 pub struct Room<T> {
     out: *mut T,
-    /// Its size, which stays the caller's.
+    /// Size set by the caller, which is preserved.
     size: usize,
 }
 
 impl<T: SizedStruct> Room<T> {
-    /// The room at `out`.
+    /// Checks the memory at `out`.
     ///
     /// # Safety
-    /// `out` is NULL or points to as many bytes as the `usize` there says, which stay until they are written.
+    /// `out` is NULL or points to as many bytes as its leading `usize` states; they stay valid until written.
     #[inline]
     pub unsafe fn at<'a>(out: *mut T) -> Result<Self, Refusal<'a>> {
         if out.is_null() {
             return Err(Refusal::Null(T::NAME));
         }
-        // SAFETY: not NULL, and a `usize` is there by the caller's word.
+        // SAFETY: not NULL, and the caller guarantees a leading `usize`.
         let size = unsafe { out.cast::<usize>().read_unaligned() };
         let known = size_of::<T>();
         if size < known {
@@ -79,7 +78,7 @@ impl<T: SizedStruct> Room<T> {
         Ok(Self { out, size })
     }
 
-    /// The same, where NULL asks for nothing.
+    /// Checks the memory at `out`; NULL means no output.
     ///
     /// # Safety
     /// As for [`at`](Self::at).
@@ -88,14 +87,14 @@ impl<T: SizedStruct> Room<T> {
         if out.is_null() {
             return Ok(None);
         }
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         unsafe { Self::at(out) }.map(Some)
     }
 
-    /// Writes `value` but for its first `usize`.
+    /// Writes `value` except its leading `usize`.
     #[inline]
     pub fn write(self, value: T) {
-        // SAFETY: as many bytes as a `T` has are there by the word of who has made the room.
+        // SAFETY: the creator of this `Room` guarantees the size of a `T`.
         unsafe {
             self.out.write_unaligned(value);
             self.out.cast::<usize>().write_unaligned(self.size);
@@ -103,22 +102,21 @@ impl<T: SizedStruct> Room<T> {
     }
 }
 
-/// Writes what `value` gives in place of the struct at `out`, as much of it as there is room for; the first
-/// `usize` stays the caller's.
+/// Writes the result of `value` to the struct at `out` and preserves its leading `usize`.
 ///
 /// # Safety
-/// `out` is NULL or points to as many bytes as the `usize` there says.
+/// `out` is NULL or points to as many bytes as its leading `usize` states.
 #[inline]
 pub unsafe fn write<'a, T: SizedStruct>(
     out: *mut T,
     value: impl FnOnce() -> T,
 ) -> Result<(), Refusal<'a>> {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { Room::at(out) }?.write(value());
     Ok(())
 }
 
-/// Fills `size` bytes with `value`, and with 0 what is beyond it: a struct of a newer header.
+/// Writes `value` and sets the remaining bytes of `size`, fields of a newer header, to 0.
 ///
 /// # Safety
 /// `out` is NULL, or `size` bytes can be written there.
@@ -138,7 +136,7 @@ pub unsafe fn fill<'a, T: SizedStruct>(
             known,
         });
     }
-    // SAFETY: `size` bytes can be written by the caller's word, and `known` of them at least.
+    // SAFETY: the caller guarantees `size` writable bytes, which are at least `known`.
     unsafe {
         out.write_unaligned(value);
         out.cast::<u8>().add(known).write_bytes(0, size - known);

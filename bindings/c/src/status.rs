@@ -1,51 +1,52 @@
-//! What a call answers, and the errors behind it in words.
+//! Status of a call, and its error messages.
 
 use core::fmt;
 
 use palpate::{ChangeError, ParameterError, Setting, SettingValues, SettingsError};
 
-/// What a call answers. `palpate_last_error` says the rest in words, palpate_status_name has the names of these.
+/// Result of a call. `palpate_last_error` returns the message, palpate_status_name the name.
 ///
-/// A status says where the error is, whatever was called: NULL, STRUCT_SIZE and MEMORY at a pointer and what it points to,
-/// PARAMETER at a number, SETTING at a text, COUNT at a place or a number of things, SCENE at what a scene has, CHANGE at what
-/// runs already, RECORDING at a file of ticks. Of several errors it is that of the first one.
+/// A status names the kind of the wrong argument, for every function: NULL, STRUCT_SIZE and MEMORY a pointer and its
+/// target, PARAMETER a number, SETTING a text, COUNT an index or a number of elements, SCENE the content of a scene,
+/// CHANGE an active contact or world, RECORDING a file of ticks. Of several errors the first one is returned.
 ///
-/// A call that is refused changes nothing. There are three exceptions: a call that makes something puts NULL in place of it,
-/// palpate_recorder_close frees the recorder whatever it answers, and after INTERNAL everything that was used can only be freed.
+/// A rejected call changes nothing, with three exceptions: a function that creates an object sets its output to NULL,
+/// palpate_recorder_close always frees the recorder, and after INTERNAL all objects involved can only be freed.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// Done.
+    /// Success.
     Ok = 0,
-    /// A pointer is NULL that may not be.
+    /// A required pointer is NULL.
     Null = 1,
-    /// A struct_size is too small, or larger than the library knows and the rest is not 0.
+    /// A struct_size is too small, or larger than this library knows and an unknown field is not 0.
     StructSize = 2,
-    /// A number of the call, or of a struct or an array of it, is outside its range: one that stands for a choice or a switch, too,
-    /// and a reserved one that is not 0.
+    /// A number of the call, of a struct or of an array is outside its range, including choices, switches and nonzero
+    /// reserved fields.
     Parameter = 3,
-    /// A text is not UTF-8, or none of the methods, settings and words that there are; a setting is given twice, or is missing.
+    /// A text is not UTF-8 or is not a known method, setting or word; a setting is given twice or is missing.
     Setting = 4,
-    /// What runs cannot change to that: another period, another side of the device, other devices, a fixed body that is to move.
+    /// An active contact or world cannot change to this: another period, side or set of devices, or motion of a
+    /// fixed body.
     Change = 5,
-    /// The memory that was given is too small or not aligned, an array cannot have so many elements, or the system has no memory
-    /// for what was asked.
+    /// The given memory is too small or misaligned, an array cannot have this many elements, or the system is out of
+    /// memory.
     Memory = 6,
-    /// A defect in the library, which has been caught. Report it, please.
+    /// A defect in the library was caught. Please report it.
     Internal = 7,
-    /// A scene cannot be read, is none of a world, or cannot be rendered; it has no such name, or has that name already.
+    /// A scene cannot be read, is not a world or cannot be rendered; a name is unknown or exists already.
     Scene = 8,
-    /// A place, or a number of devices or bodies, is another one than there are.
+    /// An index, or a number of devices or bodies, is out of range.
     Count = 9,
-    /// A recording cannot be begun or written, or a tick is of something else than what is recorded.
+    /// A recording cannot be started or written, or a tick belongs to another object than the recorded one.
     Recording = 10,
 }
 
-/// Why a call is refused.
+/// Reason for rejecting a call.
 pub enum Refusal<'a> {
-    /// What is NULL.
+    /// Name of the argument that is NULL.
     Null(&'static str),
-    /// A struct of another size.
+    /// A struct of the wrong size.
     StructSize {
         name: &'static str,
         given: usize,
@@ -53,29 +54,29 @@ pub enum Refusal<'a> {
     },
     Parameter(ParameterError),
     Change(ChangeError),
-    /// Settings that do not make a method, with the setting where the words do not name it.
+    /// Settings that do not form a valid method, with the setting if the message does not name it.
     Settings(SettingsError),
     UnknownMethod(&'a str),
     UnknownSetting {
         method: &'static str,
         key: &'a str,
     },
-    /// A setting with a word that it does not take; no word: a number where it takes words.
+    /// A setting with a word that it does not accept; `None`: a number for a setting that accepts words.
     SettingValue {
         setting: &'static Setting,
         given: Option<&'a str>,
     },
-    /// The key of a setting that is there already.
+    /// Key of a setting that is given twice.
     SettingTwice(&'static str),
     /// A text that is not UTF-8.
     NotText(&'static str),
-    /// A number that stands for a choice.
+    /// An invalid number for a choice.
     Choice {
         name: &'static str,
         given: u32,
         allowed: &'static str,
     },
-    /// A number that is outside its range.
+    /// A number outside its range.
     Number {
         name: &'static str,
         given: f64,
@@ -88,43 +89,43 @@ pub enum Refusal<'a> {
     NotAligned {
         needed: usize,
     },
-    /// What is wrong with a scene, in words.
+    /// Error message of a scene.
     #[cfg(feature = "worlds")]
     Scene(std::string::String),
-    /// What a world that runs cannot change to, in words.
+    /// Error message of a change that a running world cannot make.
     #[cfg(feature = "worlds")]
     WorldChange(std::string::String),
-    /// What is wrong with the numbers of a call, in words.
+    /// Error message about the numbers of a call.
     #[cfg(feature = "worlds")]
     Numbers(std::string::String),
-    /// A method that renders no worlds, or not this one, in words.
+    /// Error message about a method that cannot render this world or any world.
     #[cfg(feature = "worlds")]
     WorldMethod(std::string::String),
-    /// What the system has no memory for, in words.
+    /// Error message about a failed memory allocation.
     #[cfg(feature = "worlds")]
     NoMemory(std::string::String),
-    /// What is wrong with a recording, in words.
+    /// Error message of a recording.
     #[cfg(feature = "worlds")]
     Recording(std::string::String),
-    /// Another number of things than there are.
+    /// A wrong number of elements.
     #[cfg(feature = "worlds")]
     Count {
         name: &'static str,
         given: usize,
         needed: usize,
-        /// What has the others, and what they are.
+        /// Owner of the needed elements, and their name.
         of: (&'static str, &'static str),
     },
-    /// A world of so many devices where one is needed.
+    /// A world with this number of devices where exactly one is required.
     #[cfg(feature = "worlds")]
     NotOneDevice(usize),
-    /// An array that cannot be one of so many elements.
+    /// An array that cannot have this many elements.
     #[cfg(feature = "worlds")]
     Array {
         name: &'static str,
         count: usize,
     },
-    /// A place where there is none of them.
+    /// An index out of range.
     #[cfg(feature = "worlds")]
     Index {
         name: &'static str,
@@ -256,7 +257,7 @@ impl fmt::Display for Refusal<'_> {
     }
 }
 
-/// What a setting may be, with all its words.
+/// Writes the allowed values of a setting, with all its words.
 fn write_allowed(f: &mut fmt::Formatter<'_>, values: SettingValues) -> fmt::Result {
     match values {
         SettingValues::Number { .. } => f.write_str("a number"),

@@ -1,4 +1,4 @@
-//! Texts for C: cut to the room there is, and ended by a 0.
+//! Texts for C: truncated to the buffer and terminated by a 0.
 
 use core::ffi::{CStr, c_char};
 use core::fmt::{self, Write};
@@ -6,14 +6,14 @@ use core::str;
 
 use crate::status::Refusal;
 
-/// Takes a text byte by byte, as far as there is room, and counts what it would need.
+/// Writer that stores bytes up to a limit and counts the full length.
 struct Cut<Put> {
     put: Put,
-    /// Bytes that can be put.
+    /// Capacity in bytes.
     room: usize,
-    /// Bytes of the whole text.
+    /// Length of the full text in bytes.
     length: usize,
-    /// Bytes that were put.
+    /// Number of stored bytes.
     kept: usize,
 }
 
@@ -35,7 +35,7 @@ impl<Put: FnMut(usize, u8)> Write for Cut<Put> {
     }
 }
 
-/// Puts a text and a 0 behind it into `size` bytes, by place and byte. The length of the whole text.
+/// Passes a text and a terminating 0 to `put(index, byte)`, truncated to `size` bytes. Returns the full length.
 pub fn put(text: impl fmt::Display, size: usize, put: impl FnMut(usize, u8)) -> usize {
     let Some(room) = size.checked_sub(1) else {
         let mut counted = Cut {
@@ -44,7 +44,7 @@ pub fn put(text: impl fmt::Display, size: usize, put: impl FnMut(usize, u8)) -> 
             length: 0,
             kept: 0,
         };
-        // Putting never fails.
+        // `Cut` never returns an error.
         let _ = write!(counted, "{text}");
         return counted.length;
     };
@@ -59,28 +59,28 @@ pub fn put(text: impl fmt::Display, size: usize, put: impl FnMut(usize, u8)) -> 
     cut.length
 }
 
-/// Puts a text into the caller's memory, as `snprintf` does: cut to `size` bytes with the 0 at its end.
-/// The length of the whole text.
+/// Writes a text to the caller's memory as `snprintf` does: truncated to `size` bytes including the terminating 0.
+/// Returns the full length.
 ///
 /// # Safety
 /// `memory` is NULL, or `size` bytes can be written there.
 pub unsafe fn put_at(text: impl fmt::Display, memory: *mut c_char, size: usize) -> usize {
     let size = if memory.is_null() { 0 } else { size };
     put(text, size, |at, byte| {
-        // SAFETY: `put` stays below `size`, and the caller says that these bytes can be written.
+        // SAFETY: `put` stays below `size`, and the caller guarantees `size` writable bytes.
         unsafe { memory.cast::<u8>().add(at).write(byte) }
     })
 }
 
-/// The text at `text`, called `name` in messages.
+/// Reads the text at `text`, called `name` in messages.
 ///
 /// # Safety
-/// `text` is NULL, or a 0 ends what it points to, which nobody changes during `'a`.
+/// `text` is NULL or points to a text that is terminated by a 0 and not modified during `'a`.
 pub unsafe fn read<'a>(text: *const c_char, name: &'static str) -> Result<&'a str, Refusal<'a>> {
     if text.is_null() {
         return Err(Refusal::Null(name));
     }
-    // SAFETY: not NULL, and the caller says that it is ended by a 0.
+    // SAFETY: not NULL, and the caller guarantees the terminating 0.
     let bytes = unsafe { CStr::from_ptr(text) };
     str::from_utf8(bytes.to_bytes()).map_err(|_| Refusal::NotText(name))
 }

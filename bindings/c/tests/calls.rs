@@ -1,5 +1,5 @@
-//! The functions as C calls them, from Rust: what reads and writes through pointers stays within what it was
-//! given. `cargo +nightly miri test --test calls` watches every access.
+//! Calls the C functions from Rust, so that `cargo +nightly miri test --test calls` checks every pointer access for
+//! bounds.
 
 use std::ffi::{CStr, c_void};
 use std::mem::MaybeUninit;
@@ -9,7 +9,7 @@ use palpate_c::*;
 
 fn loop_params() -> LoopParams {
     let mut params = MaybeUninit::uninit();
-    // SAFETY: as many bytes as are said can be written.
+    // SAFETY: the stated number of bytes can be written.
     let status = unsafe { palpate_loop_params_init(params.as_mut_ptr(), size_of::<LoopParams>()) };
     assert_eq!(status, Status::Ok);
     // SAFETY: all of it has been written.
@@ -20,7 +20,7 @@ fn loop_params() -> LoopParams {
 
 fn contact_params(method: &CStr) -> ContactParams {
     let mut params = MaybeUninit::uninit();
-    // SAFETY: as many bytes as are said can be written.
+    // SAFETY: the stated number of bytes can be written.
     let status =
         unsafe { palpate_contact_params_init(params.as_mut_ptr(), size_of::<ContactParams>()) };
     assert_eq!(status, Status::Ok);
@@ -43,7 +43,7 @@ fn sample<S: From<u8>>(device_position: S) -> Sample<S> {
 }
 
 fn last_error() -> &'static str {
-    // SAFETY: it is ended by a 0, and nothing changes it before it has been compared.
+    // SAFETY: the text is terminated by a 0 and is not modified before the comparison.
     unsafe { CStr::from_ptr(palpate_last_error()) }
         .to_str()
         .unwrap()
@@ -54,7 +54,7 @@ fn a_contact_lives_from_new_to_free() {
     let (params, loop_params) = (contact_params(c"basic"), loop_params());
     let mut contact = ptr::null_mut();
     let mut output = MaybeUninit::<Output<f64>>::uninit();
-    // SAFETY: every pointer is to what its type says, and `contact` is not used after it is freed.
+    // SAFETY: every pointer points to a value of its type, and `contact` is not used after it is freed.
     unsafe {
         output
             .as_mut_ptr()
@@ -92,7 +92,7 @@ fn a_contact_in_memory_of_the_callers_is_made_nowhere_else() {
         vec![MaybeUninit::uninit(); PALPATE_CONTACT_SIZE_MAX / 8];
     let size = palpate_contact_size();
     let mut contact = ptr::null_mut();
-    // SAFETY: `size` bytes can be written, and every other pointer is to what its type says.
+    // SAFETY: `size` bytes can be written, and every other pointer points to a value of its type.
     unsafe {
         let memory = memory.as_mut_ptr().cast::<c_void>();
         assert_eq!(
@@ -104,7 +104,7 @@ fn a_contact_in_memory_of_the_callers_is_made_nowhere_else() {
             let position = 1e-4 * f64::from(tick);
             assert!(palpate_contact_step(contact, &sample(position), ptr::null_mut()) <= 0.0);
         }
-        // It is not the library's to free.
+        // The caller owns the memory, so this frees nothing.
         palpate_contact_free(contact);
         let shifted = memory.cast::<u8>().add(1).cast();
         let status = palpate_contact_place(shifted, size, &params, &loop_params, &mut contact);
@@ -121,7 +121,7 @@ fn a_contact_in_float_lives_in_less_memory() {
     let mut memory: Vec<MaybeUninit<f64>> = vec![MaybeUninit::uninit(); size.div_ceil(8)];
     let mut output = MaybeUninit::<Output<f32>>::uninit();
     let mut contact = ptr::null_mut();
-    // SAFETY: `size` bytes can be written, and every other pointer is to what its type says.
+    // SAFETY: `size` bytes can be written, and every other pointer points to a value of its type.
     unsafe {
         let memory = memory.as_mut_ptr().cast::<c_void>();
         let less = palpate_contact_f32_place(memory, size - 1, &params, &loop_params, &mut contact);
@@ -132,14 +132,14 @@ fn a_contact_in_float_lives_in_less_memory() {
         let room = output.as_mut_ptr().cast::<usize>();
         room.write(size_of::<Output<f32>>());
         let force = palpate_contact_f32_step(contact, &sample(0.001_f32), output.as_mut_ptr());
-        // The nearest float to 1000 N/m times 1 mm.
+        // The float nearest to 1000 N/m times 1 mm.
         assert_eq!(force, -(1000.0_f32 * 0.001_f32));
         let output = output.assume_init();
         assert_eq!(
             (output.force_on_device, output.phase),
             (force, Phase::Contact)
         );
-        // It is not the library's to free.
+        // The caller owns the memory, so this frees nothing.
         palpate_contact_f32_free(contact);
         assert_eq!(
             palpate_contact_f32_step(contact, &sample(0.0_f32), ptr::null_mut()),
@@ -152,9 +152,9 @@ fn a_contact_in_float_lives_in_less_memory() {
 fn what_is_no_number_in_float_is_refused() {
     let (mut params, of_loop) = (contact_params(c"basic"), loop_params());
     let mut contact: *mut Contact<f32> = ptr::null_mut();
-    // Finite in double, not so in float.
+    // Finite in double but not in float.
     params.object_mass = 1e39;
-    // SAFETY: every pointer is to what its type says.
+    // SAFETY: every pointer points to a value of its type.
     let status = unsafe { palpate_contact_f32_new(&params, &of_loop, &mut contact) };
     assert_eq!(status, Status::Parameter);
     assert!(
@@ -185,7 +185,7 @@ fn settings_are_read_as_far_as_their_count_says() {
     params.setting_count = 1;
     let mut contact = ptr::null_mut();
     let mut text = [0; 200];
-    // SAFETY: every pointer is to what its type says.
+    // SAFETY: every pointer points to a value of its type.
     unsafe {
         let status = palpate_contact_new(&params, &of_loop, &mut contact);
         assert_eq!(status, Status::Ok, "{}", last_error());

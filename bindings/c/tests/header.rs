@@ -1,4 +1,4 @@
-//! The header that is checked in is the one that the sources make. `PALPATE_WRITE_HEADER=1 cargo test
+//! Checks that the committed header equals the header generated from the sources. `PALPATE_WRITE_HEADER=1 cargo test
 //! --test header` writes it.
 
 use std::fs;

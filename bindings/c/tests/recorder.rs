@@ -1,4 +1,4 @@
-//! What a recording from C holds: the numbers of each tick, bit for bit, and how many there were.
+//! Content of recordings from C: the numbers of each tick, bit for bit, and the number of ticks.
 #![cfg(feature = "worlds")]
 
 use std::ffi::CString;
@@ -14,7 +14,7 @@ fn wall() -> *mut Contact<f64> {
     let mut in_loop = MaybeUninit::<LoopParams>::uninit();
     let mut params = MaybeUninit::<ContactParams>::uninit();
     let mut contact = ptr::null_mut();
-    // SAFETY: as many bytes as are said can be written, and all of them have been when they are read.
+    // SAFETY: the stated number of bytes can be written, and all of them are written before they are read.
     unsafe {
         palpate_loop_params_init(in_loop.as_mut_ptr(), size_of::<LoopParams>());
         palpate_contact_params_init(params.as_mut_ptr(), size_of::<ContactParams>());
@@ -55,7 +55,7 @@ fn a_contact_is_recorded_as_it_was() {
     let path = folder.path().join("contact.mcap");
     let contact = wall();
     let mut recorder = ptr::null_mut();
-    // The third sample is refused; the fourth comes late; half of the last force was sent.
+    // The third sample is rejected, the fourth is late, and half of the last force was sent.
     let ticks = [
         (-0.001, None, 1.0),
         (0.001, None, 1.0),
@@ -64,7 +64,7 @@ fn a_contact_is_recorded_as_it_was() {
         (0.003, None, 0.5),
     ];
     let mut forces = Vec::new();
-    // SAFETY: contact and recorder are there until they are freed; structs have their sizes.
+    // SAFETY: contact and recorder live until they are freed; each struct states its size.
     unsafe {
         let status =
             palpate_recorder_of_contact(contact, in_c(&path).as_ptr(), ptr::null(), &mut recorder);
@@ -127,8 +127,8 @@ fn each_device_of_a_world_has_a_recording_of_its_own() {
     let mut world = ptr::null_mut();
     let mut recorders = [ptr::null_mut(); 2];
     let mut told = Vec::new();
-    // SAFETY: world and recorders are there until they are freed; structs have their sizes, and there are as many
-    // poses and wrenches as devices.
+    // SAFETY: world and recorders live until they are freed; each struct states its size, and there is one pose and
+    // wrench per device.
     unsafe {
         let status = palpate_world_open(in_c(&scene).as_ptr(), ptr::null(), &mut world);
         assert_eq!(status, Status::Ok);
@@ -157,7 +157,7 @@ fn each_device_of_a_world_has_a_recording_of_its_own() {
             let mut wrenches: [Wrench; 2] = std::mem::zeroed();
             palpate_world_step(world, &sample, wrenches.as_mut_ptr(), 2, &mut output);
             for (recorder, wrench) in recorders.iter().zip(&wrenches) {
-                // Something between lets half of it through.
+                // Half of the force is sent.
                 let sent = Wrench {
                     force: wrench.force.map(|x| x / 2.0),
                     ..*wrench
@@ -175,7 +175,7 @@ fn each_device_of_a_world_has_a_recording_of_its_own() {
         }
         palpate_world_free(world);
     }
-    // Contacts and bodies are those of the world, whichever device is recorded.
+    // Contacts and bodies are those of the world, for every recorded device.
     let rows = paths.each_ref().map(|path| rows(path));
     for (device, (recording, rows)) in rows.iter().enumerate() {
         let mut ticks: Vec<_> = rows.iter().map(|row| row.tick).collect();
@@ -188,7 +188,7 @@ fn each_device_of_a_world_has_a_recording_of_its_own() {
             assert_eq!(tick.delivered_force, half);
         }
         let last = ticks.last().unwrap();
-        // The fingers press inwards from either side, and the cube stands on its table by four corners.
+        // The fingers press inwards from both sides, and four corners of the cube rest on the table.
         let outwards = last.commanded_force[0] * [-1.0, 1.0][device];
         assert!(outwards > 0.01, "{outwards}");
         assert_eq!((last.contacts, last.bodies), (2 + 4, 1 + 2));
@@ -217,7 +217,7 @@ fn ticks_that_find_no_room_are_counted_and_missing_by_their_number() {
         lost: 0,
     };
     let mut made = 0;
-    // SAFETY: contact and recorder are there until they are freed; structs have their sizes.
+    // SAFETY: contact and recorder live until they are freed; each struct states its size.
     unsafe {
         let status =
             palpate_recorder_of_contact(contact, in_c(&path).as_ptr(), &params, &mut recorder);
@@ -237,7 +237,7 @@ fn ticks_that_find_no_room_are_counted_and_missing_by_their_number() {
     }
     assert_eq!((recorded.ticks_made, recorded.lost), (made, 1));
     let (recording, rows) = rows(&path);
-    // The last one was the one without room: only the loop's own count knows of it.
+    // The last tick was dropped, so only the loop's counter includes it.
     assert_eq!(rows.len() as u64, recorded.ticks);
     assert_eq!(recorded.ticks, made - 1);
     assert_eq!((recording.ticks_made(), recording.lost()), (Some(made), 1));

@@ -41,7 +41,7 @@ def main(seconds: float = 1.5) -> dict[str, float]:
     contact = Contact(
         model, data, tool=0.01, bodies=["door", "box"], stiffness=2000.0, friction=0.3, device_mass=0.2, period=period
     )
-    # A hand that goes along y, against the box and with it against the door.
+    # A hand that moves along y and pushes the box against the door.
     device = SimulatedDevice([0.2] * 3, [0.15, 0.05, 0.03], 200.0, 4.0, [0.15, 0.05, 0.03], [0, 0, 0], period)
     given = 0.0
     for tick in range(round(seconds / period)):

@@ -75,7 +75,7 @@ def drive(viewer: Any, model: mujoco.MjModel, data: mujoco.MjData, contact: Cont
         if wait > 0:
             time.sleep(wait)
         else:
-            # Late: time is lost, and not made up for.
+            # Late: the lost time is not made up.
             due -= wait
 
 

@@ -1,5 +1,5 @@
-//! How long the library takes for what `measure` lets Python do: a million samples, rendered by the method
-//! that is named. Prints the least time of several runs `[s]`.
+//! Times the library for the workload of `measure`: a million samples, rendered by the named method. Prints
+//! the shortest time of several runs `[s]`.
 
 use std::time::Instant;
 
@@ -8,7 +8,7 @@ use palpate_scene::{Delay, Timing};
 use palpate_sim::replay::{Replay, ReplaySetup};
 use palpate_study::report::{Report, Subject};
 
-/// As in `measure`.
+/// Equal to those of `measure`.
 const SAMPLES: u32 = 1_000_000;
 const RUNS: u32 = 5;
 

@@ -1,4 +1,4 @@
-//! `advise`: what can be rendered on a device.
+//! `advise`: contacts that can be rendered on a device.
 
 use palpate::MethodName;
 use palpate_calibrate::Calibration;
@@ -17,7 +17,7 @@ use crate::methods::chosen;
 use crate::names::{refused, wrong_argument, wrong_on_bench};
 use crate::studies::threads;
 
-/// The arguments of an advice.
+/// Arguments of `advise`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct AdviseArguments {
@@ -35,7 +35,7 @@ pub struct AdviseArguments {
     device_file: Option<NamedText>,
 }
 
-/// Says what can be rendered on a device: a report as JSON and as text.
+/// Returns the report on the contacts that a device can render, as JSON and as text.
 #[pyfunction]
 pub fn advise(
     py: Python<'_>,
@@ -51,7 +51,7 @@ pub fn advise(
     advised.map_err(wrong_bounce)
 }
 
-/// The figure of an advice: how stiff a contact can be over the object's mass.
+/// Returns the figure of an advice: largest stiffness over the object's mass.
 #[pyfunction]
 pub fn advice_figure(
     py: Python<'_>,
@@ -71,7 +71,7 @@ pub fn advice_figure(
     figure.map_err(wrong_bounce)?.map_err(refused)
 }
 
-/// What is asked about, and on which device.
+/// Checked question: the device and the contact.
 struct Asked {
     file: Option<Calibration>,
     bounce: Bounce,
@@ -126,7 +126,7 @@ fn wrong_bounce(error: BounceError) -> PyErr {
     }
 }
 
-/// The scene that is asked about.
+/// Returns the scene of the question.
 fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> PyResult<Bounce> {
     let asked = Question {
         file,

@@ -1,4 +1,4 @@
-//! Arrays of Python as they are read: rows of numbers whose place in memory Rust can read.
+//! Arrays of Python as rows of numbers, with a memory layout that Rust can read.
 
 use numpy::ndarray::ArrayView2;
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods as _};
@@ -6,11 +6,11 @@ use pyo3::prelude::*;
 
 use crate::names::refused;
 
-/// The rows of the argument called `name`. The Python files hand over arrays that lie as they must; who calls the compiled
-/// part himself may not.
+/// Returns the rows of the argument called `name`. The Python files pass aligned arrays; direct callers of the compiled
+/// part may not.
 ///
 /// # Errors
-/// Numbers that lie in memory where no number of 64 bits may.
+/// Misaligned 64-bit numbers.
 pub fn rows<'a>(name: &str, array: &'a PyReadonlyArray2<'_, f64>) -> PyResult<ArrayView2<'a, f64>> {
     let is_aligned: bool = array.getattr("flags")?.getattr("aligned")?.extract()?;
     let size = isize::try_from(size_of::<f64>()).unwrap_or(isize::MAX);

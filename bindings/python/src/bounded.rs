@@ -1,9 +1,9 @@
-//! The limits of a world that acted, as Python has them.
+//! Names of active limits of a world for Python.
 
 use palpate_rt::safety::Bounded;
 use palpate_world::Limited;
 
-/// Names of the limits of a renderer and of the safety that acted.
+/// Returns the names of the active limits of renderer and safety layer.
 pub fn names(limited: Limited, bounded: Bounded) -> Vec<&'static str> {
     let acted = [
         (limited.force || bounded.force, "force"),

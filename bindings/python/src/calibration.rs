@@ -1,4 +1,4 @@
-//! `calibrate`: an excitation of a device in a loop of Python's own, or of a scene's device in simulated time.
+//! `calibrate`: an excitation of a device in a loop that Python owns, or of a scene's device in simulated time.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -17,14 +17,14 @@ use crate::interrupt::interruptible;
 use crate::names::refused;
 use crate::scene::PyScene;
 
-/// A calibration: its report as JSON, as text and as a figure, the device file, and the report with a part
-/// of the motion as JSON.
+/// A calibration: report as JSON, as text and as a figure, the device file, and the report with an excerpt of the
+/// motion as JSON.
 type Calibrated = (String, String, String, String, String);
 
-/// A text that was read, with the name of where it stands.
+/// A text and the name of its source.
 pub type NamedText = (String, String);
 
-/// What is known beside the motion, and how it was found.
+/// Known values in addition to the motion, and their sources.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Beside {
@@ -37,7 +37,7 @@ pub struct Beside {
     date: Option<String>,
 }
 
-/// An excitation under way, and its samples so far.
+/// A running excitation with its samples so far.
 #[pyclass(frozen, subclass, name = "Excitation", module = "palpate._palpate")]
 pub struct PyExcitation {
     params: ExcitationParams,
@@ -59,7 +59,7 @@ impl PyExcitation {
 
 #[pymethods]
 impl PyExcitation {
-    /// An excitation that has not begun: period `[s]`, largest force `[N]`, duration `[s]`, excursion `[m]`,
+    /// Creates an excitation: period `[s]`, largest force `[N]`, duration `[s]`, excursion `[m]`,
     /// tremor `[m]`, seed.
     #[new]
     fn new(
@@ -82,8 +82,8 @@ impl PyExcitation {
         Ok(Self::of(params, motion))
     }
 
-    /// The force on the device `[N]` to hold from the sample of `position` `[m]` on; `time` `[s]` is that of the
-    /// sample, where it was measured.
+    /// Returns the force on the device `[N]` to hold after the sample `position` `[m]`; `time` `[s]` is the sampling
+    /// time if it was measured.
     #[pyo3(signature = (position, time=None))]
     fn step(&self, position: f64, time: Option<f64>) -> PyResult<f64> {
         if let Some(time) = time {
@@ -109,37 +109,37 @@ impl PyExcitation {
         }
     }
 
-    /// Says that the last sample was answered by another force than it asked for `[N]`.
+    /// Reports the force that was actually sent for the last sample `[N]`.
     fn report_sent(&self, force: f64) -> PyResult<()> {
         self.motion().really_sent(finite("force", force, " N")?);
         Ok(())
     }
 
-    /// Whether it is complete.
+    /// Whether the excitation is complete.
     #[getter]
     fn done(&self) -> bool {
         self.motion().phase() == Phase::Done
     }
 
-    /// Samples of the whole.
+    /// Returns the number of samples of a complete excitation.
     fn __len__(&self) -> usize {
         self.motion().length()
     }
 
-    /// Positions `[m]` so far.
+    /// Positions so far `[m]`.
     #[getter]
     fn positions(&self) -> Vec<f64> {
         self.motion().positions.clone()
     }
 
-    /// The force `[N]` that each position was answered with.
+    /// Forces for these positions `[N]`.
     #[getter]
     fn forces(&self) -> Vec<f64> {
         self.motion().forces.clone()
     }
 }
 
-/// Excites the device of a scene in simulated time, whole.
+/// Runs a whole excitation of a scene's device in simulated time.
 #[pyfunction]
 pub fn excite_scene(
     py: Python<'_>,
@@ -159,7 +159,7 @@ pub fn excite_scene(
     Ok(())
 }
 
-/// Fits the motion of an excitation that is complete.
+/// Fits the motion of a complete excitation.
 #[pyfunction]
 pub fn calibrate(
     py: Python<'_>,
@@ -210,7 +210,7 @@ pub fn calibrate(
     Ok((json, text, figure, found.to_string(), whole))
 }
 
-/// A device file.
+/// Parses a device file.
 pub fn parse((name, text): &NamedText) -> PyResult<Calibration> {
     Calibration::parse(name, text).map_err(refused)
 }

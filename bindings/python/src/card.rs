@@ -1,4 +1,4 @@
-//! `report`: the card of a device as a page.
+//! `report`: the device report as a page.
 
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -16,7 +16,7 @@ use crate::methods::chosen;
 use crate::names::refused;
 use crate::studies::threads;
 
-/// What a card is made from.
+/// Sources of a device report.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct CardSources {
@@ -28,14 +28,14 @@ pub struct CardSources {
     period: Option<f64>,
 }
 
-/// Why there is no card.
+/// Reason for failing to make a device report.
 enum Wrong {
     Recording(RecordingError),
     Card(CardError),
     Page(String),
 }
 
-/// Makes a card: its report as JSON and as text, and its page.
+/// Makes a device report: as JSON, as text, and as a page.
 #[pyfunction]
 pub fn report(
     py: Python<'_>,

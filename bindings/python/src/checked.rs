@@ -1,10 +1,10 @@
-//! Numbers that an argument may have.
+//! Range checks of numeric arguments.
 
 use pyo3::PyResult;
 
 use crate::names::refused;
 
-/// A number within a range, both ends in it.
+/// Returns a number if it is within a closed range.
 pub fn within(name: &str, value: f64, [least, most]: [f64; 2], unit: &str) -> PyResult<f64> {
     if value.is_finite() && value >= least && value <= most {
         return Ok(value);
@@ -19,7 +19,7 @@ pub fn within(name: &str, value: f64, [least, most]: [f64; 2], unit: &str) -> Py
     )))
 }
 
-/// A number that is neither NaN nor infinite.
+/// Returns a number if it is finite.
 pub fn finite(name: &str, value: f64, unit: &str) -> PyResult<f64> {
     if value.is_finite() {
         return Ok(value);
@@ -29,7 +29,7 @@ pub fn finite(name: &str, value: f64, unit: &str) -> PyResult<f64> {
     )))
 }
 
-/// A number above 0.
+/// Returns a number if it is finite and above 0.
 pub fn above_zero(name: &str, value: f64, unit: &str) -> PyResult<f64> {
     if value.is_finite() && value > 0.0 {
         return Ok(value);
@@ -39,9 +39,9 @@ pub fn above_zero(name: &str, value: f64, unit: &str) -> PyResult<f64> {
     )))
 }
 
-/// 0 and above.
+/// Range of non-negative numbers.
 pub const NOT_NEGATIVE: [f64; 2] = [0.0, f64::INFINITY];
-/// A factor of what a renderer is told.
+/// Range of a factor on a model value.
 pub const FACTOR: [f64; 2] = [1e-3, 1e3];
-/// A time in periods.
+/// Range of a time in periods.
 pub const PERIODS: [f64; 2] = [0.0, 100.0];

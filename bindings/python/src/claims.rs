@@ -1,4 +1,4 @@
-//! `claims`: the numbers that the paper claims, computed anew.
+//! `claims`: the paper's numerical claims, recomputed.
 
 use palpate_scene::{Scene, SceneFile};
 use palpate_study::claims::report::ClaimsReport;
@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use crate::interrupt::interruptible;
 use crate::names::refused;
 
-/// The committed scenes that the claims are about.
+/// Committed scenes of the claims.
 const SCENES: [(&str, &str); 6] = [
     ("fig2", include_str!("../experiments/fig2.toml")),
     (
@@ -24,7 +24,7 @@ const SCENES: [(&str, &str); 6] = [
     ("fig5_box", include_str!("../experiments/fig5_box.toml")),
 ];
 
-/// Checks the claims: the report as JSON and as text.
+/// Checks the claims and returns the report as JSON and as text.
 #[pyfunction]
 pub fn claims(py: Python<'_>) -> PyResult<(String, String)> {
     let scenes: PyResult<Vec<Scene>> = SCENES

@@ -1,12 +1,12 @@
-//! Ticks of runs as arrays: a record for each tick.
+//! Ticks of runs as arrays: one record per tick.
 
 use numpy::{PyArray1, PyArrayMethods as _};
 use palpate::{Fault, Limited, Phase};
 use palpate_sim::run::{IdealPoint, Reference, Run, Tick};
 use pyo3::prelude::*;
 
-/// Makes the list of the numbers of a record, by the names that files have for them, and the function that
-/// takes them from a `$record`.
+/// Defines the list of the numbers of a record, by their names in files, and the function that takes them from
+/// a `$record`.
 macro_rules! numbers {
     ($names:ident, $take:ident, $of:ty, $record:ident: $($name:literal = $number:expr,)+) => {
         const $names: &[&str] = &[$($name),+];
@@ -46,10 +46,10 @@ numbers! { IDEAL, ideal_numbers, IdealPoint, point:
     "force_on_object_n" = point.force_on_object,
 }
 
-/// The codes that stand behind the numbers of a tick, a byte each.
+/// Codes that follow the numbers of a tick, one byte each.
 const CODES: [&str; 3] = ["phase", "limited", "fault"];
 
-/// Every phase, in the order of its code.
+/// Phases in the order of their codes.
 const PHASES: [Phase; 5] = [
     Phase::Free,
     Phase::Contact,
@@ -58,7 +58,7 @@ const PHASES: [Phase; 5] = [
     Phase::Waiting,
 ];
 
-/// Every fault, in the order of its code, which begins with 1.
+/// Faults in the order of their codes, which start at 1.
 const FAULTS: [Fault; 6] = [
     Fault::PositionNotFinite,
     Fault::VirtualForceNotFinite,
@@ -68,10 +68,10 @@ const FAULTS: [Fault; 6] = [
     Fault::Overflow,
 ];
 
-/// Every limit, from the lowest bit of its code.
+/// Limits, starting at the lowest bit of the code.
 const LIMITS: [&str; 4] = ["pull", "force", "slew", "guard"];
 
-/// Which of the limits acted.
+/// Returns which limits acted.
 fn acted(limited: Limited) -> [bool; LIMITS.len()] {
     let Limited {
         pull,
@@ -82,14 +82,14 @@ fn acted(limited: Limited) -> [bool; LIMITS.len()] {
     [pull, force, slew, guard]
 }
 
-/// The names of the limits that acted.
+/// Returns the names of the limits that acted.
 pub fn limits(limited: Limited) -> impl Iterator<Item = &'static str> {
     let named = LIMITS.into_iter().zip(acted(limited));
     named.filter_map(|(name, acted)| acted.then_some(name))
 }
 
-/// Names of the numbers and of the codes of a tick; and what the codes mean: phases, limits by their bits,
-/// and faults, of which the first is none.
+/// Returns the names of the numbers and codes of a tick, and the meaning of the codes: phases, limits by bit, and
+/// faults. Fault code 0 means no fault.
 #[pyfunction]
 pub fn columns() -> (Vec<&'static str>, [&'static str; 3], [Vec<&'static str>; 3]) {
     let phases = PHASES.into_iter().map(Phase::name).collect();
@@ -98,17 +98,17 @@ pub fn columns() -> (Vec<&'static str>, [&'static str; 3], [Vec<&'static str>; 3
     (NUMBERS.to_vec(), CODES, [phases, LIMITS.to_vec(), faults])
 }
 
-/// Names of the numbers of a point of the ideal.
+/// Returns the names of the numbers of a point of the reference solution.
 #[pyfunction]
 pub fn ideal_columns() -> Vec<&'static str> {
     IDEAL.to_vec()
 }
 
-/// Records as words of 64 bits.
+/// Records as 64-bit words.
 pub type Words = Vec<u64>;
 
-/// The ticks of a run, in an array of Python: NumPy asks the system for large pieces of memory, which is
-/// ten times as fast as what Rust gets for so many records. Other threads of Python run meanwhile.
+/// Returns the ticks of a run in a NumPy array. NumPy allocates large arrays directly from the system, ten times
+/// faster than Rust does for this many records. Releases the GIL.
 pub fn of_run(py: Python<'_>, run: Run) -> PyResult<Bound<'_, PyArray1<u64>>> {
     const WIDTH: usize = NUMBERS.len() + 1;
     let array = PyArray1::zeros(py, run.ticks.len() * WIDTH, false);
@@ -125,7 +125,7 @@ pub fn of_run(py: Python<'_>, run: Run) -> PyResult<Bound<'_, PyArray1<u64>>> {
     Ok(array)
 }
 
-/// The ideal's motion.
+/// Returns the motion of the reference solution.
 pub fn of_ideal(reference: &Reference) -> Words {
     let mut words = Vec::with_capacity(reference.curve.len() * IDEAL.len());
     for point in &reference.curve {
@@ -148,7 +148,7 @@ fn codes(tick: &Tick) -> u64 {
     u64::from_ne_bytes([phase, limited, fault, 0, 0, 0, 0, 0])
 }
 
-/// The words as an array of Python, without a copy.
+/// Moves the words into a NumPy array without a copy.
 pub fn array(py: Python<'_>, words: Words) -> Bound<'_, PyArray1<u64>> {
     PyArray1::from_vec(py, words)
 }

@@ -21,13 +21,13 @@ use crate::names::refused;
 use crate::renderer::safety_params;
 use crate::world::rows;
 
-/// What a shape is called, its lengths, and where it is in its body's axes.
+/// Shape name, its lengths, its pose in body axes, and points.
 type GivenShape = (String, Vec<f64>, Vector, Quaternion, Vec<Vector>);
-/// Numbers of a row that says a body: position, orientation, velocity, angular velocity, acceleration, angular
-/// acceleration, and its mobility row by row.
+/// Number of entries in a body's row: position, orientation, velocity, angular velocity, acceleration, angular
+/// acceleration, and the rows of its mobility.
 pub const BODY: usize = 55;
 
-/// Tools, bodies, their law and the loop, as the Python files hand them over.
+/// Tools, bodies, their law and the loop, as passed by the Python files.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Description {
@@ -61,13 +61,13 @@ pub struct EngineContact {
     last: Option<Answer>,
 }
 
-/// The sample that a period began with.
+/// Sample at the start of a period.
 struct Sampled {
     positions: Vec<Vector>,
     elapsed: Option<f64>,
 }
 
-/// What a sample was answered.
+/// Result of a sample.
 struct Answer {
     forces: Vec<Vector>,
     limited: Vec<&'static str>,
@@ -82,12 +82,12 @@ type Told<'py> = (
     (u32, u32, u32, bool),
     Option<&'static str>,
 );
-/// Numbers of tool and body, mode, point, normal, penetration and force.
+/// Indices of tool and body, mode, point, normal, penetration and force.
 type ContactNow = (usize, usize, &'static str, Vector, Vector, f64, Vector);
-/// Entries of the books of contacts, and of devices.
+/// Entries of the energy ledger: contacts and devices.
 type BooksNow = (Vec<[f64; 8]>, Vec<[f64; 2]>);
 
-/// All faults, a line for each.
+/// Returns an error with all faults, one per line.
 pub fn wrong(faults: &[WorldError]) -> PyErr {
     let lines: Vec<_> = faults.iter().map(ToString::to_string).collect();
     refused(lines.join("\n"))
@@ -130,7 +130,7 @@ fn shape((kind, lengths, position, orientation, points): GivenShape) -> PyResult
     })
 }
 
-/// A body by its row of [`BODY`] numbers.
+/// Returns the body of a row of [`BODY`] numbers.
 pub fn body(row: &[f64]) -> BodyNow {
     let three = |from: usize| [row[from], row[from + 1], row[from + 2]];
     let mut mobility = [[0.0; 6]; 6];
@@ -150,7 +150,7 @@ pub fn body(row: &[f64]) -> BodyNow {
 
 #[pymethods]
 impl EngineContact {
-    /// Contacts that are described by a dictionary; the Python files have its keys.
+    /// Creates the contacts that a dictionary describes; the Python files document its keys.
     #[new]
     fn new(given: &Bound<'_, PyDict>) -> PyResult<Self> {
         let given: Description = read(given)?;
@@ -208,7 +208,7 @@ impl EngineContact {
         })
     }
 
-    /// A period begins: a row of three coordinates for each device.
+    /// Starts a period: one row of three coordinates per device.
     #[pyo3(signature = (positions, elapsed=None))]
     fn take(&mut self, positions: PyReadonlyArray2<'_, f64>, elapsed: Option<f64>) -> PyResult<()> {
         let positions = arrays::rows("position", &positions)?;
@@ -230,8 +230,8 @@ impl EngineContact {
         Ok(())
     }
 
-    /// A step of the engine of `h` `[s]`, whose bodies are as each row says: the wrenches to hold on them, a row for
-    /// each.
+    /// Renders an engine step of `h` `[s]` with one row per body, and returns the wrenches to hold on the bodies,
+    /// one row each.
     fn meet<'py>(
         &mut self,
         py: Python<'py>,
@@ -264,7 +264,7 @@ impl EngineContact {
         Ok(PyArray2::from_vec2(py, &rows)?)
     }
 
-    /// The period ends: a row of force for each device.
+    /// Ends the period and returns one force row per device.
     fn answer<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let Some(Sampled { positions, elapsed }) = self.sampled.take() else {
             return Err(refused(
@@ -301,12 +301,12 @@ impl EngineContact {
         Ok(held)
     }
 
-    /// Says what was really sent to a device for the last sample `[N]`.
+    /// Reports the force that was actually sent to a device for the last sample `[N]`.
     fn tell_sent(&mut self, tool: usize, force: Vector) {
         self.renderer.report_sent(&mut self.state, tool, force);
     }
 
-    /// Begins anew: nothing sampled, nothing touched, the books empty.
+    /// Resets the state: no sample, no contact, an empty energy ledger.
     fn forget(&mut self) {
         self.safety.restart();
         self.state = self.renderer.start();
@@ -314,7 +314,7 @@ impl EngineContact {
         self.last = None;
     }
 
-    /// What was answered to the last sample: None before the first.
+    /// Returns the result of the last sample, or None before the first.
     fn told<'py>(&self, py: Python<'py>) -> PyResult<Option<Told<'py>>> {
         let Some(answer) = &self.last else {
             return Ok(None);
@@ -327,18 +327,18 @@ impl EngineContact {
         )))
     }
 
-    /// Where the avatars are at the end of the period, a row for each.
+    /// Returns the proxy positions at the end of the period, one row each.
     fn avatars<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         rows(py, &self.state.avatars())
     }
 
-    /// What is known of each tool: seven vectors and its mass.
+    /// Returns the state of each tool: seven vectors and, if known, its mass.
     fn tools_now(&self) -> Vec<([Vector; 7], Option<Vector>)> {
         let tools = self.state.tools().iter();
         tools.map(crate::world_state::tool).collect()
     }
 
-    /// Each point of contact.
+    /// Returns each contact point.
     fn contacts_now(&self) -> Vec<ContactNow> {
         let contacts = self.state.contacts().iter();
         contacts
@@ -357,7 +357,7 @@ impl EngineContact {
             .collect()
     }
 
-    /// The books of energy.
+    /// Returns the energy ledger.
     fn books_now(&self) -> BooksNow {
         let books = self.state.books();
         (

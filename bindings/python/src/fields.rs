@@ -1,17 +1,17 @@
-//! Arguments as the Python files hand them over, in a dictionary, and which of them is of a wrong type.
+//! Reads arguments from the dictionaries of the Python files and names an argument of the wrong type.
 
 use pyo3::PyTypeInfo as _;
 use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// How an argument of a wrong type is told of by what reads a dictionary.
+/// Prefix of pyo3's message for an argument of the wrong type.
 const FAILED: &str = "failed to extract field ";
 
-/// What a dictionary of arguments says.
+/// Reads a dictionary of arguments.
 ///
 /// # Errors
-/// An argument of a wrong type, by its name.
+/// An argument of the wrong type, by its name.
 pub fn read<'py, T>(given: &Bound<'py, PyDict>) -> PyResult<T>
 where
     T: for<'a> FromPyObject<'a, 'py, Error = PyErr>,
@@ -19,7 +19,7 @@ where
     given.extract().map_err(|error| named(given, error))
 }
 
-/// Says which argument of `given` is of a wrong type, with its value and what it must be.
+/// Adds the name, the value and the required type of the wrong argument to an error.
 pub fn named(given: &Bound<'_, PyDict>, error: PyErr) -> PyErr {
     let py = given.py();
     let said = error.value(py).to_string();
@@ -39,14 +39,14 @@ pub fn named(given: &Bound<'_, PyDict>, error: PyErr) -> PyErr {
     if cause.get_type(py).is(PyTypeError::type_object(py)) {
         PyTypeError::new_err(message)
     } else if cause.is_instance_of::<PyOverflowError>(py) {
-        // A number that is below 0 or too large for the argument.
+        // A number that is negative or too large for the argument.
         PyValueError::new_err(message)
     } else {
         error
     }
 }
 
-/// The beginning of a long text.
+/// Returns the beginning of a long text.
 fn shortened(text: String) -> String {
     match text.char_indices().nth(40) {
         Some((end, _)) => format!("{}...", &text[..end]),

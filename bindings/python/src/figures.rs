@@ -1,21 +1,21 @@
-//! Figures as SVG, in their natural size.
+//! Figures as SVG, in natural size.
 
 use palpate_figure::{Picture, Size, svg};
 use palpate_plot::{Devices, RunsFigure};
 use palpate_sim::run::{Reference, Run};
 
-/// A figure as SVG.
+/// Returns a figure as SVG.
 ///
 /// # Errors
-/// A figure that does not fit its size.
+/// The figure does not fit its size.
 pub fn drawn(figure: &(impl Picture + ?Sized)) -> Result<String, String> {
     svg(figure, Size::NATURAL).map_err(|error| error.to_string())
 }
 
-/// The figure of runs of a scene, or of a motion that was recorded, called `of`.
+/// Returns the figure of the runs of a scene or a recorded motion called `of`.
 ///
 /// # Errors
-/// A figure that does not fit its size.
+/// The figure does not fit its size.
 pub fn of_runs(
     of: &str,
     reference: &Reference,

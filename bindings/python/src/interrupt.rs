@@ -1,4 +1,4 @@
-//! Long work beside Python: other threads of Python run meanwhile, and Ctrl-C ends the wait.
+//! Runs long work without the GIL and lets Ctrl-C end the wait.
 
 use std::panic::resume_unwind;
 use std::sync::Arc;
@@ -10,20 +10,20 @@ use std::time::Duration;
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 
-/// How often it is looked whether Python has a signal to handle.
+/// Polling interval for pending Python signals.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
-/// Whether nobody waits for the work any more.
+/// Cancellation flag of a piece of work.
 #[derive(Clone, Default)]
 pub struct Stop(Arc<AtomicBool>);
 
 impl Stop {
-    /// Whether nobody waits for the work any more.
+    /// Whether the work is cancelled.
     pub fn is_raised(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// Ends the work where nobody waits for it any more: unwinds its thread, without a message.
+    /// Unwinds the thread of the work without a message if the work is cancelled.
     pub fn leave_if_raised(&self) {
         if self.is_raised() {
             resume_unwind(Box::new("nobody waits for this work any more"));
@@ -31,12 +31,11 @@ impl Stop {
     }
 }
 
-/// Does `work` in a thread of its own, without the lock of Python, and waits for it. What a signal
-/// handler of Python raises, such as `KeyboardInterrupt`, ends the wait; the work then ends where it
-/// next looks at its [`Stop`].
+/// Runs `work` in a new thread without the GIL and waits for it. An exception of a Python signal handler, such as
+/// `KeyboardInterrupt`, ends the wait; the work then ends at its next check of [`Stop`].
 ///
 /// # Errors
-/// What a signal handler raised; a panic of the work.
+/// An exception of a signal handler; a panic of the work.
 pub fn interruptible<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&Stop) -> T + Send + 'static,
@@ -47,7 +46,7 @@ pub fn interruptible<T: Send + 'static>(
     thread::Builder::new()
         .name("palpate".to_owned())
         .spawn(move || {
-            // Nobody waits any more where this fails.
+            // Sending fails only after the wait has ended.
             let _ = sender.send(work(&seen));
         })
         .map_err(|error| PyOSError::new_err(format!("no thread to work in: {error}")))?;

@@ -1,7 +1,7 @@
-//! palpate as a Python package: the part that is compiled, `palpate._palpate`.
+//! Compiled part of the Python package palpate: `palpate._palpate`.
 //!
-//! It takes what the Python files of the package give it, calls the libraries, and hands back numbers:
-//! reports as the JSON that the program prints, ticks as arrays. Nothing is computed here.
+//! It converts arguments of the Python files, calls the libraries, and returns results: reports as the JSON that the
+//! program prints, ticks as arrays. It computes nothing itself.
 
 mod advise;
 mod arrays;
@@ -35,7 +35,7 @@ mod worlds;
 
 use pyo3::prelude::*;
 
-/// What the Python files of the package call.
+/// Functions and classes for the Python files of the package.
 #[pymodule]
 mod _palpate {
     #[pymodule_export]

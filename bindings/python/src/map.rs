@@ -1,4 +1,4 @@
-//! `map`: what each method can render, whole or in parts.
+//! `map`: contacts that each method can render, as a whole map or in parts.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -20,10 +20,10 @@ use crate::interrupt::{Stop, interruptible};
 use crate::methods::chosen;
 use crate::names::refused;
 
-/// A report as JSON, as text and as a figure, and a map as the text of its file.
+/// A report as JSON, as text and as a figure, and the text of the map file.
 type Mapped = (String, String, String, String);
 
-/// The arguments of a map.
+/// Arguments of `map`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct MapArguments {
@@ -39,7 +39,7 @@ pub struct MapArguments {
     forces: String,
 }
 
-/// What a map follows from.
+/// Returns the parameters of a map.
 fn params(method: &Bound<'_, PyAny>, arguments: &MapArguments) -> PyResult<MapParams> {
     let named = chosen(method)?;
     let defaults = MapParams::default();
@@ -64,7 +64,7 @@ fn params(method: &Bound<'_, PyAny>, arguments: &MapArguments) -> PyResult<MapPa
     };
     let params = MapParams {
         cells: arguments.cells,
-        // In their own order, so that the same methods make the same map.
+        // In canonical order, so that the same methods give the same map.
         methods: MethodName::ALL
             .into_iter()
             .filter(|method| named.contains(method))
@@ -92,7 +92,7 @@ fn params(method: &Bound<'_, PyAny>, arguments: &MapArguments) -> PyResult<MapPa
     Ok(params)
 }
 
-/// Runs a part of a map on so many threads; the part, and how fast it came.
+/// Computes a part of a map on `threads` threads and returns it with its speed.
 fn part(
     params: &MapParams,
     (number, of): (usize, usize),
@@ -105,7 +105,7 @@ fn part(
     let never = AtomicBool::new(false);
     let is_over = AtomicBool::new(false);
     let computed = thread::scope(|scope| {
-        // Cells that are being run are finished, and none is begun after.
+        // Running cells are finished, and no new ones are started.
         let look = scope.spawn(|| {
             while !is_over.load(Ordering::Relaxed) {
                 if stop.is_raised() {
@@ -141,7 +141,7 @@ fn part(
     ))
 }
 
-/// The report of a whole map, its figure and its file.
+/// Returns the report, the figure and the file of a whole map.
 fn mapped(map: &Map, speed: Option<Speed>) -> Result<Mapped, String> {
     let report = MapReport::new(map, speed).map_err(|error| error.to_string())?;
     let figure = palpate_plot::map::figure(map, &[], None).map_err(|error| error.to_string())?;
@@ -171,10 +171,10 @@ pub fn map(
     found.map_err(refused)
 }
 
-/// A part of a map: what made it, by key and value, and its lines.
+/// A part of a map: its metadata by key and value, and its lines.
 type Part = (Vec<(String, String)>, Vec<String>);
 
-/// Computes the part `number` of `of` of a map, in one thread.
+/// Computes part `number` of `of` of a map in one thread.
 #[pyfunction]
 pub fn map_part(
     py: Python<'_>,
@@ -190,19 +190,19 @@ pub fn map_part(
     Ok((map.receipt, lines))
 }
 
-/// Checks what a map follows from.
+/// Checks the parameters of a map and returns its number of cells.
 #[pyfunction]
 pub fn map_check(method: &Bound<'_, PyAny>, arguments: &Bound<'_, PyDict>) -> PyResult<usize> {
     Ok(params(method, &read(arguments)?)?.len())
 }
 
-/// The columns of a line of a map.
+/// Returns the columns of a line of a map.
 #[pyfunction]
 pub fn map_columns() -> Vec<&'static str> {
     Format::BouncesAndStays.columns().to_vec()
 }
 
-/// Joins all parts of a map, each with the name to call it by.
+/// Joins all parts of a map, each with a name for messages.
 #[pyfunction]
 pub fn map_of_parts(parts: Vec<(String, Part)>) -> PyResult<Mapped> {
     let read = |(name, (receipt, lines)): (String, Part)| {

@@ -1,4 +1,4 @@
-//! Methods by name, and the settings that each of them takes: all from the list of the core.
+//! Methods by name, and their settings, from the list of the core.
 
 use palpate::{MethodName, ParameterValue, Setting, SettingValues, Settings, Unit, all_settings};
 use palpate_scene::method::{method_named, nearest};
@@ -9,8 +9,8 @@ use pyo3::types::{PyBool, PyDict, PyList, PyString};
 use crate::names::{refused, unused};
 use crate::own_method::OwnMethod;
 
-/// Every method, in the order of tables and figures: its name, what it is, and its settings, each with
-/// its name, key, unit, words (of which one is to be given), help and default.
+/// Returns every method in the order of tables and figures: name, summary and settings, each with name, key, unit,
+/// allowed words, help and default.
 #[pyfunction]
 pub fn methods(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
     let all = PyList::empty(py);
@@ -35,7 +35,7 @@ pub fn methods(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
     Ok(all)
 }
 
-/// What a setting may be, in words.
+/// Returns the allowed values of a setting as text.
 fn allowed(setting: &Setting) -> String {
     match setting.values {
         SettingValues::Number { range, .. } => range.allowed().to_owned(),
@@ -45,7 +45,7 @@ fn allowed(setting: &Setting) -> String {
     }
 }
 
-/// The methods of an argument `method`: a name, several, or `all`.
+/// Returns the built-in methods of an argument `method`: one name, several names, or `all`.
 pub fn chosen(method: &Bound<'_, PyAny>) -> PyResult<Vec<MethodName>> {
     let several = chosen_or_own(method)?.into_iter();
     let built_in = several.map(|method| match method {
@@ -58,16 +58,16 @@ pub fn chosen(method: &Bound<'_, PyAny>) -> PyResult<Vec<MethodName>> {
     built_in.collect()
 }
 
-/// A method that was chosen.
+/// A selected method.
 pub enum Chosen {
-    /// By its name.
+    /// A built-in method.
     BuiltIn(MethodName),
-    /// A function of Python.
+    /// A Python function.
     Own(OwnMethod),
 }
 
 impl Chosen {
-    /// Its name.
+    /// Returns its name.
     pub fn name(&self) -> &'static str {
         match self {
             Self::BuiltIn(method) => method.name(),
@@ -76,7 +76,7 @@ impl Chosen {
     }
 }
 
-/// The same, functions of Python among them.
+/// Returns the methods of an argument `method`, which may include Python functions.
 pub fn chosen_or_own(method: &Bound<'_, PyAny>) -> PyResult<Vec<Chosen>> {
     if let Ok(name) = method.cast::<PyString>() {
         return match name.to_str()? {
@@ -119,7 +119,7 @@ fn named(name: &str) -> PyResult<MethodName> {
     method_named(name).map_err(refused)
 }
 
-/// The settings of arguments, by their names without units, for all of `methods`.
+/// Reads settings for all of `methods` from arguments, named without units.
 pub fn settings(given: &Bound<'_, PyDict>, methods: &[MethodName]) -> PyResult<Settings> {
     let mut settings = Settings::default();
     for (name, value) in given.iter() {
@@ -154,7 +154,7 @@ fn unknown(name: &str) -> PyErr {
     PyTypeError::new_err(format!("no parameter is called {name}; {near}"))
 }
 
-/// The value of a setting: anything that some method takes under that key.
+/// Reads the value of a setting: any value that some method accepts for this key.
 fn value(
     setting: &'static Setting,
     name: &str,

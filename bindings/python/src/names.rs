@@ -1,4 +1,4 @@
-//! What Python calls a parameter, and errors in these names.
+//! Python names of parameters, and errors that use them.
 
 use palpate::{Parameter, ParameterError, Setting, SettingKey, SettingsError};
 use palpate_scene::{SceneParameter, SceneParameterError, SetupError};
@@ -7,12 +7,12 @@ use palpate_testbed::InvalidParameter;
 use pyo3::PyErr;
 use pyo3::exceptions::PyValueError;
 
-/// A value that is not allowed.
+/// Returns a ValueError.
 pub fn refused(message: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(message.to_string())
 }
 
-/// The argument that gives a parameter, if one does.
+/// Returns the argument that sets a parameter, if there is one.
 fn argument_of(parameter: Parameter) -> Option<&'static str> {
     Some(match parameter {
         Parameter::Stiffness => "stiffness",
@@ -37,7 +37,7 @@ fn argument_of(parameter: Parameter) -> Option<&'static str> {
         Parameter::Gain => "gain",
         Parameter::GainDeviation => "gain_deviation",
         Parameter::Setting(setting) => setting.name(),
-        // No argument gives these.
+        // No argument sets these.
         Parameter::DerivedDamping
         | Parameter::AxisOrigin
         | Parameter::AxisNormal
@@ -51,7 +51,7 @@ fn argument_of(parameter: Parameter) -> Option<&'static str> {
     })
 }
 
-/// A parameter outside its range, in terms of the argument that gave it.
+/// Returns the error for a parameter outside its range, with the name of its argument.
 pub fn wrong_argument(error: &ParameterError) -> PyErr {
     match argument_of(error.parameter) {
         Some(name) => refused(error.called(name)),
@@ -70,7 +70,7 @@ fn wrong_of_scene(error: &SceneParameterError) -> PyErr {
     }
 }
 
-/// A method that cannot be set up from arguments.
+/// Returns the error for a method that cannot be set up from arguments.
 pub fn wrong_setup(error: &SetupError) -> PyErr {
     match error {
         SetupError::Parameter(parameter) => wrong_of_scene(parameter),
@@ -78,7 +78,7 @@ pub fn wrong_setup(error: &SetupError) -> PyErr {
     }
 }
 
-/// A setting that a method has no use for.
+/// Returns the error for a setting that a method does not use.
 pub fn unused(setting: &Setting, method: impl std::fmt::Display) -> PyErr {
     let (name, users) = (setting.name(), setting.key.users());
     refused(format!(
@@ -122,13 +122,13 @@ fn wrong_settings(error: &SettingsError) -> PyErr {
     }
 }
 
-/// A value that the bench refuses.
+/// Returns the error for a value that the bench rejects.
 pub fn wrong_on_bench(error: &InvalidParameter) -> PyErr {
     let (name, value, allowed) = (error.name, error.value, error.allowed);
     refused(format!("{name} is {value}, but must be {allowed}"))
 }
 
-/// A motion that cannot be replayed.
+/// Returns the error for a motion that cannot be replayed.
 pub fn wrong_replay(error: &ReplayError) -> PyErr {
     match error {
         ReplayError::Setup(error) => wrong_setup(error),

@@ -1,4 +1,4 @@
-//! A method of Python's own on the bench: a function that is called at each sample.
+//! Rendering methods written in Python: a function that the bench calls at each sample.
 
 use std::cell::RefCell;
 use std::collections::HashSet;
@@ -16,22 +16,22 @@ use pyo3::sync::PyOnceLock;
 use crate::interrupt::Stop;
 use crate::names::refused;
 
-/// A function of Python, by its name in reports.
+/// A Python function as a method, with its name in reports.
 pub struct OwnMethod {
-    /// Its name.
+    /// Name in reports.
     pub name: &'static str,
     function: Py<PyAny>,
 }
 
-/// Why a method of Python's own has not run.
+/// Reason why a Python method did not run.
 pub enum OwnError {
-    /// The function raised something, or did not answer with a number.
+    /// The function raised an exception or did not return a number.
     Raised(PyErr),
     /// The scene cannot be run.
     Loop(LoopError),
 }
 
-/// The function that is called, and what it has raised.
+/// The active function and the exception that it raised.
 struct Called {
     name: &'static str,
     function: Py<PyAny>,
@@ -40,12 +40,12 @@ struct Called {
 }
 
 thread_local! {
-    /// A method of the core is plain data, so what it calls is found here: a run is of one thread.
+    /// Methods of the core are plain data, so the function is stored here. A run uses one thread.
     static CALLED: RefCell<Option<Called>> = const { RefCell::new(None) };
 }
 
 impl OwnMethod {
-    /// The method of a `function`, called as the function is.
+    /// Creates the method of a `function`, with the function's name.
     pub fn of(function: &Bound<'_, PyAny>) -> PyResult<Self> {
         let name: String = match function.getattr("__name__") {
             Ok(name) => name.extract()?,
@@ -57,7 +57,7 @@ impl OwnMethod {
         })
     }
 
-    /// Runs it on a bench.
+    /// Runs the method on a bench.
     pub fn run(self, bench: &Bench<'_>, stop: &Stop) -> Result<Run, OwnError> {
         CALLED.set(Some(Called {
             name: self.name,
@@ -73,7 +73,7 @@ impl OwnMethod {
     }
 }
 
-/// A name for as long as the process lives, each once.
+/// Returns a static copy of a name; equal names share one copy.
 fn kept(name: String) -> &'static str {
     static NAMES: Mutex<Option<HashSet<&'static str>>> = Mutex::new(None);
     let mut names = NAMES.lock().unwrap_or_else(PoisonError::into_inner);
@@ -86,7 +86,7 @@ fn kept(name: String) -> &'static str {
     name
 }
 
-/// What a function of Python has of parameters: nothing that could be checked.
+/// Parameters of a Python method: none that could be checked.
 #[derive(Clone, Copy)]
 struct OwnParams {
     name: &'static str,
@@ -112,7 +112,7 @@ impl Method<f64> for Calls {
     type Memory = ();
 
     fn plan(&self, motion: &ObjectMotion<f64>, now: &Situation<'_, f64>, (): &mut ()) -> Plan<f64> {
-        // In contact or free throughout the interval, as the paper's object moves.
+        // In contact or free throughout the interval, as the object in the paper.
         now.unswitched(motion, || {
             CALLED.with_borrow_mut(|called| called.as_mut().map_or(0.0, |called| called.force(now)))
         })
@@ -120,7 +120,7 @@ impl Method<f64> for Calls {
 }
 
 impl Called {
-    /// The force that the function answers with; none once it has raised something.
+    /// Returns the force of the function, or 0 after it has raised an exception.
     fn force(&mut self, now: &Situation<'_, f64>) -> f64 {
         self.stop.leave_if_raised();
         if self.raised.is_some() {

@@ -13,8 +13,8 @@ use crate::columns::{Words, array};
 use crate::interrupt::interruptible;
 use crate::replay::unread;
 
-/// The columns of a row of a recording, a tick and a contact: the name of each, and whether it is a number or else a count; and
-/// what the codes mean: phases, and flags by their bits.
+/// Returns the columns of a row of a recording, which is a tick and a contact: the name of each, and whether it is a
+/// number or a count; and the meaning of the codes: phases, and flags by bit.
 #[pyfunction]
 pub fn recorded_columns() -> (Vec<(&'static str, bool)>, [Vec<&'static str>; 2]) {
     let columns = columns()
@@ -25,7 +25,7 @@ pub fn recorded_columns() -> (Vec<(&'static str, bool)>, [Vec<&'static str>; 2])
     (columns.collect(), [phases, flags])
 }
 
-/// What is in a recording.
+/// Content of a recording.
 type InPython<'py> = (
     (String, String),
     Bound<'py, PyArray1<u64>>,
@@ -35,8 +35,8 @@ type InPython<'py> = (
     Bound<'py, PyArray1<u64>>,
 );
 
-/// Reads a recording: the report on it as JSON and as text, its rows, one for each contact of a tick, its events, the texts of its
-/// receipt, the bodies of a world, and the devices of a loop that has several.
+/// Reads a recording: its report as JSON and as text, its rows (one per contact of a tick), its events, its metadata
+/// texts, the bodies of a world, and the devices of a loop with several.
 #[pyfunction]
 pub fn read_recording(py: Python<'_>, path: PathBuf) -> PyResult<InPython<'_>> {
     let read = interruptible(py, move |stop| {
@@ -81,10 +81,10 @@ pub fn read_recording(py: Python<'_>, path: PathBuf) -> PyResult<InPython<'_>> {
     ))
 }
 
-/// Words of a body at a tick: number of the tick, number of the body, its place and its motion.
+/// Number of words of a body at a tick: tick number, body number, pose and velocities.
 const BODY: usize = 15;
 
-/// A body at a tick, in words.
+/// Returns a body at a tick as words.
 pub fn body(body: &BodyTick) -> [u64; BODY] {
     let mut words = [0; BODY];
     words[0] = body.sequence;
@@ -97,11 +97,11 @@ pub fn body(body: &BodyTick) -> [u64; BODY] {
     words
 }
 
-/// Words of one of several devices at a tick: number of the tick, number of the device, flags, when it was sampled, how long it
-/// took to answer, its place and how it is turned, and what was commanded and held.
+/// Number of words of one of several devices at a tick: tick number, device number, flags, sampling time, round-trip
+/// time, position and orientation, and commanded and held wrench.
 const DEVICE: usize = 24;
 
-/// One of several devices at a tick, in words.
+/// Returns one of several devices at a tick as words.
 pub fn device(device: &DeviceTick) -> [u64; DEVICE] {
     let mut words = [0; DEVICE];
     words[0] = device.sequence;
@@ -120,7 +120,7 @@ pub fn device(device: &DeviceTick) -> [u64; DEVICE] {
     words
 }
 
-/// A value in a word of 64 bits: a number, or a count.
+/// Returns a value as a 64-bit word: a number or a count.
 pub fn word(value: Value) -> u64 {
     match value {
         Value::Number(number) => number.to_bits(),

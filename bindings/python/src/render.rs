@@ -1,4 +1,4 @@
-//! `render`: a motion, rendered by some methods.
+//! `render`: a motion rendered by several methods.
 
 use numpy::{PyArray1, PyReadonlyArray1};
 use palpate::{MethodName, Settings};
@@ -19,19 +19,19 @@ use crate::methods::{chosen, settings};
 use crate::names::{refused, wrong_replay};
 use crate::setup::setup;
 
-/// What some methods did: the report as JSON and as text, the ticks of each run, and the ideal.
+/// Results of several methods: report as JSON and as text, ticks of each run, and the reference solution.
 pub struct Rendered {
     /// The report as JSON.
     pub json: String,
     /// The report as text.
     pub text: String,
-    /// What each method did.
+    /// Run of each method.
     pub runs: Vec<Run>,
-    /// Points of the ideal.
+    /// Points of the reference solution.
     pub ideal: Words,
 }
 
-/// [`Rendered`], for Python.
+/// [`Rendered`] as passed to Python.
 pub type RenderedInPython<'py> = (
     String,
     String,
@@ -40,7 +40,7 @@ pub type RenderedInPython<'py> = (
 );
 
 impl Rendered {
-    /// The report of some runs, and the runs.
+    /// Combines a report with its runs.
     pub fn of(report: &Report, ideal: Words, runs: Vec<Run>) -> Self {
         Self {
             json: report.json(),
@@ -50,7 +50,7 @@ impl Rendered {
         }
     }
 
-    /// As Python takes it; each run goes as soon as its ticks are taken.
+    /// Converts to Python and frees each run after its ticks are copied.
     pub fn into_python(self, py: Python<'_>) -> PyResult<RenderedInPython<'_>> {
         let runs = self.runs.into_iter();
         let ticks = runs.map(|run| Ok((run.method.name(), of_run(py, run)?)));
@@ -59,7 +59,7 @@ impl Rendered {
     }
 }
 
-/// A motion, with what it is rendered with.
+/// A motion and the rendering parameters.
 struct MotionToRender {
     setup: ReplaySetup,
     settings: Settings,
@@ -70,8 +70,8 @@ struct MotionToRender {
     left_out: usize,
 }
 
-/// A motion as Python gives it: times `[s]` or in `time_unit`, positions `[m]` or in `unit`, its name, the two units, and how many
-/// samples were left out.
+/// A motion from Python: times `[s]` or in `time_unit`, positions `[m]` or in `unit`, name, the two units, and the
+/// number of skipped samples.
 type Given<'py> = (
     PyReadonlyArray1<'py, f64>,
     PyReadonlyArray1<'py, f64>,
@@ -82,7 +82,7 @@ type Given<'py> = (
 );
 
 impl MotionToRender {
-    /// Checks what was given.
+    /// Checks the arguments.
     fn of(
         (t, x, title, unit, time_unit, left_out): &Given<'_>,
         method: &Bound<'_, PyAny>,
@@ -93,7 +93,7 @@ impl MotionToRender {
         let settings = settings(settings_given, &methods)?;
         let setup = setup(parameters)?;
         let unit = unit.as_deref().map(length_unit).transpose()?;
-        // Copies: while Python is let go, its arrays may change.
+        // Copy: Python may change its arrays while the GIL is released.
         let time_unit = time_unit.as_deref().map(time_unit_named).transpose()?;
         let times = t.as_array();
         let times: Vec<f64> = match time_unit {
@@ -123,7 +123,7 @@ impl MotionToRender {
         })
     }
 
-    /// Renders it by each method, and gives what `make` makes of that.
+    /// Renders the motion by each method and passes the runs to `make`.
     fn rendered<T>(
         self,
         stop: &Stop,
@@ -175,7 +175,7 @@ pub fn render<'py>(
     rendered.into_python(py)
 }
 
-/// The figure of a motion that is rendered by each method.
+/// Returns the figure of a motion rendered by each method.
 #[pyfunction]
 #[pyo3(signature = (motion, method, parameters, settings_given))]
 pub fn render_figure(
@@ -217,7 +217,7 @@ fn warn(py: Python<'_>, words: &str) -> PyResult<()> {
     PyErr::warn(py, &py.get_type::<PyUserWarning>(), &words, 2)
 }
 
-/// Refuses samples that are too far apart, or too near, if the unit of their times was not given.
+/// Rejects an implausible sample spacing if the time unit was not given.
 fn check_times(times: &[f64]) -> PyResult<()> {
     match Spacing::implausible(times) {
         None => Ok(()),
@@ -233,7 +233,7 @@ fn check_times(times: &[f64]) -> PyResult<()> {
     }
 }
 
-/// How a table is laid out, as Python says it.
+/// Layout of a table.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct TableLayout {
@@ -247,7 +247,7 @@ pub struct TableLayout {
     end: Option<f64>,
 }
 
-/// Times and positions of a trace, the force that was held if the table has it, and how many samples were left out.
+/// Times and positions of a trace, the held force if the table has it, and the number of skipped samples.
 type ReadTrace<'py> = (
     Bound<'py, PyArray1<f64>>,
     Bound<'py, PyArray1<f64>>,
@@ -319,7 +319,7 @@ pub fn read_trace<'py>(
     ))
 }
 
-/// Refuses a motion that no hand has made, where nobody has said its unit.
+/// Rejects an implausible hand motion if its unit was not given.
 fn check_motion(times: &[f64], positions: &[f64]) -> PyResult<()> {
     let mut motion = HandMotion::default();
     for (time, position) in times.iter().zip(positions) {

@@ -1,4 +1,4 @@
-//! `Renderer`: one contact in a loop of Python's own, sample by sample.
+//! `Renderer`: one contact in a loop that Python owns, sample by sample.
 
 use palpate::{
     AnyMemory, AnyRenderer, Leak, LoopParams, MethodName, MethodParams as _, ObjectState, Output,
@@ -32,19 +32,19 @@ pub struct Renderer {
     last: Option<Answer>,
 }
 
-/// What a sample was answered.
+/// Result of a sample.
 struct Answer {
     output: Output<f64>,
-    /// What was to be commanded, after the soft start `[N]`.
+    /// Force to command, after the soft start `[N]`.
     force_on_device: f64,
     softened: bool,
-    /// Whether created energy has stopped it.
+    /// Whether generated energy has caused a safety stop.
     stopped: bool,
 }
 
 #[pymethods]
 impl Renderer {
-    /// A renderer of one contact; the Python file has the arguments.
+    /// Creates a renderer of one contact; the Python file documents the arguments.
     #[new]
     #[pyo3(signature = (method, parameters, soft_start, settings_given))]
     fn new(
@@ -71,7 +71,7 @@ impl Renderer {
         })
     }
 
-    /// One tick: a position in, the force on the device out.
+    /// Executes one tick: returns the force on the device for a position.
     #[pyo3(signature = (position, elapsed=None, force=None))]
     fn step(&mut self, position: f64, elapsed: Option<f64>, force: Option<f64>) -> f64 {
         let sample = Sample {
@@ -80,7 +80,7 @@ impl Renderer {
         };
         let mut output = self.renderer.step(&mut self.state, sample);
         let is_used = output.fault.is_none();
-        // A position that the renderer has refused is not looked at.
+        // The renderer has rejected the position, so the safety layer must not use it.
         let coordinate = if is_used { position } else { 0.0 };
         let verdict = self.safety.judge(&safety::Rendered {
             elapsed,
@@ -94,7 +94,7 @@ impl Renderer {
         output.limited.force |= verdict.bounded.force;
         output.limited.slew |= verdict.bounded.slew;
         let [force_on_device, ..] = verdict.wrench.force;
-        // A force of -0 that comes in softly is none.
+        // Adding 0.0 normalises -0.0, which the soft start produces.
         let force_on_device = force_on_device + 0.0;
         self.renderer.report_sent(&mut self.state, -force_on_device);
         self.last = Some(Answer {
@@ -106,14 +106,14 @@ impl Renderer {
         force_on_device
     }
 
-    /// Says what was really sent to the device for the last sample `[N]`.
+    /// Reports the force that was actually sent to the device for the last sample `[N]`.
     fn report_sent(&mut self, force_on_device: f64) -> PyResult<()> {
         let force = finite("force_on_device", force_on_device, " N")?;
         self.renderer.report_sent(&mut self.state, -force);
         Ok(())
     }
 
-    /// Puts the object elsewhere with the next sample; the books say what energy that gave.
+    /// Moves the object at the next sample and records the energy in the ledger.
     #[pyo3(signature = (position, velocity=0.0))]
     fn teleport(&mut self, position: f64, velocity: f64) -> PyResult<()> {
         let object = ObjectState { position, velocity };
@@ -122,7 +122,7 @@ impl Renderer {
             .map_err(|error| wrong_argument(&error))
     }
 
-    /// Begins anew: the object at its start, nothing sampled, the books empty.
+    /// Resets the state: the object at its start, no sample, an empty energy ledger.
     fn reset(&mut self) -> PyResult<()> {
         self.state = self
             .renderer
@@ -133,7 +133,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// What was answered to the last sample; None before the first.
+    /// Result of the last sample; None before the first.
     #[getter]
     fn output<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let Some(Answer {
@@ -168,7 +168,7 @@ impl Renderer {
             .map(Some)
     }
 
-    /// Books of the object's energy, up to the last sample.
+    /// Energy ledger of the object up to the last sample.
     #[getter]
     fn ledger<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         static LEDGER: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
@@ -192,7 +192,7 @@ impl Renderer {
         self.method
     }
 
-    /// Parameters of the method by key, with the unit at the key's end; what was to be derived is.
+    /// Parameters of the method by key with its unit suffix, including derived ones.
     #[getter]
     fn method_parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let named = PyDict::new(py);
@@ -208,7 +208,7 @@ impl Renderer {
     }
 }
 
-/// The one method that a renderer has.
+/// Returns the single method of a renderer.
 fn chosen_one(method: &Bound<'_, PyAny>) -> PyResult<MethodName> {
     match chosen(method)?[..] {
         [method] => Ok(method),
@@ -218,7 +218,7 @@ fn chosen_one(method: &Bound<'_, PyAny>) -> PyResult<MethodName> {
     }
 }
 
-/// What the arguments of a renderer say: all of them, and what is rendered.
+/// Returns the checked arguments of a renderer and the rendering.
 pub fn rendering(
     method: &Bound<'_, PyAny>,
     parameters: &Bound<'_, PyDict>,
@@ -228,7 +228,7 @@ pub fn rendering(
     let settings = settings(settings_given, &[method])?;
     let setup = setup(parameters)?;
     check_delay(&setup)?;
-    // The first sample says where the device is; until then the object is taken as untouched.
+    // Until the first sample the device position is unknown, and the object is assumed to be out of contact.
     let params = setup
         .params(method, &settings, setup.object.position, false)
         .map_err(|error| wrong_setup(&SetupError::from(error)))?;
@@ -242,7 +242,7 @@ pub fn rendering(
     Ok((setup, rendering))
 }
 
-/// The limits of `palpate pipe`: the largest force, the time over which a force comes in, and the created energy.
+/// Returns the limits of `palpate pipe`: largest force, soft-start time and generated energy.
 fn safety_of(setup: &ReplaySetup, soft_start: f64) -> PyResult<Safety> {
     let LoopParams {
         force_limit,
@@ -256,7 +256,7 @@ fn safety_of(setup: &ReplaySetup, soft_start: f64) -> PyResult<Safety> {
     Ok(safety.rendering(&known.actuation, slew_limit))
 }
 
-/// The same limits, with one of the torque.
+/// Returns these limits with a torque limit.
 pub fn safety_params(
     force_limit: Option<f64>,
     torque_limit: Option<f64>,

@@ -1,4 +1,4 @@
-//! `replay`: a recording of a loop with a device, under another force.
+//! `replay`: a recording of a loop with a device, rendered with another force.
 
 use std::path::PathBuf;
 
@@ -35,7 +35,7 @@ use crate::render::{Rendered, RenderedInPython};
 use crate::setup::{check_fact, check_periods, guard_named, side_named};
 use crate::worlds::{Judged, replay_world};
 
-/// What is to be different from the recording's scene: `None` leaves what it has.
+/// Changes to the recording's scene; `None` keeps the recorded value.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 struct Changes {
@@ -66,7 +66,7 @@ struct Changes {
 }
 
 impl Changes {
-    /// Refuses facts that cannot be true, whether a method uses them or not.
+    /// Rejects impossible values, whether or not a method uses them.
     fn check(&self) -> PyResult<()> {
         for (parameter, value) in [
             (Parameter::VirtualForce, self.force),
@@ -96,7 +96,7 @@ impl Changes {
         Ok(())
     }
 
-    /// Puts what was given in place of the scene's values.
+    /// Applies the changes to a scene.
     fn change(&self, scene: &mut Scene) -> PyResult<()> {
         self.check()?;
         let stiffness = self.stiffness.unwrap_or(scene.contact.stiffness);
@@ -118,7 +118,7 @@ impl Changes {
         limits.speed_limit = self.speed_limit.or(limits.speed_limit);
         limits.slew_limit = self.slew_limit.or(limits.slew_limit);
         if let Some(limit) = self.force_limit {
-            // An infinite limit is none.
+            // An infinite limit means no limit.
             limits.force_limit = (limit != f64::INFINITY).then_some(limit);
         }
         if let Some(guard) = &self.guard {
@@ -141,7 +141,7 @@ impl Changes {
         Ok(())
     }
 
-    /// What is given of the actuator is so, and is told.
+    /// Applies changes of the actuator to the true values and to the model values.
     fn change_actuator(&self, scene: &mut Scene) {
         let period = scene.loop_params.period;
         let told = &mut scene.told;
@@ -198,7 +198,7 @@ impl Changes {
     }
 }
 
-/// What is replayed, and of which part, as the Python files hand it over.
+/// Replay mode and the part to replay, as passed by the Python files.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 struct OfARecording {
@@ -256,7 +256,7 @@ impl OfARecording {
     }
 }
 
-/// A recording that was opened, and what is to be done with it.
+/// An open recording and the replay to run.
 struct Replaying {
     recording: Recording,
     file: SceneFile,
@@ -269,7 +269,7 @@ struct Replaying {
 }
 
 impl Replaying {
-    /// Checks what was given of a recording that was opened.
+    /// Checks the arguments against an open recording.
     fn of(
         recording: Recording,
         method: Option<&Bound<'_, PyAny>>,
@@ -302,7 +302,7 @@ impl Replaying {
         })
     }
 
-    /// Replays it by each method.
+    /// Replays the recording by each method.
     fn run(&self, stop: &Stop) -> Result<ReplayedRecording, RecordingReplayError> {
         let changes = &self.changes;
         let replay = RecordingReplay {
@@ -357,7 +357,7 @@ impl Replaying {
         }
     }
 
-    /// What is wrong lies in an argument if one gave it, else in the recording's scene.
+    /// Returns the error in terms of an argument if one set the value, or else of the recording's scene.
     fn wrong_replay(&self, method: MethodName, error: &ReplayError) -> PyErr {
         match error {
             ReplayError::Setup(SetupError::Parameter(parameter))
@@ -377,7 +377,7 @@ impl Replaying {
         }
     }
 
-    /// What there is to say beside the report: what the recording lacks, and which runs no hand could have made.
+    /// Returns warnings in addition to the report: shortcomings of the recording, and runs beyond a hand's reach.
     fn warnings(&self, beyond_reach: &[(MethodName, f64)]) -> Vec<String> {
         let beyond = beyond_reach.iter().map(|(method, departure)| {
             format!(
@@ -390,14 +390,14 @@ impl Replaying {
     }
 }
 
-/// What is not as it should be with a recording.
+/// Returns the shortcomings of a recording.
 pub fn lacking(recording: &Recording) -> impl Iterator<Item = String> {
     let name = recording.path().display().to_string();
     let lacks = shortcomings(recording).into_iter();
     lacks.map(move |words| format!("{name}: {words}"))
 }
 
-/// A recording that cannot be read.
+/// Returns the error for a recording that cannot be read.
 pub fn unread(error: RecordingError) -> PyErr {
     match error {
         RecordingError::Unreadable { .. } => PyOSError::new_err(error.to_string()),
@@ -405,7 +405,7 @@ pub fn unread(error: RecordingError) -> PyErr {
     }
 }
 
-/// Ticks that cannot be replayed, in terms of the arguments that chose them.
+/// Returns the error for ticks that cannot be replayed, in terms of the arguments that selected them.
 fn wrong_ticks(error: TicksError) -> PyErr {
     match error {
         TicksError::Recording(error) => unread(error),
@@ -430,14 +430,14 @@ fn wrong_ticks(error: TicksError) -> PyErr {
     }
 }
 
-/// What is replayed of a recording, what is different, and settings of methods.
+/// Replay mode, changes, and settings of methods.
 type Given<'a, 'py> = (
     &'a Bound<'py, PyDict>,
     &'a Bound<'py, PyDict>,
     &'a Bound<'py, PyDict>,
 );
 
-/// What was replayed of one contact, or of a world; and what there is to say beside it.
+/// Replay of one contact or of a world, and warnings.
 type Replayed<'py> = (
     Option<RenderedInPython<'py>>,
     Option<Judged<'py>>,
@@ -475,7 +475,7 @@ pub fn replay<'py>(
     Ok((Some(rendered.into_python(py)?), None, warnings))
 }
 
-/// The figure of a replay of one contact, with what was recorded.
+/// Returns the figure of a replay of one contact, with the recorded forces.
 #[pyfunction]
 #[pyo3(signature = (path, method, of, changes, settings_given))]
 pub fn replay_figure(
@@ -508,7 +508,7 @@ fn open(py: Python<'_>, path: PathBuf) -> PyResult<Recording> {
     interruptible(py, move |_| Recording::open(&path))?.map_err(unread)
 }
 
-/// Refuses what a world does not take: its file says it.
+/// Rejects arguments that do not apply to a world, because its file determines them.
 fn only_a_method(recording: &Recording, (of, changes, settings): Given<'_, '_>) -> PyResult<()> {
     let all = of.iter().chain(changes.iter()).chain(settings.iter());
     for (name, value) in all {

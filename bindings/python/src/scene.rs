@@ -1,4 +1,4 @@
-//! Scenes: from a file, from a text, or from tables that Python has made.
+//! Scenes from a file, a text, or tables of Python.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -17,24 +17,24 @@ use crate::names::refused;
 /// A scene that has been read and checked.
 #[pyclass(frozen, subclass, name = "Scene", module = "palpate._palpate")]
 pub struct PyScene {
-    /// The scene, which knows where each of its values stands.
+    /// The scene, with the source location of each value.
     file: SceneFile,
-    /// What it is called in reports: its file, or its title.
+    /// Name in reports: its file or its title.
     pub name: String,
-    /// Whether its text is a file of somebody, at whose lines messages can point.
+    /// Whether the text is a user's file, so that messages can point at its lines.
     is_file: bool,
     text: String,
-    /// Where the files that it names are looked for.
+    /// Folder of the files that the scene names.
     folder: PathBuf,
 }
 
 impl PyScene {
-    /// The scene.
+    /// Returns the scene.
     pub fn scene(&self) -> &Scene {
         &self.file.scene
     }
 
-    /// Why this scene cannot be run by `method`, with its place where that is known.
+    /// Returns the reason why `method` cannot run this scene, with the source location if it is known.
     pub fn wrong(&self, method: MethodName, error: &LoopError) -> PyErr {
         let at = |parameter| self.file.at(parameter, error.to_string());
         let of_window = match self.scene().measure {
@@ -62,12 +62,11 @@ impl PyScene {
 
 #[pymethods]
 impl PyScene {
-    /// A scene from its text; `name` is what messages and reports call it, and files that it names are
-    /// looked for in `folder`.
+    /// Parses a scene. `name` is its name in messages and reports; files that it names are searched in `folder`.
     #[new]
     fn new(text: String, name: Option<String>, folder: PathBuf) -> PyResult<Self> {
         let called = name.clone().unwrap_or_else(|| "scene".into());
-        // `beside` looks in the folder of a file.
+        // `beside` takes a file path and searches in its folder.
         let file = SceneFile::parse_with(&called, &text, &mut beside(&folder.join("scene")))
             .map_err(|errors| {
                 refused(if name.is_some() {
@@ -85,19 +84,19 @@ impl PyScene {
         })
     }
 
-    /// A line for tables and figures.
+    /// Title for tables and figures.
     #[getter]
     fn title(&self) -> &str {
         &self.scene().title
     }
 
-    /// The method that is run where none is named.
+    /// Default method of the scene.
     #[getter]
     fn method(&self) -> &'static str {
         self.scene().method.name()
     }
 
-    /// Its text, its name if its text is a file, and its folder: what it is made from.
+    /// Returns text, name if the text is a file, and folder, from which the scene can be made again.
     fn parts(&self) -> (&str, Option<&str>, &Path) {
         (
             &self.text,
@@ -107,7 +106,7 @@ impl PyScene {
     }
 }
 
-/// The messages, each behind the table and the key that it is of: nobody has written the lines that they would point at.
+/// Returns the messages with table and key in place of a line, because the text was generated.
 pub fn messages(errors: &SceneErrors) -> String {
     let messages = errors.iter().map(|error| match place(error) {
         Some(place) if !error.message.starts_with(&place) => {
@@ -118,13 +117,13 @@ pub fn messages(errors: &SceneErrors) -> String {
     messages.collect::<Vec<_>>().join("\n")
 }
 
-/// Where an error stands in the tables, as `body[0].shape.sphere.radius_m`; None of the whole.
+/// Returns the location of an error in the tables, such as `body[0].shape.sphere.radius_m`; None for the whole scene.
 fn place(error: &SceneError) -> Option<String> {
     if error.span.start == 0 {
         return None;
     }
     let mut table = String::new();
-    // How many elements each array of tables has so far.
+    // Number of elements of each array of tables so far.
     let mut counts: HashMap<&str, usize> = HashMap::new();
     let mut key = None;
     for line in error.source_text.lines().take(error.line) {
@@ -140,7 +139,7 @@ fn place(error: &SceneError) -> Option<String> {
             .strip_prefix('[')
             .and_then(|line| line.strip_suffix(']'))
         {
-            // A table within the newest element of an array of tables.
+            // A table within the last element of an array of tables.
             table = match name.split_once('.') {
                 Some((first, rest)) if counts.contains_key(first) => {
                     format!("{first}[{}].{rest}", counts[first] - 1)
@@ -156,7 +155,7 @@ fn place(error: &SceneError) -> Option<String> {
     (!place.is_empty()).then_some(place)
 }
 
-/// The text of a scene file whose path is given, and what messages call it.
+/// Reads a scene file and returns its text, its name in messages, and its folder.
 #[pyfunction]
 pub fn read_scene(path: PathBuf) -> PyResult<(String, String, PathBuf)> {
     let name = path.display().to_string();
@@ -167,20 +166,20 @@ pub fn read_scene(path: PathBuf) -> PyResult<(String, String, PathBuf)> {
     Ok((text, name, folder))
 }
 
-/// The question whether a period is in milliseconds, if it is one that no haptic loop has.
+/// Returns the question whether a period is in milliseconds, if it is implausible for a haptic loop.
 #[pyfunction]
 pub fn period_question(name: &str, usual: &str, period: f64) -> Option<String> {
     palpate_scene::period_question(name, usual, period)
 }
 
-/// Tables of Python as the text of a scene file.
+/// Converts tables of Python to the text of a scene file.
 #[pyfunction]
 pub fn to_toml(tables: &Bound<'_, PyDict>) -> PyResult<String> {
     let value = table(tables, "scene", 0)?;
     toml::to_string(&value).map_err(refused)
 }
 
-/// The text of a scene file as tables of Python.
+/// Converts the text of a scene file to tables of Python.
 #[pyfunction]
 pub fn from_toml<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>> {
     let table: toml::Table = text.parse().map_err(refused)?;
@@ -208,7 +207,7 @@ fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>>
     })
 }
 
-/// How deep tables and lists may lie in each other: deeper ones are in no file, and some would never end.
+/// Largest nesting depth of tables and lists: no file is deeper, and a recursive structure would not end.
 const DEEPEST: usize = 32;
 
 fn table(given: &Bound<'_, PyDict>, place: &str, depth: usize) -> PyResult<Value> {
@@ -220,7 +219,7 @@ fn table(given: &Bound<'_, PyDict>, place: &str, depth: usize) -> PyResult<Value
             ))
         })?;
         let place = format!("{place}.{key}");
-        // A key that is not there takes its default.
+        // A missing key takes its default.
         if !item.is_none() {
             made.insert(key, value(&item, &place, depth)?);
         }
@@ -230,7 +229,7 @@ fn table(given: &Bound<'_, PyDict>, place: &str, depth: usize) -> PyResult<Value
 
 fn value(given: &Bound<'_, PyAny>, place: &str, depth: usize) -> PyResult<Value> {
     if depth == DEEPEST {
-        // The first names of the place say enough of it.
+        // The first names of the path identify the location.
         let place: Vec<_> = place.split('.').take(4).collect();
         return Err(refused(format!(
             "{} has tables or lists in each other more than {DEEPEST} deep, as where one contains itself",
@@ -260,13 +259,13 @@ fn value(given: &Bound<'_, PyAny>, place: &str, depth: usize) -> PyResult<Value>
         let items: PyResult<Vec<_>> = items.map(|item| value(&item?, place, depth)).collect();
         return Ok(Value::Array(items?));
     }
-    // What NumPy has, as Python has it; an array becomes a list.
+    // Converts NumPy scalars to Python numbers and arrays to lists.
     if let Ok(plain) = given.call_method0("tolist")
         && !plain.get_type().is(given.get_type())
     {
         return value(&plain, place, depth);
     }
-    // Whole numbers of other packages say that they can be an index; other numbers that they can be a float.
+    // Integer types of other packages implement `__index__`; other number types convert to float.
     if let Ok(index) = given.call_method0("__index__") {
         return Ok(Value::Integer(index.extract()?));
     }
@@ -279,10 +278,10 @@ fn value(given: &Bound<'_, PyAny>, place: &str, depth: usize) -> PyResult<Value>
     )))
 }
 
-/// An error of a file as Python has it, which knows the file's name.
+/// Converts a file error to a Python exception that knows the file name.
 fn of_file(error: &std::io::Error, name: &str) -> PyErr {
     match error.raw_os_error() {
-        // Python makes of the number the kind of error, such as FileNotFoundError.
+        // Python derives the exception type, such as FileNotFoundError, from the number.
         Some(number) => {
             let said = error.to_string();
             let said = said.split(" (os error").next().unwrap_or(&said).to_owned();

@@ -1,4 +1,4 @@
-//! From arguments of Python to contact, loop, object and what is known of the device.
+//! Converts arguments of Python to contact, loop, object and device model.
 
 use palpate::{
     Actuation, Allowed, BasicParams, Contact, LARGEST_DELAY, LoopParams, Mass, ObjectState,
@@ -12,8 +12,7 @@ use pyo3::types::PyDict;
 use crate::fields::named;
 use crate::names::{refused, wrong_argument};
 
-/// The arguments that say contact, loop, object and device, as the Python files hand them over: each is
-/// there, with its default where nothing was given.
+/// Arguments of contact, loop, object and device, as passed by the Python files, which fill in all defaults.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Arguments {
@@ -42,10 +41,10 @@ pub struct Arguments {
     encoder_quantum: f64,
 }
 
-/// Reads and checks the arguments, whatever the method.
+/// Reads and checks the arguments that do not depend on the method.
 ///
 /// # Errors
-/// The first value that is not allowed, by the name of its argument.
+/// The first invalid value, by the name of its argument.
 pub fn setup(arguments: &Bound<'_, PyDict>) -> PyResult<ReplaySetup> {
     let given: Arguments = arguments
         .extract()
@@ -69,7 +68,7 @@ pub fn setup(arguments: &Bound<'_, PyDict>) -> PyResult<ReplaySetup> {
         loop_params: LoopParams {
             largest_gap: given.largest_gap,
             speed_limit: given.speed_limit,
-            // An infinite limit is none.
+            // An infinite limit means no limit.
             force_limit: (given.force_limit != f64::INFINITY).then_some(given.force_limit),
             slew_limit: given.slew_limit,
             guard: guard.guard(given.guard_speed, given.guard_allowance),
@@ -92,14 +91,14 @@ pub fn setup(arguments: &Bound<'_, PyDict>) -> PyResult<ReplaySetup> {
         device_mass: given.device_mass,
         encoder_quantum: given.encoder_quantum,
     };
-    // Contact and loop first: what is wrong with them is wrong whatever the method.
+    // Check contact and loop first: their faults do not depend on the method.
     Renderer::new(setup.contact, setup.known_loop(), BasicParams)
         .and_then(|renderer| renderer.start(setup.object))
         .map_err(|error| wrong_argument(&error))?;
     Ok(setup)
 }
 
-/// Refuses a delay that a renderer cannot be told of: in a loop that runs now nothing else knows it.
+/// Rejects a delay above the largest model delay, because a running loop has no other compensation for it.
 pub fn check_delay(setup: &ReplaySetup) -> PyResult<()> {
     let (samples, fraction) = (setup.delay().whole_samples(), setup.delay().fraction());
     let periods = samples as f64 + fraction;
@@ -112,7 +111,7 @@ pub fn check_delay(setup: &ReplaySetup) -> PyResult<()> {
 }
 
 impl Arguments {
-    /// Refuses facts that cannot be true, whether a method uses them or not.
+    /// Rejects impossible values, whether or not a method uses them.
     fn check_facts(&self) -> PyResult<()> {
         for (parameter, value) in [
             (Parameter::VirtualForce, Some(self.force)),
@@ -130,7 +129,7 @@ impl Arguments {
     }
 }
 
-/// Refuses a fact that cannot be true, if it is given.
+/// Rejects an impossible value, if one is given.
 pub fn check_fact(parameter: Parameter, value: Option<f64>) -> PyResult<()> {
     let range = match parameter {
         Parameter::VirtualForce => Range::Finite,
@@ -145,7 +144,7 @@ pub fn check_fact(parameter: Parameter, value: Option<f64>) -> PyResult<()> {
     }
 }
 
-/// Refuses a time in periods that cannot be one, if it is given.
+/// Rejects a negative or non-finite time in periods, if one is given.
 pub fn check_periods(name: &str, value: Option<f64>) -> PyResult<()> {
     match value {
         Some(value) if !Range::NotNegative.contains(value) => Err(refused(format!(
@@ -156,12 +155,12 @@ pub fn check_periods(name: &str, value: Option<f64>) -> PyResult<()> {
     }
 }
 
-/// The side of a contact by its name.
+/// Returns the side of a contact by its name.
 pub fn side_named(name: &str) -> PyResult<Side> {
     Side::named(name).ok_or_else(|| not_a_word("side", name, &Side::ALL.map(Side::name)))
 }
 
-/// What a guard does, by its name.
+/// Returns the mode of a guard by its name.
 pub fn guard_named(name: &str) -> PyResult<GuardMode> {
     let words = GuardMode::ALL.map(GuardMode::name);
     GuardMode::named(name).ok_or_else(|| not_a_word("guard", name, &words))

@@ -17,11 +17,11 @@ use crate::own_method::OwnError;
 use crate::render::{Rendered, RenderedInPython};
 use crate::scene::PyScene;
 
-/// Why a method has not run on a scene.
+/// Reason why a method did not run on a scene.
 enum Wrong {
     /// The scene cannot be run, or not by this method.
     Scene(MethodName, LoopError),
-    /// What a function of Python raised.
+    /// Exception of a Python function.
     Raised(PyErr),
 }
 
@@ -34,7 +34,7 @@ impl Wrong {
     }
 }
 
-/// Simulates a scene by each method; by its own where none is named.
+/// Simulates a scene by each method, by default by its own.
 #[pyfunction]
 pub fn simulate<'py>(
     py: Python<'py>,
@@ -69,7 +69,7 @@ pub fn simulate<'py>(
     rendered.into_python(py)
 }
 
-/// The figure of a scene that is simulated by methods of the program; by its own where none is named.
+/// Returns the figure of a scene simulated by built-in methods, by default by its own.
 #[pyfunction]
 pub fn simulate_figure(
     py: Python<'_>,
@@ -99,7 +99,7 @@ pub fn simulate_figure(
     figure.map_err(refused)
 }
 
-/// Runs each method on each scene: the report as JSON, as text and as a figure.
+/// Runs each method on each scene and returns the report as JSON, as text and as a figure.
 #[pyfunction]
 pub fn compare(
     py: Python<'_>,

@@ -26,14 +26,14 @@ type Said = (String, String);
 /// A report as JSON, as text and as a figure.
 pub type Shown = (String, String, String);
 
-/// Threads for one study: those of a pool that a process shares are gone in a process that forks from it.
+/// Creates threads for one study. A shared pool would be lost in a forked process.
 pub fn threads() -> PyResult<ThreadPool> {
     ThreadPoolBuilder::new()
         .build()
         .map_err(|error| PyRuntimeError::new_err(format!("no threads to work in: {error}")))
 }
 
-/// Judges a method at values of its damping `[N s/m]`; at so many usual ones where none are given.
+/// Evaluates a method at values of its damping `[N s/m]`, by default at `steps` standard values.
 #[pyfunction]
 pub fn tune(
     py: Python<'_>,
@@ -89,7 +89,7 @@ pub fn tune(
     Ok((palpate_study::json(&report), report.to_string(), figure))
 }
 
-/// Judges methods on scenes from every start height.
+/// Evaluates methods on scenes from every start height.
 #[pyfunction]
 pub fn heights(
     py: Python<'_>,
@@ -133,7 +133,7 @@ pub fn heights(
     )
 }
 
-/// Judges methods on a scene at several values of one quantity.
+/// Evaluates methods on a scene at several values of one quantity.
 #[pyfunction]
 pub fn sweep(
     py: Python<'_>,
@@ -155,7 +155,7 @@ pub fn sweep(
     }
     let methods = match method {
         Some(method) => chosen(method)?,
-        // Without a name, those that have what is varied.
+        // By default, all methods that have the varied quantity.
         None => MethodName::ALL
             .into_iter()
             .filter(|method| quantity != Quantity::Damping || tuning::tunable(*method).is_some())

@@ -1,4 +1,4 @@
-//! `suite`: methods on random plants, whole or in parts.
+//! `suite`: methods on random plants, as a whole or in parts.
 
 use palpate_study::suite::report::SuiteReport;
 use palpate_study::suite::{self, Column, MOST_PLANTS, Score, Set};
@@ -10,20 +10,20 @@ use crate::methods::chosen;
 use crate::names::refused;
 use crate::studies::{Shown, threads};
 
-/// A score: plant, condition, column, and how often the plant was drawn again; error of its ideal, E `[%]`, FRE
-/// over floor, peak over that of the ideal; whether the loop ran away; samples, and those that were limited.
+/// A score: plant, condition, column, and number of redraws of the plant; error of its reference solution, E `[%]`, FRE
+/// over the hold bound, peak over that of the reference; whether the loop diverged; samples, and limited samples.
 type Row = (
     (usize, usize, usize, u32),
     (f64, f64, f64, f64),
     (bool, usize, usize),
 );
 
-/// The plants that are drawn, and what is judged on them.
+/// Plants to draw and methods to evaluate.
 struct Judging {
     set: Set,
     seed: u64,
     columns: Vec<Column>,
-    /// Whether somebody named the methods.
+    /// Whether the methods were given explicitly.
     is_named: bool,
 }
 
@@ -48,7 +48,7 @@ impl Judging {
         })
     }
 
-    /// The report on all plants, those of each seed together, and its figure.
+    /// Returns the report on all plants, grouped by seed, and its figure.
     fn report(&self, of_seeds: &[Vec<Score>]) -> PyResult<Shown> {
         let (set, seed, columns) = (self.set, self.seed, &self.columns);
         let report = SuiteReport::of_seeds(set, seed, columns, of_seeds);
@@ -68,7 +68,7 @@ impl Judging {
     }
 }
 
-/// Refuses no plants, and more than the program draws.
+/// Rejects 0 plants, and more than the program draws.
 fn check_plants(plants: usize) -> PyResult<()> {
     if (1..=MOST_PLANTS as usize).contains(&plants) {
         Ok(())
@@ -79,7 +79,7 @@ fn check_plants(plants: usize) -> PyResult<()> {
     }
 }
 
-/// Judges methods on random plants.
+/// Evaluates methods on random plants.
 #[pyfunction]
 pub fn run_suite(
     py: Python<'_>,
@@ -110,7 +110,7 @@ pub fn run_suite(
     judging.report(&judged.map_err(refused)?)
 }
 
-/// Judges methods on the plants from `first` to before `end`, in this thread alone: a row for each score.
+/// Evaluates methods on the plants `first..end` in this thread only and returns one row per score.
 #[pyfunction]
 pub fn suite_part(
     py: Python<'_>,
@@ -150,7 +150,7 @@ pub fn suite_part(
     Ok(rows.collect())
 }
 
-/// The names of the conditions and of the columns, by whose places the rows of a part name them.
+/// Returns the names of conditions and columns, to which the indices in the rows of a part refer.
 #[pyfunction]
 pub fn suite_names(
     set: &str,
@@ -170,7 +170,7 @@ pub fn suite_names(
     ))
 }
 
-/// The report on a whole suite from the rows of all of its parts, in the order of the plants.
+/// Returns the report on a whole suite from the rows of all parts, in the order of the plants.
 #[pyfunction]
 pub fn suite_of_parts(
     set: &str,
@@ -202,7 +202,7 @@ pub fn suite_of_parts(
     Judging::of(set, seed, method)?.report(&[scores])
 }
 
-/// A pool of one thread: whoever makes parts has other processes for the other processors.
+/// Creates a pool of one thread: a caller of parts uses other processes for the other processors.
 fn one_thread() -> PyResult<rayon::ThreadPool> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(1)

@@ -1,4 +1,4 @@
-//! `World`: several devices, bodies and contacts, in a loop of Python's own.
+//! `World`: several devices, bodies and contacts in a loop that Python owns.
 
 use std::path::PathBuf;
 
@@ -18,31 +18,31 @@ use crate::names::refused;
 use crate::renderer::safety_params;
 use crate::scene::messages;
 
-/// Whether the text of a scene file says a world.
+/// Whether the text of a scene file describes a world.
 #[pyfunction]
 pub fn is_world(text: &str) -> bool {
     WorldFile::is_one(text)
 }
 
-/// A world that has been read and checked, its renderer and its state.
+/// A checked world, its renderer and its state.
 #[pyclass(subclass, name = "World", module = "palpate._palpate")]
 pub struct PyWorld {
     file: WorldFile,
     text: String,
-    /// Whether its text is a file of somebody, at whose lines messages can point.
+    /// Whether the text is a user's file, so that messages can point at its lines.
     is_file: bool,
     pub name: String,
     folder: PathBuf,
     pub method: String,
-    /// Largest length of a force `[N]`; None: no limit.
+    /// Largest norm of a force `[N]`; None: no limit.
     pub force_limit: Option<f64>,
-    /// Time over which a force comes in `[s]`.
+    /// Soft-start time `[s]`.
     pub soft_start: f64,
     bounded: BoundedWorld,
     last: Option<Answer>,
 }
 
-/// What a sample was answered.
+/// Result of a sample.
 struct Answer {
     wrenches: Vec<Wrench>,
     limited: Vec<&'static str>,
@@ -51,7 +51,7 @@ struct Answer {
     faulty: Option<String>,
 }
 
-/// Forces or wrenches, limits, effort, fault and the device that it is of.
+/// Forces or wrenches, limits, effort, fault and its device.
 type Told<'py> = (
     Bound<'py, PyArray2<f64>>,
     Vec<&'static str>,
@@ -61,22 +61,22 @@ type Told<'py> = (
 );
 
 impl PyWorld {
-    /// The world and its loop as they were described.
+    /// Returns the described world and its loop.
     pub fn scene(&self) -> &WorldScene {
         &self.file.scene
     }
 
-    /// Its text, as the file has it.
+    /// Returns the text of the scene.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// The world at the last sample.
+    /// Returns the state of the world at the last sample.
     pub fn state(&self) -> &WorldState {
         self.bounded.state()
     }
 
-    /// A row for each wrench: its force alone where no device gives a torque.
+    /// Returns one row per wrench: only the force if no device gives a torque.
     fn held<'py>(
         &self,
         py: Python<'py>,
@@ -91,13 +91,13 @@ impl PyWorld {
         Ok(PyArray2::from_vec2(py, &rows)?)
     }
 
-    /// The first of these faults, with its place where that is known.
+    /// Returns the error of the first fault, with its source location if it is known.
     pub fn wrong(&self, faults: &[WorldError]) -> PyErr {
         wrong(&self.file, self.is_file, faults)
     }
 }
 
-/// The first of these faults, with its place in a file where that is known and somebody has written it.
+/// Returns the error of the first fault, with its source location if it is known and the text is a user's file.
 pub fn wrong(file: &WorldFile, is_file: bool, faults: &[WorldError]) -> PyErr {
     let Some(first) = faults.first() else {
         return refused("the world cannot be rendered");
@@ -111,7 +111,7 @@ pub fn wrong(file: &WorldFile, is_file: bool, faults: &[WorldError]) -> PyErr {
 
 #[pymethods]
 impl PyWorld {
-    /// A world from its text; `name` is what messages and reports call it, and files of meshes are looked for in `folder`.
+    /// Parses a world. `name` is its name in messages and reports; mesh files are searched in `folder`.
     #[new]
     #[pyo3(signature = (text, name, folder, method, limits))]
     fn new(
@@ -160,9 +160,9 @@ impl PyWorld {
         })
     }
 
-    /// One tick: a row for each device in, what it is to give out, row by row. A row has three coordinates, and
-    /// three components of a force comes back; where a device turns, a row of a pose, and where one gives a torque, a
-    /// wrench comes back.
+    /// Executes one tick: takes one row per device and returns one row per device. A sample row has three
+    /// coordinates, or a pose if a device rotates; a result row has three force components, or a wrench if a device
+    /// gives a torque.
     #[pyo3(signature = (poses, elapsed=None))]
     fn tick<'py>(
         &mut self,
@@ -209,17 +209,17 @@ impl PyWorld {
         Ok(held)
     }
 
-    /// Says what was really sent to a device for the last sample `[N]`, `[N m]`.
+    /// Reports the wrench that was actually sent to a device for the last sample `[N]`, `[N m]`.
     fn tell_sent(&mut self, tool: usize, force: Vector, torque: Vector) {
         self.bounded.report_sent(tool, Wrench { force, torque });
     }
 
-    /// Whether a device gives a torque: rows of forces have 6 numbers then, else 3.
+    /// Whether a device gives a torque: result rows then have 6 numbers instead of 3.
     fn gives_torque(&self) -> bool {
         self.scene().world.tools.iter().any(Tool::feels_torque)
     }
 
-    /// How many numbers a row of a sample has: 3, or 7 where a device of six axes is among the devices.
+    /// Returns the number of entries of a sample row: 3, or 7 if a device has six axes.
     fn width(&self) -> usize {
         let tools = &self.scene().world.tools;
         if tools.iter().any(|tool| tool.turns) {
@@ -229,13 +229,13 @@ impl PyWorld {
         }
     }
 
-    /// Begins anew: bodies at their start, nothing sampled, the books empty.
+    /// Resets the state: bodies at their start, no sample, an empty energy ledger.
     fn reset(&mut self) {
         self.bounded.restart();
         self.last = None;
     }
 
-    /// What was answered to the last sample: None before the first.
+    /// Returns the result of the last sample, or None before the first.
     fn told<'py>(&self, py: Python<'py>) -> PyResult<Option<Told<'py>>> {
         let Some(answer) = &self.last else {
             return Ok(None);
@@ -256,7 +256,7 @@ impl PyWorld {
         )))
     }
 
-    /// A line for tables and figures.
+    /// Title for tables and figures.
     #[getter]
     fn title(&self) -> &str {
         &self.scene().title
@@ -268,13 +268,13 @@ impl PyWorld {
         &self.method
     }
 
-    /// Nominal time from sample to sample `[s]`.
+    /// Nominal sampling period `[s]`.
     #[getter]
     fn period(&self) -> f64 {
         self.scene().timing.period
     }
 
-    /// Names of the devices and of the bodies, in the order of the file.
+    /// Returns the names of devices and bodies, in the order of the file.
     fn names(&self) -> (Vec<&str>, Vec<&str>) {
         let world = &self.scene().world;
         (
@@ -283,7 +283,7 @@ impl PyWorld {
         )
     }
 
-    /// Its text, its name if its text is a file, and its folder: what it is made from.
+    /// Returns text, name if the text is a file, and folder, from which the world can be made again.
     fn parts(&self) -> (&str, Option<&str>, &PathBuf) {
         (
             &self.text,
@@ -293,7 +293,7 @@ impl PyWorld {
     }
 }
 
-/// A row for each vector.
+/// Returns one row per vector.
 pub fn rows<'py>(py: Python<'py>, vectors: &[Vector]) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let rows: Vec<Vec<f64>> = vectors.iter().map(|row| row.to_vec()).collect();
     Ok(PyArray2::from_vec2(py, &rows)?)

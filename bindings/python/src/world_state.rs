@@ -1,4 +1,4 @@
-//! What can be read from the state of a world: tuples of numbers, which the Python files give names to.
+//! Readable state of a world: tuples of numbers, which the Python files name.
 
 use palpate_world::{
     BodyBook, BodyState, ContactBook, ContactState, DeviceBook, Joint, JointBook, JointKind, Mode,
@@ -10,9 +10,10 @@ use crate::world::PyWorld;
 
 /// Position, orientation, velocity and angular velocity of a body.
 type BodyNow = (Vector, [f64; 4], Vector, Vector);
-/// Position, velocity, position and velocity of the avatar, offset, velocity offset, force, and mass if it is known.
+/// Position, velocity, proxy position and proxy velocity, offset, velocity offset, force, and mass if it is known.
 type ToolNow = ([Vector; 7], Option<Vector>);
-/// Orientations of device and avatar, angular velocity, turn offset, momentum offset, torque, and inertia if it is known.
+/// Orientations of device and proxy, angular velocity, turn offset, momentum offset, torque, and inertia if it is
+/// known.
 type Turned = ([Quaternion; 2], [Vector; 4], Option<Vector>);
 /// The two sides, mode, point, normal, penetration, force and bristle.
 type ContactNow = (
@@ -24,7 +25,7 @@ type ContactNow = (
     Vector,
     Vector,
 );
-/// Entries of the books of contacts, with their sides; of bodies; of devices; and of joints, with their sides and kind.
+/// Entries of the energy ledger: contacts with their sides; bodies; devices; joints with their sides and kind.
 type BooksNow = (
     Vec<([String; 2], [f64; 8])>,
     Vec<[f64; 5]>,
@@ -42,7 +43,7 @@ impl PyWorld {
     }
 }
 
-/// Each body at the last sample.
+/// Returns each body at the last sample.
 #[pyfunction]
 pub fn world_bodies(world: PyRef<'_, PyWorld>) -> Vec<BodyNow> {
     let bodies = world.state().bodies().iter();
@@ -60,7 +61,7 @@ pub fn world_bodies(world: PyRef<'_, PyWorld>) -> Vec<BodyNow> {
         .collect()
 }
 
-/// Each tool at the last sample, and how it is turned where it turns.
+/// Returns each tool at the last sample, with its rotation if it rotates.
 #[pyfunction]
 pub fn world_tools(world: PyRef<'_, PyWorld>) -> Vec<(ToolNow, Option<Turned>)> {
     let states = world.state().tools().iter();
@@ -70,7 +71,7 @@ pub fn world_tools(world: PyRef<'_, PyWorld>) -> Vec<(ToolNow, Option<Turned>)> 
         .collect()
 }
 
-/// How a tool is turned, in numbers.
+/// Returns the rotation of a tool as numbers.
 fn turned(tool: &ToolState) -> Turned {
     (
         [tool.orientation, tool.avatar_orientation],
@@ -84,7 +85,7 @@ fn turned(tool: &ToolState) -> Turned {
     )
 }
 
-/// A tool in numbers.
+/// Returns a tool as numbers.
 pub fn tool(tool: &ToolState) -> ToolNow {
     let ToolState {
         position,
@@ -109,7 +110,7 @@ pub fn tool(tool: &ToolState) -> ToolNow {
     (vectors, mass)
 }
 
-/// What a contact does, in a word.
+/// Returns the name of a contact mode.
 pub fn mode(mode: Mode) -> &'static str {
     match mode {
         Mode::Free => "free",
@@ -119,7 +120,7 @@ pub fn mode(mode: Mode) -> &'static str {
     }
 }
 
-/// Entries of the book of a contact.
+/// Returns the ledger entries of a contact.
 pub fn contact_book(book: &ContactBook) -> [f64; 8] {
     [
         book.stored,
@@ -133,7 +134,7 @@ pub fn contact_book(book: &ContactBook) -> [f64; 8] {
     ]
 }
 
-/// Each point of contact at the last sample.
+/// Returns each contact point at the last sample.
 #[pyfunction]
 pub fn world_contacts(world: PyRef<'_, PyWorld>) -> Vec<ContactNow> {
     let contacts = world.state().contacts().iter();
@@ -156,7 +157,7 @@ pub fn world_contacts(world: PyRef<'_, PyWorld>) -> Vec<ContactNow> {
         .collect()
 }
 
-/// The books of energy as of the last sample.
+/// Returns the energy ledger at the last sample.
 #[pyfunction]
 pub fn world_books(world: PyRef<'_, PyWorld>) -> BooksNow {
     let books = world.state().books();

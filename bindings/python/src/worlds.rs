@@ -19,7 +19,7 @@ use crate::world::{PyWorld, wrong};
 
 /// Forces of all devices over all intervals.
 type Forces<'py> = Bound<'py, PyArray3<f64>>;
-/// The report as JSON and text; the edges of the intervals; the forces of each method; and the mean forces of the ideal.
+/// Report as JSON and text; edges of the intervals; forces of each method; mean forces of the reference solution.
 pub type Judged<'py> = (
     String,
     String,
@@ -28,7 +28,7 @@ pub type Judged<'py> = (
     Forces<'py>,
 );
 
-/// Simulates a world by each method; by its own where none is named.
+/// Simulates a world by each method, by default by its own.
 #[pyfunction]
 pub fn simulate_world<'py>(
     py: Python<'py>,
@@ -46,8 +46,7 @@ pub fn simulate_world<'py>(
     judged.into_python(py)
 }
 
-/// Renders the motion that was recorded in a world by each method, by its own where none is named; and says what there is to
-/// say beside it.
+/// Renders the recorded motion of a world by each method, by default by its own, and returns the result with warnings.
 pub fn replay_world<'py>(
     py: Python<'py>,
     recording: Recording,
@@ -76,7 +75,7 @@ pub fn replay_world<'py>(
     Ok((judged.into_python(py)?, warnings))
 }
 
-/// A renderer for each method, so that what is wrong with a method is said before the ideal is computed.
+/// Creates a renderer for each method, so that a wrong method is reported before the reference solution is computed.
 fn renderers(
     scene: &WorldScene,
     methods: Vec<String>,
@@ -88,7 +87,7 @@ fn renderers(
     named.collect()
 }
 
-/// What came of a world, as it is before Python takes it.
+/// Results of a world before their conversion to Python.
 struct OfAWorld {
     json: String,
     text: String,
@@ -151,13 +150,14 @@ fn of_devices<'py>(py: Python<'py>, forces: &[Vec<Vector>]) -> PyResult<Forces<'
     Ok(PyArray3::from_vec3(py, &forces)?)
 }
 
-/// Whether the methods are all that the world has settings for.
+/// Whether `all` selects every method for which the world has settings.
 fn is_all(given: Option<&Bound<'_, PyAny>>) -> bool {
     let name = given.and_then(|given| given.extract::<String>().ok());
     name.as_deref() == Some("all")
 }
 
-/// The names of the methods: those that are given, or the world's own. All are those for which it has every setting.
+/// Returns the names of the given methods, by default the world's own. `all` selects every method with all its
+/// settings.
 fn methods(
     scene: &WorldScene,
     own: &str,

@@ -216,7 +216,7 @@ def met(rows: Any) -> bytes:
 
 
 LEAD = 0.004 * np.sin(0.05 * np.arange(300))
-# In float32 and in whole hundredths still something that each of them takes.
+# Valid arguments, also when rounded to float32 or to hundredths.
 TAKEN: dict[str, tuple[Callable[[Any], Any], np.ndarray, str]] = {
     "render, positions": (rendered, LEAD, "x"),
     "render, times": (rendered_at, 1e-3 * np.arange(len(LEAD)), "t"),
@@ -257,7 +257,7 @@ def test_narrow_numbers_give_those_of_the_same_numbers_in_double_precision(root:
         try:
             expected = call(made.astype(np.float64))
         except ValueError as error:
-            # What these numbers cannot be is said alike.
+            # Invalid values give the same message for every type.
             with pytest.raises(ValueError) as raised:
                 call(made)
             assert str(raised.value) == str(error), width
@@ -265,7 +265,7 @@ def test_narrow_numbers_give_those_of_the_same_numbers_in_double_precision(root:
         assert call(made) == expected, width
 
 
-# Its masses are made of its place here, and are tested by themselves.
+# The test of SimulatedDevice is separate, because its masses are derived from the argument here.
 @pytest.mark.parametrize("name", [name for name in TAKEN if name != "SimulatedDevice"])
 def test_what_is_no_array_of_numbers_is_refused_by_name(root: Any, name: str) -> None:
     call, plain, argument = TAKEN[name]
@@ -375,7 +375,7 @@ def test_a_step_of_an_engine_is_checked() -> None:
         contact.meet(1e-3, ["none"])
     expected = met(rows)
     assert met(rows.tolist()) == met(np.asfortranarray(np.repeat(rows, 2, axis=1))[:, ::2]) == expected
-    # An engine whose state is no number says so that way.
+    # A non-finite state of an engine is reported as such.
     contact.meet(1e-3, np.full_like(rows, math.nan))
     assert contact.hold().tolist() == [0.0, 0.0, 0.0] and contact.output.fault is not None
 

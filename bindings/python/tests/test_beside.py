@@ -35,19 +35,19 @@ def test_a_signal_is_handled_while_a_run_goes_on_and_may_end_it() -> None:
 
     def handler(number: int, frame: Any) -> None:
         if len(seen) == 3:
-            return  # One that came before the timer was stopped.
+            return  # A signal that arrived before the timer stopped.
         seen.append(number)
         if len(seen) == 3:
             raise KeyboardInterrupt
 
     before = signal.signal(signal.SIGALRM, handler)
-    # Again and again: the first may come before the run has begun.
+    # A repeating timer, because the first signal may come before the run has started.
     signal.setitimer(signal.ITIMER_REAL, 0.02, 0.02)
     try:
         with pytest.raises(KeyboardInterrupt):
             while True:
                 palpate.render(t, x, **CONTACT, method="all")
-                # A run that goes on to its end without a look at signals would be here before three came.
+                # A run that never checks for signals would return before the third one.
                 assert len(seen) >= 3
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
@@ -69,7 +69,7 @@ def test_python_goes_on_while_a_thread_renders() -> None:
             seen += inside
             time.sleep(0.001)
         rendering.join()
-        # A machine that is busy may let this thread run too seldom: then again, for longer.
+        # A busy machine may run this thread too seldom; repeat with a longer run.
         if seen >= 10:
             return
     pytest.fail(f"seen inside render {seen} times only")
@@ -82,7 +82,7 @@ def at_work() -> dict[str, int]:
         try:
             name, rest = (task / "stat").read_text().split("(", 1)[1].rsplit(")", 1)
         except OSError:
-            # It has ended meanwhile.
+            # The thread has ended meanwhile.
             continue
         if name == "palpate":
             fields = rest.split()
@@ -103,13 +103,13 @@ def test_two_threads_render_at_once_and_neither_waits_for_the_other() -> None:
         while any(thread.is_alive() for thread in rendering):
             now = at_work()
             if len(now) == 2:
-                # Since both were seen for the first time; of others this begins anew.
+                # Counts from the first observation of both threads; restarts for other threads.
                 first = first if first.keys() == now.keys() else now
                 both_got_on |= all(now[task] - first[task] >= 3 for task in now)
             time.sleep(0.001)
         for thread in rendering:
             thread.join()
-        # A machine that is busy may let this thread run too seldom: then again, for longer.
+        # A busy machine may run this thread too seldom; repeat with a longer run.
         if both_got_on:
             return
     pytest.fail("two runs were never seen to get on at once")
@@ -129,7 +129,7 @@ def test_two_threads_cost_no_more_than_one_after_the_other() -> None:
             thread.join()
         return time.process_time() - begun
 
-    # A processor of which another program uses half its caches is slower: the least of several.
+    # Another program may use half of the caches, so take the minimum of several runs.
     ratios = []
     for _ in range(20):
         one, two = cost(1), cost(2)

@@ -24,7 +24,7 @@ def shaken(excitation: palpate.Excitation, mass: float = MASS, period: float = 0
     commands = [0.0] * (delay + 1)
     while not excitation.done:
         commands.append(excitation.step(round(position / 1e-5) * 1e-5))
-        # A weak spring keeps the mass at its place.
+        # A weak spring keeps the mass in position.
         acceleration = (commands[-1 - delay] - 20.0 * position - 0.5 * velocity) / mass
         position += period * velocity + 0.5 * period**2 * acceleration
         velocity += period * acceleration
@@ -140,7 +140,7 @@ def test_a_report_is_that_of_the_program(program: Any, found: palpate.Calibratio
         report.pop("made")
         report["reach"].pop("computed_in_s")
     assert ours == theirs
-    # How long the map took is another matter.
+    # Ignore the computing time of the map.
     pages = (re.sub(r"in [0-9.]+ s; kappa", "", page) for page in (ours.to_html(), out.read_text(encoding="utf-8")))
     assert next(pages).replace(made[0], made[1]) == next(pages)
     assert "A mass" in ours.to_html() and ours.calibration.motion.t_s

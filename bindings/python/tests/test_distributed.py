@@ -61,11 +61,11 @@ def test_a_map_is_the_same_by_three_workers_of_which_one_is_killed(client: Any, 
     assert merged.to_csv() == whole.to_csv() and merged.to_svg() == whole.to_svg()
     whole.pop("work")
     assert merged == whole
-    # By one process the files are the same, too: byte by byte.
+    # One process writes identical files.
     for part in range(1, 17):
         study.make(part, tmp_path)
     assert contents(tmp_path / "map") == contents(tmp_path)
-    # A part has the lines of the program's.
+    # A part has the same lines as a part of the program.
     program("map", "--cells", 8, "--method", "basic,coupled", "--delay", 0.5, "--shard", "2/16", "--out", tmp_path / "part.csv")
     theirs = [line.split(",")[0] for line in (tmp_path / "part.csv").read_text().splitlines()[1:]]
     ours = parquet.read_table(tmp_path / study.file(2))
@@ -101,7 +101,7 @@ def test_what_is_there_is_not_made_again(client: Any, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="2 of 3 parts are missing: 1, 3; run it again"):
         study.merge(tmp_path)
     before = (tmp_path / study.file(2)).stat()
-    # What a worker that was killed has left does no harm, and goes.
+    # Leftovers of a killed worker are harmless and are removed.
     (tmp_path / f".{study.file(1)}.torn").write_bytes(b"PAR1")
     assert len(study.submit(client, tmp_path)) == 2
     study.run(client, tmp_path)

@@ -24,7 +24,7 @@ def test_every_example_of_a_page_runs(root: Path, page: str) -> None:
     assert examples
     names: dict[str, object] = {}
     for example in examples:
-        # `bindings/python/test` says where these have no wheel.
+        # `bindings/python/test` reports platforms without wheels.
         if any(f" {engine}" in example and find_spec(engine) is None for engine in ("pybullet", "pydrake")):
             continue
         exec(compile(example, page, "exec"), names)

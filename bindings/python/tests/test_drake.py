@@ -122,11 +122,11 @@ def test_a_newton_on_a_kilogram_for_a_second_is_half_a_metre(sampled: bool) -> N
     for _ in range(1000):
         contact.step([0, 0, 0])
     assert made.root.get_time() == pytest.approx(1.0, abs=1e-12)
-    # Drake moves by the velocity at the end of a step: half a step more.
+    # Drake integrates with the velocity at the end of a step, which adds half a step.
     np.testing.assert_allclose(made.centre(body) - start, [0.5 + 0.5 * 0.001, 0, 0], atol=1e-9)
     np.testing.assert_allclose(made.velocity(body), [1, 0, 0, 0, 0, 0], atol=1e-9)
     made.simulator.AdvanceTo(1.001)
-    # Nothing of ours acts when we do not push.
+    # Without push() palpate applies no force.
     np.testing.assert_allclose(made.velocity(body), [1, 0, 0, 0, 0, 0], atol=1e-9)
 
 
@@ -149,7 +149,7 @@ def test_a_wrench_off_the_centre_turns_a_rotated_body_as_its_mobility_says(sampl
     np.testing.assert_allclose(mobility, expected, atol=1e-9)
     np.testing.assert_allclose(row[:3], TURNED.matrix() @ CENTRE + [1, 2, 3], atol=1e-12)
     np.testing.assert_allclose(row[7:13], start, atol=1e-12)
-    # Weight, and what a body that turns does to itself: the plant says both beforehand.
+    # Weight and gyroscopic terms, which the plant predicts.
     gyroscopic = np.linalg.solve(inertia, -np.cross(turning, inertia @ turning))
     assert np.abs(gyroscopic).max() > 0.1
     np.testing.assert_allclose(row[13:19], [0, 0, -9.81, *gyroscopic], atol=1e-9)
@@ -186,11 +186,11 @@ def test_a_body_on_a_hinge_answers_as_its_mobility_says() -> None:
     others, mobility, swings = swung(np.zeros(6), False)
     same, _, pushed = swung(PUSH, False)
     np.testing.assert_allclose(same, others, atol=1e-9)
-    # A hinge gives way in one direction, whatever pushes.
+    # A hinge has one degree of freedom for any force.
     assert np.linalg.matrix_rank(mobility, tol=1e-6) == 1
     by_push = mobility @ PUSH
     assert np.abs(by_push).max() > 1
-    # The joint's damping and the weight are in it; the body has turned by 1 mrad meanwhile.
+    # Includes joint damping and weight; the body rotates by 1 mrad meanwhile.
     np.testing.assert_allclose(HINGE @ swings[3:], HINGE @ others[3:], atol=1e-9)
     np.testing.assert_allclose(HINGE @ (pushed - swings)[3:], HINGE @ by_push[3:], atol=1e-9)
     np.testing.assert_allclose(swings, others, atol=0.01 * np.abs(others).max())
@@ -254,12 +254,12 @@ def test_a_ball_on_a_floor_is_held_down_with_what_the_hand_gives(approximation: 
     for _ in range(300):
         force = contact.step(device.position)
         device.hold(force)
-    # The hand's spring has given way a little.
+    # The hand's spring is slightly deflected.
     pressed = 1.5 - 60.0 * (0.072 - device.position[2])
     assert 1.0 < pressed < 1.5
     np.testing.assert_allclose(force, [0, 0, pressed], atol=0.02)
     assert abs(made.centre(ball)[2] - 0.03) < 1e-3
-    # On the floor itself the tool is held up as well.
+    # The bare floor supports the tool, too.
     contact.reset()
     device = SimulatedDevice([0.25] * 3, [0.2, 0, 0.011], 0.0, 3.0, [0, 0, 0], [0, 0, -2.0], 0.004)
     for _ in range(300):
@@ -314,7 +314,7 @@ def test_a_tool_that_drake_knows_touches_everything_but_its_bodies() -> None:
         if rendered:
             law: dict[str, Any] = {"tool": "finger", "bodies": [ball], "stiffness": 100.0, "device_mass": 0.2, **FREE}
             contact = Contact(made.simulator, made.plant, **law)
-            # The device is elsewhere: nothing of palpate's pushes.
+            # The device is elsewhere, so palpate applies no force.
             contact.step([0, 0, 1])
             assert [point.between for point in contact.contacts] == [("finger", "body 'ball'")]
             np.testing.assert_array_equal(made.velocity(ball), np.zeros(6))
@@ -322,7 +322,7 @@ def test_a_tool_that_drake_knows_touches_everything_but_its_bodies() -> None:
         else:
             made.simulator.AdvanceTo(0.001)
             assert made.velocity(ball)[1] < -1e-3
-    # Its radius is that of the sphere.
+    # The tool radius is that of the sphere.
     contact = Contact(made.simulator, made.plant, **law)
     contact.step([0, 0.01 + 0.03 + 0.009, 0])
     assert contact.contacts[0].penetration == pytest.approx(0.001, abs=1e-5)
@@ -402,7 +402,7 @@ def test_what_else_stands_in_the_port_stays_and_several_contacts_share_it() -> N
         other.hold()
     np.testing.assert_allclose(made.velocity(left)[:3], [0.002, 0.006, 0], atol=1e-12)
     np.testing.assert_allclose(made.velocity(right)[:3], [0, 0, 0.004], atol=1e-12)
-    # Theirs is beside the wrench and not in it.
+    # Forces of the other contact appear in the acceleration, not in the wrench.
     np.testing.assert_allclose(one.seen[0][13:16], [0, 3, 0], atol=1e-9)
 
 
@@ -463,7 +463,7 @@ def test_another_context_begins_anew() -> None:
         contact.push()
     contact.step([0, 0, 1])
     own = made.plant.GetMyContextFromRoot(made.simulator.get_context())
-    # The tool's sphere lies within the ball here too, and nothing pushes.
+    # The tool's sphere lies within the ball here, too, but without force.
     np.testing.assert_array_equal(made.plant.GetVelocities(own), np.zeros(12))
     assert made.simulator.get_context().get_time() == pytest.approx(0.001)
 

@@ -39,7 +39,7 @@ def test_a_figure_is_that_of_the_program(
 ) -> None:
     program(*command, "--plot", tmp_path / "figure.svg")
     report = ours(motion)
-    # A report that was sent elsewhere draws the same figure there.
+    # A pickled report draws the same figure.
     sent = pickle.loads(pickle.dumps(report))
     assert report._repr_html_() is None
     assert report._repr_svg_() == sent.to_svg() == (tmp_path / "figure.svg").read_text()

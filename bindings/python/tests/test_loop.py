@@ -41,7 +41,7 @@ def pressing(**changes: Any) -> palpate.devices.Pointer:
 
 
 def loop(device: palpate.devices.Device, renderer: palpate.Renderer, **changes: Any) -> palpate.Loop:
-    # A machine that does nothing for a while is not what is tested.
+    # Limits that tolerate a stalled machine, which is not under test.
     return palpate.Loop(device, renderer, **{"priority": 0, "stall_after": 1000.0, "oscillation": math.inf, **changes})
 
 
@@ -78,14 +78,14 @@ def test_a_change_is_in_force_from_the_tick_that_carries_its_number() -> None:
     with loop(pressing(), wall()) as running:
         read_until(running, "contact", lambda ticks: ticks["penetration_m"][-1] > 0)
         assert running.change(stiffness=600.0) == 1
-        # A tenth of a second of ticks, and not of a machine that may leave some out.
+        # 100 ticks rather than a duration, because a busy machine may skip ticks.
         ticks = read_until(running, "the change", lambda ticks: (ticks["generation"] == 1).sum() > 100)
         last = ticks[-1]
         assert last["force_on_device_n"] == pytest.approx(-600.0 * last["penetration_m"], rel=1e-6)
         assert running.change(method="hfcr", mass=0.5, damping=0.5) == 2
         read_until(running, "the other method", lambda ticks: ticks["generation"][-1] == 2)
         assert running.parameters["method"] == "hfcr" and running.parameters["damping"] == 0.5
-        # Another method has none of its settings.
+        # The settings of the previous method are dropped.
         assert running.change(method="basic") == 3
         assert "damping" not in running.parameters
         texts = [event.text for event in running.events() if event.kind == "parameters"]
@@ -148,7 +148,7 @@ def test_python_that_computes_without_a_break_keeps_no_tick_waiting() -> None:
     with loop(pressing(), wall()) as running:
         read_until(running, "the start", lambda ticks: len(ticks) > 10)
         before = running.status.ticks
-        # One call of C that gives the lock to nobody until it is done.
+        # A single C call that holds the GIL until it returns.
         made = pow(3, 2_000_000)
         assert made
         assert running.status.ticks > before + 10
@@ -181,7 +181,7 @@ def test_a_device_that_goes_ends_the_loop_which_says_so_once_its_ticks_are_read(
     assert running.report is not None and running.report.ending == "the device is gone"
     kinds = [event.kind for event in running.events()]
     assert kinds[-1] == "ended" and "trip-device-lost" in kinds
-    # It is said once.
+    # The error is raised once.
     assert running.stop() == running.report
 
 
@@ -218,7 +218,7 @@ def test_a_recording_is_what_was_read_and_the_program_replays_it(program: Progra
     assert 'name = "pointer"' in recording.texts["device"]
     replayed = program.json("replay", path, "--method", "basic")
     assert replayed["methods"][0]["method"] == "basic"
-    # A file that is there is kept.
+    # An existing file is not overwritten.
     with pytest.raises(OSError, match="tap.mcap"):
         loop(pressing(), wall(), record=path)
 
@@ -296,7 +296,7 @@ renderer = palpate.Renderer(stiffness=300.0, mass=math.inf, period=0.002, method
 loop = palpate.Loop(palpate.devices.Pointer(position=0.01), renderer, record=sys.argv[1], priority=0)
 loop.start()
 loop.read(wait=60.0)
-# Nobody lets go of this reference.
+# Leak a reference, so that the loop is never dropped.
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(loop))
 """
     done = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True, timeout=PATIENCE)
@@ -328,7 +328,7 @@ def test_a_process_that_was_forked_off_is_told_and_the_loop_goes_on() -> None:
         running.read(wait=PATIENCE)
 
 
-# A board that holds its last torque, emulated by the program, and Python in a process of its own.
+# An emulated board that holds its last torque, and Python in a separate process.
 
 
 class Emulated:
@@ -360,7 +360,7 @@ class two_diy:
 
     def __enter__(self) -> tuple[Path, Emulated]:
         self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        # Its name stands there before it answers; the emulator says when it does.
+        # The port exists before the emulator is ready; the emulator prints it when it is ready.
         assert self.process.stdout is not None
         assert self.process.stdout.readline() == f"{self.port}\n"
         return self.port, self.end
@@ -389,7 +389,7 @@ def test_an_inverse3_behind_its_service(program: Program) -> None:
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as emulator, ended(emulator):
         assert emulator.stdout is not None
         url = emulator.stdout.readline().strip()
-        # Where the cursor is when it is opened is 1 mm deep in the wall.
+        # The initial cursor position is 1 mm deep in the wall.
         inside = wall(object_position=-0.001, period=0.004)
         with loop(palpate.devices.Inverse3(url), inside) as running:
             until("a force", lambda: running.status.force[0] < -0.1)
@@ -406,7 +406,7 @@ def test_an_inverse3_behind_its_service(program: Program) -> None:
 RUNS = """
 import math, os, signal, sys, time
 import palpate
-# A shell that runs the tests in the background has its programs ignore ctrl-C.
+# A shell that runs the tests in the background makes its programs ignore Ctrl-C.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 device = palpate.devices.TwoDiy(sys.argv[1], start_pose=(130, 50), origin=(0.019, 0.11), normal=(0, 1))
 renderer = palpate.Renderer(stiffness=300.0, mass=math.inf, period=0.004, method="basic", soft_start=0.0)
@@ -472,7 +472,7 @@ def is_at_zero_after(runs: str, how: str, program: Program, folder: Path) -> boo
                 python.stdin.flush()
             done = python.wait(PATIENCE)
             assert code is None or done == code
-            # It is there until the board is known to hold no torque.
+            # The watchdog process lives until the board confirms zero torque.
             until("the end of the guardian", lambda: not any(Path("/proc", guard).exists() for guard in guards))
     assert board.largest_torque > 0.001, board.said
     assert board.last_torques == [0.0, 0.0], board.said

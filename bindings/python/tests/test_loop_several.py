@@ -73,7 +73,7 @@ def test_each_device_has_its_hand_its_force_and_its_rows() -> None:
             ticks = running.read(wait=PATIENCE)
             devices = running.devices
             assert devices.dtype == palpate.DEVICES
-            # Of every tick both.
+            # Every tick has a row of each device.
             for number in (0, 1):
                 assert (of(devices, number)["sequence"] == np.unique(ticks["sequence"])).all()
             left, right = (of(devices, number)["delivered_force_n"][:, 0] for number in (0, 1))
@@ -89,7 +89,7 @@ def test_each_device_has_its_hand_its_force_and_its_rows() -> None:
 def test_devices_and_hands_of_the_world_press_each_as_deep_as_its_own_springs() -> None:
     model = side_by_side()
     with loop({name: palpate.devices.Simulated(model) for name in NAMES}, model) as running:
-        # Where floor and hand agree.
+        # Equilibrium of floor and hand.
         depths = [0.005 * 200.0 / (200.0 + stiffness) for stiffness in (300.0, 600.0)]
 
         def are_at_rest() -> bool:
@@ -130,7 +130,7 @@ def test_a_recording_is_what_was_read_and_the_program_reads_it(program: Program,
     assert program.json("info", path)["complete"]
     replayed = program.json("replay", path)
     assert replayed["methods"][0]["method"] == "coupled"
-    # Of one device there is nothing beside the ticks.
+    # A loop of one device has no device rows.
     alone = tmp_path / "alone.mcap"
     with loop(palpate.devices.Pointer(), wall(), record=alone) as running:
         read_until(running, "a tick", len)
@@ -218,7 +218,7 @@ def test_a_device_that_has_gone_is_named_and_takes_the_force_off_the_other(gone:
         assert last_force(on_right if gone == "left" else on_left) == [0.0, 0.0, 0.0]
 
 
-# The board and, beside it, a device that is simulated.
+# The board and a simulated device.
 RUNS = """
 import math, os, sys, time
 import palpate

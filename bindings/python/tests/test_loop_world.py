@@ -79,7 +79,7 @@ def test_ticks_are_numbered_without_a_gap_and_show_the_spring_of_the_floor() -> 
     assert (ticks["sequence"] == np.arange(len(ticks))).all()
     assert (np.diff(ticks["t_s"]) > 0).all()
     inside = ticks[ticks["penetration_m"] > 0]
-    # The floor's normal is against the tool: between the tool and the floor it points to the tool.
+    # The normal of a contact between tool and floor points towards the tool.
     assert np.allclose(inside["contact_normal_3"], 1.0)
     assert np.allclose(inside["contact_force_3_n"], 300.0 * inside["penetration_m"], rtol=1e-9)
     assert np.allclose(inside["commanded_force_3_n"], inside["contact_force_3_n"], rtol=1e-9)
@@ -126,7 +126,7 @@ def test_a_ball_that_is_pushed_moves_and_its_bodies_are_of_the_ticks_that_were_r
         names = running.body_names
     ticks, told = np.concatenate(parts), np.concatenate(bodies)
     assert told.dtype == palpate.BODIES and names == ("floor", "ball", "tool")
-    # Of every tick the ball and the avatar: what does not move is not told.
+    # Every tick has rows of the ball and the proxy; fixed bodies have none.
     for number in (1, 2):
         assert (told["sequence"][told["body"] == number] == np.unique(ticks["sequence"])).all()
     assert set(told["body"]) == {1, 2}
@@ -134,10 +134,10 @@ def test_a_ball_that_is_pushed_moves_and_its_bodies_are_of_the_ticks_that_were_r
     assert np.allclose(free["position_m"][0], [0.045, 0.0, 0.05]) and (free["velocity_m_per_s"][0] == 0).all()
     assert free["position_m"][-1, 0] > 0.045
     assert np.allclose(np.linalg.norm(free["orientation"], axis=1), 1.0)
-    # It is the contact of tool and ball that pushes.
+    # The contact of tool and ball gives the force.
     touched = ticks[ticks["penetration_m"] > 0]
     assert {running.contact_names[pair] for pair in touched["pair"]} == {("tool", "ball")}
-    # Nothing left to read: no bodies either.
+    # A second read returns no bodies.
     running.read()
     running.read()
     assert len(running.bodies) == 0
@@ -179,7 +179,7 @@ def test_python_that_computes_without_a_break_keeps_no_tick_waiting() -> None:
     with loop(palpate.devices.PointerInWorld(model), model) as running:
         read_until(running, "the start", lambda ticks: len(ticks) > 10)
         before = running.status.ticks
-        # One call of C that gives the lock to nobody until it is done.
+        # A single C call that holds the GIL until it returns.
         assert pow(3, 2_000_000)
         assert running.status.ticks > before + 10
 
@@ -248,7 +248,7 @@ def test_a_recording_is_what_was_read_and_the_program_reads_it(program: Program,
     again = pickle.loads(pickle.dumps(recording))
     assert again.bodies.tobytes() == recording.bodies.tobytes()
     assert program.json("info", path)["complete"]
-    # As the program records it, so the program replays it.
+    # The recording replays as a recording of the program does.
     replayed = program.json("replay", path)
     assert replayed["methods"][0]["method"] == "coupled"
 
@@ -294,7 +294,7 @@ def test_wrong_devices_and_worlds_are_said() -> None:
 
 def test_an_inverse3_stands_in_a_world(program: Program) -> None:
     command = [str(program.path), "emulate", "inverse3", "--port", "0", "--events-port", "0"]
-    # Where the cursor is when it is opened, the tool is 5 mm deep in the floor. The device's y points down in this world.
+    # At the initial cursor position the tool is 5 mm deep in the floor. The device's y axis points down in this world.
     model = pressed(loop={"period_s": 0.004})
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as emulator:
         assert emulator.stdout is not None

@@ -57,7 +57,7 @@ def test_another_stiffness_is_in_force_from_the_tick_that_says_so_and_comes_with
         heard.until("contact at rest", lambda ticks: (np.abs(np.diff(ticks["device_axis_3_m"][-20:])) < 1e-7).all() and len(ticks) > 100)
         assert running.world is model
         assert running.change(contacts=floor_of(600.0)) == 1
-        # 0.1 s are 50 ticks.
+        # 0.1 s is 50 ticks.
         ticks = heard.until("the change and 80 ticks of it", after(1, 80))
         assert running.world is not None and running.world.to_dict()["contact"][0]["stiffness_n_per_m"] == 600.0
         [event] = [event for event in running.events() if event.kind == "parameters"]
@@ -66,16 +66,16 @@ def test_another_stiffness_is_in_force_from_the_tick_that_says_so_and_comes_with
     assert event.sequence == ticks["sequence"][first] and event.text == "parameters number 1 from here on: another world, rendered by basic"
     force, depth = ticks["commanded_force_3_n"], ticks["penetration_m"]
     assert force[first - 1] == pytest.approx(300.0 * depth[first - 1], rel=1e-9)
-    # The first three answers are those of the world before, whatever the springs are.
+    # The first three forces are those of the previous world, for any springs.
     assert force[first : first + 3] == pytest.approx(300.0 * depth[first : first + 3], rel=1e-9)
-    # The contact itself is the new one at once, and its force is the device's after a tenth of a second.
+    # The contact changes at once; the device force is blended over 0.1 s.
     assert np.allclose(ticks["contact_force_3_n"][first:], 600.0 * depth[first:], rtol=1e-9)
-    # What is more fades from the third on, in 0.1 s.
+    # The difference fades from the third tick on, over 0.1 s.
     passed = np.cumsum(ticks["period_s"][first + 3 :])
     more = (force - 600.0 * depth)[first + 2 :]
     fades = np.diff(more / more[0])
     assert (fades <= 1e-9).all() and np.abs(more[1:][passed > 0.1 + 1e-9]).max() < 1e-9 * np.abs(more[0])
-    # Without a step: as much as goes in the time between two samples, and what the hand gives way.
+    # No step: the change per sample is bounded by the blending rate and the deflection of the hand.
     assert (np.abs(np.diff(force[first + 2 :])) < (ticks["period_s"][first + 3 :] / 0.1 + 0.05) * force[first - 1]).all()
 
 
@@ -103,14 +103,14 @@ def another_mass_and_weight() -> tuple[np.ndarray, np.ndarray, int, np.ndarray]:
 def test_a_body_goes_on_from_where_it_is_and_with_its_speed_under_another_mass_and_weight() -> None:
     for _ in range(10):
         free, times, place, before = another_mass_and_weight()
-        # Beyond 20 periods of 2 ms without a sample bodies wait.
+        # After a gap of 20 periods of 2 ms without a sample bodies are held still.
         if np.diff(times[place - 1 :]).max() < 0.035:
             break
     else:
         pytest.fail("the machine stood still in each of ten runs")
     assert before[0] > 0.001 and free["velocity_m_per_s"][place - 1] == pytest.approx(before)
-    # Up to the last tick before it is as it was before, and from there under the new mass and weight. Times of samples are those
-    # of ticks within a period.
+    # The motion is unchanged up to the last tick before the change; the new mass and weight act from there on.
+    # Sampling times are accurate within a period.
     moved = free["position_m"][place, 0] - free["position_m"][place - 1, 0]
     assert moved == pytest.approx(before[0] * (times[place] - times[place - 1]), abs=0.002 * before[0])
     assert free["velocity_m_per_s"][place:, 0] == pytest.approx(np.full(len(free) - place, before[0]), abs=1e-9)
@@ -130,7 +130,7 @@ def test_a_body_is_put_elsewhere_and_others_stay() -> None:
         there = {**bodies[1], "position_m": [0.3, 0.1, 0.05]}
         running.change(bodies=[FLOOR, there])
         heard.until("the change", after(1, 5))
-        # The same tables again: the body goes on from there.
+        # The same tables again: the body continues its motion.
         assert running.change(running.world, method="virtual-coupling", render=COUPLING) == 2
         ticks = heard.until("the other method", after(2, 5))
     free = heard.of_body(1)
@@ -176,7 +176,7 @@ def test_many_changes_in_a_row_leave_the_last_one_and_no_room_is_said(tmp_path: 
     model = pressed()
     path = tmp_path / "changed.mcap"
     running = loop(palpate.devices.PointerInWorld(model), model, record=path)
-    # Before its start nothing takes them.
+    # Before the start nothing takes the changes.
     for number in range(1, 9):
         assert running.change(contacts=floor_of(300.0 + number)) == number
     with pytest.raises(ValueError, match="8 worlds wait to be rendered already"):
@@ -186,7 +186,7 @@ def test_many_changes_in_a_row_leave_the_last_one_and_no_room_is_said(tmp_path: 
         ticks = heard.until("ticks", lambda ticks: len(ticks) > 70)
         assert (ticks["generation"] == 8).all()
         for number in range(9, 60):
-            # The loop takes each before the next comes.
+            # The loop takes each change before the next one is made.
             assert running.change(contacts=floor_of(300.0 + number)) == number
             heard.until("the change", after(number))
         kinds = [event.kind for event in running.events() if event.kind == "parameters"]

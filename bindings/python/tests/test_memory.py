@@ -70,14 +70,14 @@ def test_long_work_does_not_grow() -> None:
         for _ in range(20):
             palpate.render(t, x, stiffness=400.0, mass=0.1, period=1e-3, method="basic")
 
-    # A run of these has 3 MB of ticks.
+    # Each run has 3 MB of ticks.
     assert grown(runs) < 12 * MEGABYTE
 
 
 def test_a_loop_in_real_time_does_not_grow_whether_it_is_read_or_not() -> None:
     """A tick takes half a kilobyte. 5000 that were kept would be more than is allowed."""
     with loop(pressing(), wall(period=0.00025), ring=200) as running:
-        # The way from the loop to its listener has room for 16384 ticks, which the system gives when it is first used.
+        # The queue from the loop to its listener has 16384 ticks; the system maps its memory at first use.
         until("the ring to be full, and the way to it used once", lambda: running.status.ticks > 20_000)
         before, began = occupied(), running.status.ticks
         until("5000 ticks that nobody read", lambda: running.status.ticks > began + 5000)

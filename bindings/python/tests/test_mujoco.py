@@ -67,7 +67,7 @@ def test_a_newton_on_a_kilogram_for_a_second_is_half_a_metre() -> None:
         contact.step([0, 0, 0])
     np.testing.assert_allclose(data.xipos[1] - start, [0.5, 0, 0], atol=1e-9)
     np.testing.assert_allclose(data.qvel, [1, 0, 0, 0, 0, 0], atol=1e-9)
-    # What is the user's stays, and ours is gone.
+    # The user's forces stay, and palpate's are removed.
     assert (data.xfrc_applied == 0).all()
 
 
@@ -188,7 +188,7 @@ def test_several_tools_and_several_contacts_share_a_body() -> None:
             for finger, force in zip(fingers, forces):
                 finger.hold(force)
         assert (data.xfrc_applied == 0).all()
-        # It gives way by the bristles and the fingers, and does not fall.
+        # The body yields by the friction bristles and the fingers, but does not fall.
         assert abs(data.qpos[2]) < 0.02 and np.abs(data.qvel[:3]).max() < 0.02, (is_one, data.qpos, data.qvel)
         assert abs(forces[0][0]) > 0.5 and abs(forces[0][0] + forces[1][0]) < 0.05
 
@@ -200,7 +200,7 @@ def test_bad_samples_give_no_force_and_the_engine_goes_on() -> None:
     assert contact.step([0, math.nan, 0]).tolist() == [0, 0, 0]
     assert contact.output is not None and contact.output.fault == "position-not-finite"
     assert abs(data.time - 0.002) < 1e-12 and (data.xfrc_applied == 0).all()
-    # After it the force comes in softly, and is limited.
+    # Afterwards the soft start ramps the force, within its limit.
     assert np.linalg.norm(contact.step([0, 0, 0.0299])) < 0.1
     for _ in range(400):
         data.qpos[:3] = 0
@@ -214,7 +214,7 @@ def test_bad_samples_give_no_force_and_the_engine_goes_on() -> None:
 
 
 def test_an_engine_that_was_put_back_is_met_anew(tmp_path: Any, monkeypatch: Any) -> None:
-    # MuJoCo writes a log where it runs.
+    # MuJoCo writes a log to the working directory.
     monkeypatch.chdir(tmp_path)
     model, data = load('<body name="ball"><freejoint/><geom type="sphere" size="0.02" mass="0.1"/></body>')
     contact = Contact(model, data, tool=0.01, bodies=["ball"], stiffness=1000.0, device_mass=0.2, period=0.002)
@@ -222,10 +222,10 @@ def test_an_engine_that_was_put_back_is_met_anew(tmp_path: Any, monkeypatch: Any
         contact.step([0, 0, 0.025])
     assert data.time > 0.09 and data.qpos[2] < -1e-3
     mujoco.mj_resetData(model, data)
-    # At once there is an overlap of 5 mm, and the force comes in softly.
+    # The reset gives a sudden penetration of 5 mm, and the soft start ramps the force.
     force = contact.step([0, 0, 0.025])
     assert contact.output is not None and contact.output.limited == ("soft-start",) and 0 <= force[2] < 0.2
-    # MuJoCo puts itself back after a state that is no number: no contact in that period.
+    # MuJoCo resets itself after a non-finite state: no contact in that period.
     contact.sample([0, 0, 0.025])
     contact.push()
     data.qvel[2] = math.nan
@@ -274,7 +274,7 @@ def test_a_mesh_is_touched_as_the_box_that_it_is(turned: str) -> None:
     of_box, box_at = pressed("box", turned)
     of_mesh, mesh_at = pressed("mesh", turned)
     assert np.abs(of_box).max() > 0.1
-    # The engine has the corners in single precision.
+    # The engine stores the corners in single precision.
     np.testing.assert_allclose(of_mesh, of_box, atol=2e-4)
     np.testing.assert_allclose(mesh_at, box_at, atol=1e-5)
 

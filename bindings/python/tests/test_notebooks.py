@@ -36,7 +36,7 @@ def run(source: str, names: dict[str, Any], place: str) -> list[dict[str, Any]]:
         outputs.append({"name": "stdout", "output_type": "stream", "text": lines(printed.getvalue())})
     if value is not None:
         drawn = getattr(value, "_repr_svg_", lambda: None)()
-        # The text of a report may say how long the work took.
+        # The text of a report may contain the computing time.
         data = {"text/plain": lines(repr(value))} if drawn is None else {"image/svg+xml": lines(drawn)}
         outputs.append({"data": data, "execution_count": None, "metadata": {}, "output_type": "execute_result"})
     return outputs
@@ -51,7 +51,7 @@ def test_a_notebook_gives_the_outputs_that_stand_in_it(path: Path, monkeypatch: 
     notebook = json.loads(path.read_text(encoding="utf-8"))
     if "mujoco" in path.stem:
         pytest.importorskip("mujoco", reason="pip install palpate[mujoco]")
-    # As Jupyter does: a notebook runs where it stands.
+    # Like Jupyter, run a notebook in its own folder.
     monkeypatch.chdir(path.parent)
     names: dict[str, Any] = {"__name__": "__main__"}
     shown = 0
@@ -71,5 +71,5 @@ def test_a_notebook_gives_the_outputs_that_stand_in_it(path: Path, monkeypatch: 
 
 def test_there_are_notebooks() -> None:
     assert len(NOTEBOOKS) >= 5
-    # Files of a few thousand lines are read by nobody.
+    # Keep the files small enough to review.
     assert all(path.stat().st_size < 400_000 for path in NOTEBOOKS)

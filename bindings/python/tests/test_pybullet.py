@@ -69,11 +69,11 @@ def test_a_newton_on_a_kilogram_for_a_second_is_half_a_metre(client: int) -> Non
     for _ in range(1000):
         contact.step([0, 0, 0])
     moved = np.array(pybullet.getBasePositionAndOrientation(number, physicsClientId=client)[0]) - start
-    # Bullet moves by the velocity at the end of a step: half a step more.
+    # Bullet integrates with the velocity at the end of a step, which adds half a step.
     np.testing.assert_allclose(moved, [0.5 + 0.5 * 0.001, 0, 0], atol=1e-9)
     np.testing.assert_allclose(contact._velocity(number), [1, 0, 0, 0, 0, 0], atol=1e-9)
     pybullet.stepSimulation(physicsClientId=client)
-    # Nothing of ours acts when we do not push.
+    # Without push() palpate applies no force.
     np.testing.assert_allclose(contact._velocity(number), [1, 0, 0, 0, 0, 0], atol=1e-9)
 
 
@@ -97,7 +97,7 @@ def test_a_wrench_off_the_centre_turns_a_rotated_body_as_its_mobility_says(clien
     np.testing.assert_allclose(contact.seen[0][13:19], [0, 0, -9.81, 0, 0, 0], atol=1e-12)
     gained = contact._velocity(number) - np.concatenate(start)
     by_all = mobility @ wrench + [0, 0, -9.81, 0, 0, 0]
-    # What is left is gyroscopic, and the next row knows it.
+    # The rest is gyroscopic, and the next row includes it.
     np.testing.assert_allclose(gained[:3] / h, by_all[:3], atol=1e-6)
     np.testing.assert_allclose(gained[3:] / h, by_all[3:], atol=0.5)
     left = gained / h - mobility @ wrench
@@ -132,13 +132,13 @@ def test_a_ball_on_a_plane_is_held_down_with_what_the_hand_gives(client: int) ->
     for _ in range(300):
         force = contact.step(device.position)
         device.hold(force)
-    # The hand's spring has given way a little.
+    # The hand's spring is slightly deflected.
     pressed = 1.5 - 60.0 * (0.072 - device.position[2])
     assert 1.0 < pressed < 1.5
     np.testing.assert_allclose(force, [0, 0, pressed], atol=0.02)
     place = pybullet.getBasePositionAndOrientation(ball, physicsClientId=client)[0]
     assert abs(place[2] - 0.03) < 1e-3
-    # On the plane itself the tool is held up as well.
+    # The bare plane supports the tool, too.
     contact.reset()
     device = SimulatedDevice([0.25] * 3, [0.2, 0, 0.011], 0.0, 3.0, [0, 0, 0], [0, 0, -2.0], 0.004)
     for _ in range(300):
@@ -168,7 +168,7 @@ def test_a_shape_begins_where_pybullet_has_it(client: int, shape: dict[str, Any]
     shape = {**shape, "shapeType": getattr(pybullet, shape["shapeType"])}
     number = body(client, 0.0, (0.5, 0, 1.0), **shape)
     [ray] = pybullet.rayTest([0.5, 0, 3.0], [0.5, 0, -3.0], physicsClientId=client)
-    # Bullet has a margin of 1 mm about hulls.
+    # Bullet adds a margin of 1 mm to hulls.
     assert abs(ray[3][2] - (1.0 + height)) < 1.1e-3
     for above, depth in ((0.001, 0.0), (-0.001, 0.001)):
         contact = Contact(client, tool=0.0, bodies=[number], stiffness=100.0, device_mass=0.2, **FREE)
@@ -199,7 +199,7 @@ def test_each_mesh_of_a_body_is_where_pybullet_has_it(client: int, tmp_path: Pat
     contact = Contact(client, tool=0.0, bodies=[number], stiffness=100.0, device_mass=0.2, **FREE)
     for place, height in ((0.0, 0.1), (1.0, 0.3), (2.0, 0.15)):
         [ray] = pybullet.rayTest([place, 0, 3], [place, 0, -3], physicsClientId=client)
-        # Bullet has a margin of 1 mm about hulls.
+        # Bullet adds a margin of 1 mm to hulls.
         assert abs(ray[3][2] - (1 + height)) < 2e-3
         contact.reset()
         contact.step([place, 0, 1 + height - 0.001])
@@ -252,7 +252,7 @@ def test_a_body_that_sleeps_is_woken_by_a_push(client: int) -> None:
     pybullet.changeDynamics(number, -1, activationState=asleep, physicsClientId=client)
     contact = Contact(client, tool=0.01, bodies=[number], stiffness=1000.0, device_mass=0.25, period=0.004, **FREE)
     forces = [contact.step([min(-0.045 + 1e-4 * tick, -0.03), 0, 0])[0] for tick in range(300)]
-    # The ball is pushed away: a wall at its place would push with 10 N.
+    # The ball is pushed away; a wall at its position would give 10 N.
     assert -5.0 < min(forces) < -0.1
     place, _ = pybullet.getBasePositionAndOrientation(number, physicsClientId=client)
     assert place[0] > 0.01

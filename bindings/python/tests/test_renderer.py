@@ -201,7 +201,7 @@ def test_every_setting_of_every_method_is_taken_by_its_name() -> None:
             try:
                 renderer = palpate.Renderer(**CONTACT, method=method.name, **given)
             except ValueError as error:
-                # A setting that counts beside a word of another only.
+                # A setting that applies only with a certain word of another setting.
                 assert f"{setting.name} is for " in str(error)
                 continue
             if setting.key in renderer.method_parameters:

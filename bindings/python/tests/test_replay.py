@@ -103,7 +103,7 @@ def test_a_recording_that_was_read_is_replayed(program: Any, tap: Path) -> None:
     ours = palpate.replay(recording, "coupled")
     assert ours == program.json("replay", tap, "--method", "coupled")
     assert ours.recording.file == str(tap) and ours.recording.recorded_method == "hfcr"
-    # By the recorded method the motion gives the recorded force.
+    # The recorded method reproduces the recorded force.
     again = palpate.replay(recording)
     assert [*again.ticks] == ["hfcr"]
     np.testing.assert_array_equal(again.ticks["hfcr"]["device_position_m"], recording.ticks["device_position_m"])
@@ -193,7 +193,7 @@ def test_what_is_no_recording_is_said(tap: Path, tmp_path: Path) -> None:
     (tmp_path / "text.mcap").write_text("no recording")
     with pytest.raises(ValueError, match="text.mcap"):
         palpate.replay(tmp_path / "text.mcap")
-    # Its scene is none.
+    # The recording's scene is not valid.
     plain = ROOT / "crates/palpate-record/tests/recording/golden-v1.mcap"
     with pytest.raises(ValueError, match=r"golden-v1.mcap \(scene\):1:1: the key object is missing"):
         palpate.replay(plain)

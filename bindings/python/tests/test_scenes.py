@@ -31,7 +31,7 @@ def light_block(**changes: Any) -> palpate.Scene:
 @pytest.mark.parametrize("scene", SCENES)
 def test_a_scene_gives_the_numbers_of_the_program_to_the_last_bit(program: Any, root: Path, scene: str) -> None:
     own = palpate.Scene.read(Path(scene))
-    # The ideal of a linkage takes a second, and of each run and program anew.
+    # The reference solution of a linkage takes a second for each run and program, so run one method only.
     method = own.method if own.to_dict()["device"]["kind"] == "pantograph" else "all"
     theirs = program.json("simulate", scene, "--method", method)
     assert palpate.simulate(scene, method=method) == theirs
@@ -56,7 +56,7 @@ def test_ticks_of_a_scene_are_those_of_the_program(program: Any, root: Path, tmp
 
 
 def test_scenes_are_compared_as_by_the_program(program: Any, root: Path) -> None:
-    # In one of them `coupled` and others cannot be set up, or run away.
+    # In one scene `coupled` and other methods cannot be set up or diverge.
     scenes = [*USERS[:4], "experiments/fig2.toml"]
     theirs = program.json("compare", *scenes)
     assert palpate.compare(scenes) == theirs
@@ -126,7 +126,7 @@ def test_a_fault_of_a_file_has_its_place(tmp_path: Path) -> None:
 def test_a_scene_that_cannot_be_run_says_why() -> None:
     with pytest.raises(ValueError, match="^the window has [0-9e]+ periods; at most 2000000 fit$"):
         palpate.simulate(light_block(measure={"duration_s": 1e9}))
-    # The object flies away from the device, and touches it once at most.
+    # The object flies away from the device and touches it at most once.
     away = {"mass_kg": 0.1, "stiffness_n_per_m": 400, "position_m": 0.01, "velocity_m_per_s": -1.0}
     with pytest.raises(ValueError, match="asks for 50 collisions, but the ideal has only"):
         palpate.simulate(light_block(measure={"collisions": 50}, hand={"force_n": 0.0}, object=away))
@@ -159,7 +159,7 @@ def test_a_table_that_contains_itself_is_refused_by_its_place() -> None:
             palpate.Scene("itself", **tables)
     with pytest.raises(ValueError, match="more than 32 deep, as where one contains itself"):
         palpate.World(bodies=[{"name": rows}])
-    # Each goes before the next: to drop a list of lists is a recursion, too.
+    # Free each list before the next: freeing nested lists is recursive, too.
     while isinstance(deep, list):
         deep = deep.pop()
 

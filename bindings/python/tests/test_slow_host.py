@@ -31,7 +31,7 @@ def device(start: tuple[float, float, float] = (0.0, 0.0, 0.005)) -> palpate.dev
 
 
 def host(**changes: Any) -> SlowHost:
-    # A machine that stands still for a while is not what is tested.
+    # Limits that tolerate a stalled machine, which is not under test.
     given = {"period": 0.002, "device_mass": 0.25, "tool_radius": RADIUS, "bodies": 0, "contacts": 2, "stale_after": 2.0}
     return SlowHost(**{**given, "soft_start": 0.0, **changes})
 
@@ -70,10 +70,10 @@ def test_a_published_floor_pushes_as_its_stiffness_says_and_fades_where_nothing_
         ticks = read_until(made, "a floor that pushes", is_pressed)
         until("a floor that fades", lambda: slow.progress.is_stale)
         until("no force", lambda: made.status.force == NONE)
-    # The hand gives way until its spring and that of the floor are in balance, at about 0.9 N.
+    # Equilibrium of the hand's spring and the floor is at about 0.9 N.
     pressed = ticks[ticks["contact_force_3_n"] > 0.5][-20:]
     assert np.allclose(pressed["contact_force_3_n"], STIFFNESS * pressed["penetration_m"], rtol=0.02)
-    # What is commanded is the mean over the period that comes, which a late tick makes another one.
+    # The commanded force is the mean over the next period, which a late tick changes.
     all_pressed = ticks[ticks["contact_force_3_n"] > 0.5]
     on_time = all_pressed[np.abs(all_pressed["period_s"] - 0.002) < 1e-4][-20:]
     assert np.median(on_time["commanded_force_3_n"]) == pytest.approx(np.median(on_time["contact_force_3_n"]), rel=0.05)
@@ -118,7 +118,7 @@ def test_a_ball_of_the_host_gets_the_impulse_that_the_hand_gave() -> None:
         ball, progress, ticks = pushed_away()
         impulse = progress.impulses[0].linear
         assert impulse == pytest.approx(ball.MASS * ball.velocity, rel=1e-9, abs=1e-12)
-        # A force is held until the next tick: where a busy machine has that late, the hand gave another impulse.
+        # A busy machine can delay a tick: the force is then held for longer, and the hand gives another impulse.
         if np.nanmax(ticks["period_s"]) > 0.003:
             return False
         assert impulse[0] > 0.01 and np.abs(progress.copies[0] - ball.place).max() < 0.01
@@ -150,7 +150,7 @@ def test_a_host_belongs_to_one_loop_and_says_so(tmp_path: Path) -> None:
         palpate.Loop({"tool": device()}, slow)
     with pytest.raises(ValueError, match="device moves along one axis"):
         loop(palpate.devices.Pointer(), slow)
-    # A loop that could not be made leaves the host as it was.
+    # A loop that cannot be created leaves the SlowHost unchanged.
     (tmp_path / "there.mcap").write_text("")
     for wrong, kind in [({"record": tmp_path / "there.mcap"}, OSError), ({"largest_speed": -1.0}, ValueError)]:
         with pytest.raises(kind):
@@ -168,7 +168,7 @@ def test_what_is_published_after_the_end_of_the_loop_is_an_error() -> None:
         until_taken(slow, lambda progress: slow.publish(progress, [], [floor()]))
     with pytest.raises(RuntimeError, match="the Loop of the SlowHost has ended, and renders nothing more"):
         slow.publish(slow.progress, [], [floor()])
-    # How far it came is still known.
+    # The progress stays readable.
     assert slow.progress.tick > 0 and slow.progress.model_tick is not None
 
 
@@ -176,7 +176,7 @@ def test_a_row_of_a_body_has_each_part_in_its_place() -> None:
     three, turned = [0.0] * 3, [1.0, 0.0, 0.0, 0.0]
     good: list[Any] = [three, turned, three, three, three, three, np.zeros((6, 6))]
     assert body_row(*good).shape == (55,)
-    # 55 numbers too, each in the place of another.
+    # 55 numbers as well, but with two arguments swapped.
     with pytest.raises(ValueError, match="position has 4 numbers, but must have 3"):
         body_row(turned, three, *good[2:])
     with pytest.raises(ValueError, match="mobility has 25 numbers, but must have 36"):

@@ -43,7 +43,7 @@ def test_the_paper_s_claims_are_those_of_the_program(program: Any) -> None:
     ours = palpate.claims()
     assert ours == program.json("claims")
     assert ours.format == "palpate claims 1" and len(ours.claims) > 5
-    # The program's own text would take all of it a third time.
+    # Comparing the program's own text would need a third run.
     assert all(claim.name in str(ours) for claim in ours.claims)
 
 
@@ -93,7 +93,7 @@ def test_random_plants_are_judged_as_by_the_program(program: Any, root: Path) ->
 def test_a_recording_is_read_as_by_the_program(program: Any, root: Path, tmp_path: Path) -> None:
     recording = f"{RECORDINGS}/golden-v1.mcap"
     ours = palpate.read_recording(recording)
-    # The recording is of a version that did not count its ticks: the program says so by its code.
+    # The recording's format did not count ticks, which the program reports by its exit code.
     assert ours == program.json("info", recording, code=4)
     out = tmp_path / "ticks.csv"
     program("convert", recording, "--out", out, code=4)
@@ -101,7 +101,7 @@ def test_a_recording_is_read_as_by_the_program(program: Any, root: Path, tmp_pat
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     assert len(rows) == len(ours.ticks) == ours["ticks"] > 0
     compared = 0
-    # The table of a recording of format 1 has its columns; what came later has no value in it.
+    # A recording of format 1 has only the columns of that format; later columns are NaN.
     assert np.isnan(ours.ticks["commanded_force_1_n"]).all() and "commanded_force_1_n" not in rows[0]
     for name in (name for name in palpate.RECORDED.names or () if name in rows[0]):
         cells = [row[name] for row in rows]

@@ -38,7 +38,8 @@ def test_a_world_is_simulated_to_the_numbers_of_the_program(program: Any, root: 
     assert isinstance(ours, palpate.WorldRuns) and ours["format"] == "palpate world 1"
     again = palpate.simulate(palpate.World(path).replace(method="basic"))
     assert [*again.forces] == ["basic"]
-    # E from the arrays is that of the report, whose ideal has what a held force cannot show too.
+    # E computed from the arrays equals that of the report, whose reference includes the part that a held force
+    # cannot render.
     masses = np.array([device["mass_kg"] for device in palpate.World(path).to_dict()["device"]])[:, None, :]
     off, of = [np.sum(x**2 / masses) for x in (ours.forces["coupled"] - ours.ideal, ours.ideal)]
     told = ours.method("coupled").sum
@@ -54,7 +55,7 @@ def test_a_world_answers_as_the_pipe_does(program: Any, root: Path, world: str, 
     own = palpate.World(path, method=method)
     start = np.array([device["position_m"] for device in own.to_dict()["device"]])
     ticks = np.arange(80)[:, None, None]
-    # Into the groove.
+    # Move down into the groove.
     down = 2.5e-4 if "groove" in world else 2e-5
     motion = start + 1e-4 * np.sin(0.1 * ticks) * np.array([0.3, 0.2, 1.0]) - down * ticks
     lines = "".join(",".join(repr(x) for x in row) + "\n" for row in motion.reshape(80, -1).tolist())
@@ -73,7 +74,7 @@ def test_a_device_of_six_axes_answers_as_the_pipe_does(program: Any, root: Path,
     path.write_text(Path(peg).read_text().replace("[render]", "[render]\ntorque_limit_n_m = 0.002"))
     own = palpate.World(peg, method=method, torque_limit=0.002)
     turn = 0.004 * np.sin(0.05 * np.arange(80))
-    # Down into the hole and tilted, until the peg jams.
+    # Move down into the hole and tilt until the peg jams.
     place = np.array([0.00003, 0.0, 0.006]) + np.outer(np.arange(80), [0.0, 0.0, -1.1e-4])
     poses = np.column_stack([place, np.cos(turn / 2), np.sin(turn / 2), 0.8 * turn, np.zeros(80)])
     poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1)[:, None]
@@ -93,7 +94,7 @@ def test_a_device_of_six_axes_answers_as_the_pipe_does(program: Any, root: Path,
     state = own.devices["tool"].turn
     assert state is not None and state.orientation == pytest.approx(poses[-1, 3:], abs=1e-3)
     assert own.output is not None and own.output.forces.tolist() == [ours[-1]]
-    # What was sent is told with its torque.
+    # A reported wrench needs its torque.
     own.report_sent(np.zeros(6))
     for wrong in (np.zeros(3), np.zeros((2, 7))):
         with pytest.raises(ValueError, match=r"must have \(7,\): x, y, z, qw, qx, qy, qz of tool"):
@@ -151,7 +152,7 @@ def test_the_books_of_a_joint_close(root: Path, name: str, kind: str) -> None:
     turned_over = abs(joint.work) + joint.dissipated + joint.stored
     assert turned_over > 1e-9
     assert joint.stored == pytest.approx(first - joint.work - joint.dissipated + joint.step_error, abs=1e-9 * turned_over)
-    # A world of tables has joints as a file has.
+    # A world from tables has joints as a file does.
     again = palpate.World(
         **{key: world.to_dict()[table] for key, table in
            {"loop": "loop", "devices": "device", "bodies": "body", "contacts": "contact", "joints": "joint"}.items()}
@@ -173,11 +174,11 @@ def test_what_a_world_has_can_be_read_after_a_sample() -> None:
     assert output is not None and output.fault is None and output.limited == () and output.effort.sub_steps >= 16
     books = world.books
     [book] = books.contacts
-    # The contact begins with what a sample found: nothing was stored at the start.
+    # The contact starts at a sample, so its stored energy starts at 0.
     assert abs(book.stored - (book.observed - book.work - book.dissipated + book.step_error)) < 1e-12
     assert abs(book.leak - (book.held - book.work_on_avatar)) < 1e-15 and book.stored > 0
     assert abs(books.bodies["ball"].kinetic - 0.5 * 0.1 * body.velocity @ body.velocity) < 1e-15
-    # The device did not move: no work at its port.
+    # The device did not move, so the work at its port is 0.
     assert books.devices["tool"].port_work == 0.0
     world.reset()
     assert world.output is None and world.bodies["ball"].velocity.tolist() == [0, 0, 0]
@@ -276,7 +277,7 @@ def test_files_of_meshes_are_looked_for_beside_the_file_of_the_world(tmp_path: P
     text = ball(bodies=[away], contacts=[law]).to_toml()
     text += '[[body]]\nname = "part"\nfixed = true\nshape = { mesh = { file = "part.obj", unit = "mm" } }\n'
     (beside / "world.toml").write_text(text)
-    # A file of the same name is here, ten times larger.
+    # The working directory has a file of the same name, ten times larger.
     monkeypatch.chdir(elsewhere)
     world = palpate.World(beside / "world.toml", soft_start=0)
     outside = [0.02, 0.02, -0.005]

@@ -1,4 +1,4 @@
-//! Writes every number of a run on this machine: `cargo run --example numbers -- SCENE.toml`.
+//! Prints every number of a run on this machine: `cargo run --example numbers -- SCENE.toml`.
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = std::env::args()

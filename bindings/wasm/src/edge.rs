@@ -1,7 +1,7 @@
-//! What a host calls: numbers, and text through one buffer in and one out.
+//! Functions for the host: numbers as arguments, and text through one input and one output buffer.
 //!
-//! A host asks for [`palpate_input`] of as many bytes as its text has, writes the text there, and calls. A call returns
-//! 0 if it has done what was asked and 1 if not; what it has to say stands in the output then, in both cases.
+//! A host calls [`palpate_input`] with the length of its text in bytes, writes the text to the returned address, and
+//! calls a function. The function returns 0 on success and 1 on an error; the output has the result or the message.
 
 #![allow(
     unsafe_code,
@@ -26,9 +26,9 @@ thread_local! {
     static EDGE: RefCell<Edge> = RefCell::default();
 }
 
-/// It did what was asked.
+/// Return code of a success.
 const DONE: i32 = 0;
-/// It did not: the output says why.
+/// Return code of an error; the output is the message.
 const REFUSED: i32 = 1;
 
 const NOTHING_OPEN: &str = "nothing is open: open a scene first";
@@ -52,7 +52,7 @@ impl Edge {
     }
 }
 
-/// Calls `act`, and keeps its answer for the host.
+/// Calls `act` and stores its result in the output.
 fn answer(act: impl FnOnce(&mut Edge) -> Result<Vec<u8>, String>) -> i32 {
     EDGE.with_borrow_mut(|edge| {
         let answered = act(edge);
@@ -74,7 +74,7 @@ fn with_space(act: impl FnOnce(&mut Space, &str) -> Result<Vec<u8>, String>) -> 
     })
 }
 
-/// Room for a text of so many bytes, for the next call.
+/// Returns an input buffer of this many bytes for the next call.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_input(bytes: usize) -> *mut u8 {
     EDGE.with_borrow_mut(|edge| {
@@ -84,19 +84,19 @@ pub extern "C" fn palpate_input(bytes: usize) -> *mut u8 {
     })
 }
 
-/// Where the answer of the last call stands, until the next call.
+/// Returns the address of the output, which is valid until the next call.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_output() -> *const u8 {
     EDGE.with_borrow(|edge| edge.output.as_ptr())
 }
 
-/// How many bytes it has.
+/// Returns the length of the output in bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_output_bytes() -> usize {
     EDGE.with_borrow(|edge| edge.output.len())
 }
 
-/// Opens the scene whose text is the input; the answer is the greeting, as [`palpate_scope::message`] has it.
+/// Opens the scene in the input; the output is the greeting of [`palpate_scope::message`].
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_open() -> i32 {
     answer(|edge| {
@@ -108,7 +108,7 @@ pub extern "C" fn palpate_open() -> i32 {
     })
 }
 
-/// Does what the message in the input asks for; the answer is the state then, or a refusal.
+/// Handles the message in the input; the output is the new state or the reason for rejecting the message.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_hear() -> i32 {
     with_playground(|playground, text| match playground.hear(text) {
@@ -117,14 +117,14 @@ pub extern "C" fn palpate_hear() -> i32 {
     })
 }
 
-/// What is rendered now.
+/// Outputs the current rendering state.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_state() -> i32 {
     with_playground(|playground, _| Ok(playground.state().into_bytes()))
 }
 
-/// Ticks all lanes until they have reached this time of their run `[s]`; how many ticks that took. Less is reached
-/// where more ticks would be needed than one call makes.
+/// Advances all renderings to this time of their run `[s]` and returns the number of ticks. A limit of ticks per call
+/// applies, so the time may not be reached.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_advance(until: f64) -> u32 {
     EDGE.with_borrow_mut(|edge| {
@@ -134,26 +134,26 @@ pub extern "C" fn palpate_advance(until: f64) -> u32 {
     })
 }
 
-/// Time of the run that all lanes have reached `[s]`.
+/// Returns the time of the run that all renderings have reached `[s]`.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_time() -> f64 {
     EDGE.with_borrow(|edge| edge.playground.as_ref().map_or(0.0, Playground::time))
 }
 
-/// The rows of a lane that have not been taken yet, as a frame of samples; none if there are none.
+/// Outputs the new rows of a rendering as a frame of samples; empty if there are none.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_frame(lane: u32) -> i32 {
     with_playground(|playground, _| Ok(playground.frame(lane).unwrap_or_default()))
 }
 
-/// What has happened since this was asked last: messages, one on a line.
+/// Outputs the messages since the last call, one per line.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_notes() -> i32 {
     with_playground(|playground, _| Ok(playground.take_notes().join("\n").into_bytes()))
 }
 
-/// Opens the world whose text is the input, with a lane for each of the methods that follow the text after a line of
-/// the character 0; the answer says what there is to draw.
+/// Opens the world in the input with one rendering per method. The methods follow the text after a line with the
+/// character 0. The output describes the objects to draw.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_open_world() -> i32 {
     answer(|edge| {
@@ -170,26 +170,26 @@ pub extern "C" fn palpate_open_world() -> i32 {
     })
 }
 
-/// Leads the hand of a device to a place of the world `[m]`, in all lanes. Returns 1 if there is no such device or the
-/// place is none.
+/// Sets the target position of a device's hand in the world `[m]` for all renderings. Returns 1 if the device does not
+/// exist or the position is invalid.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_lead(device: u32, x: f64, y: f64, z: f64) -> i32 {
     with_space(|space, _| space.lead(device, [x, y, z]).map(|()| Vec::new()))
 }
 
-/// Ticks the world in all lanes until this time `[s]`; how many ticks that took.
+/// Advances the world in all renderings to this time `[s]` and returns the number of ticks.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_advance_world(until: f64) -> u32 {
     EDGE.with_borrow_mut(|edge| edge.space.as_mut().map_or(0, |space| space.advance(until)))
 }
 
-/// Where everything in the world is.
+/// Outputs the poses of all objects of the world.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_world() -> i32 {
     with_space(|space, _| Ok(space.now().into_bytes()))
 }
 
-/// Every force that all methods command in the scene or the world of the input, as bits.
+/// Outputs the bits of every force that all methods command in the scene or world of the input.
 #[cfg(feature = "numbers")]
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_numbers() -> i32 {

@@ -1,4 +1,4 @@
-//! A lane: the program's loop on a virtual device, on a clock that somebody else moves.
+//! One rendering of the playground: the program's loop on a virtual device, with a clock that the page advances.
 
 use palpate_device::clock::{Clock as _, SteppedClock};
 use palpate_record::recording::Row;
@@ -8,14 +8,14 @@ use palpate_scope::message::ServerMessage;
 use palpate_scope::rows::Rows;
 use palpate_sim::device::{PointerDevice, PointerHand, PointerParams};
 
-/// Ticks, contacts and notes that one call of [`Lane::advance`] may make.
+/// Capacity for ticks, contacts and notes of one call of [`Lane::advance`].
 const ROOM: usize = 1 << 14;
-/// Most ticks of one call: each needs room for itself and its contact, and may have notes.
+/// Largest number of ticks per call: each needs an entry for itself and its contact, and may have notes.
 const MOST_TICKS: u64 = (ROOM / 4) as u64;
-/// Most notes that one call tells; more are counted.
+/// Largest number of notes that one call reports; the rest is counted.
 const MOST_NOTES: usize = 16;
 
-/// A loop, its device, and what has not been shown of it yet.
+/// A loop, its device, and its rows that have not been shown.
 pub struct Lane {
     control: ControlLoop<PointerDevice<SteppedClock>, SteppedClock>,
     parameters: Parameters,
@@ -26,25 +26,25 @@ pub struct Lane {
     rows: Rows,
     frames: u32,
     trip: Option<Tripped>,
-    /// Where the device was seen last `[m]`.
+    /// Last known device position `[m]`.
     position: Option<f64>,
 }
 
-/// What holds the force at none.
+/// A safety stop, which holds the force at 0.
 #[derive(Clone, Debug)]
 pub struct Tripped {
-    /// Why, in words.
+    /// Reason.
     pub why: String,
-    /// The method whose held forces are the reason, if a method's are.
+    /// Method whose held forces caused the stop, if a method did.
     pub method: Option<&'static str>,
 }
 
 impl Lane {
-    /// A loop that renders `rendering` on a device in `hand`. `cuts_off`: whether a contact that creates energy is cut
-    /// off, as by `palpate live`.
+    /// Starts a loop that renders `rendering` on a device in `hand`. `cuts_off`: whether a contact that generates
+    /// energy causes a safety stop, as in `palpate live`.
     ///
     /// # Errors
-    /// A parameter outside its range, in words.
+    /// A parameter outside its range.
     pub fn start(
         params: PointerParams,
         hand: &PointerHand,
@@ -82,12 +82,12 @@ impl Lane {
         })
     }
 
-    /// Time of the run that it has reached `[s]`.
+    /// Returns the time of the run `[s]`.
     pub fn time(&self) -> f64 {
         self.clock.now().as_secs_f64()
     }
 
-    /// Ticks up to this time `[s]`, and tells what has happened in `notes`, of the lane of this number.
+    /// Advances to this time `[s]`, adds messages to `notes` under this number, and returns the number of ticks.
     pub fn advance(&mut self, until: f64, number: usize, notes: &mut Vec<String>) -> u32 {
         let mut made = 0;
         while self.ticks as f64 * self.period <= until && u64::from(made) < MOST_TICKS {
@@ -144,21 +144,21 @@ impl Lane {
         }
     }
 
-    /// What holds the force at none, if something does.
+    /// Returns the active safety stop.
     pub fn trip(&self) -> Option<&Tripped> {
         self.trip.as_ref()
     }
 
-    /// Lets the force come back.
+    /// Resets the safety stop.
     pub fn rearm(&self) {
         let rearm = self.control.rearm();
         rearm.store(true, std::sync::atomic::Ordering::Release);
     }
 
-    /// Renders something else from the next tick on.
+    /// Changes the rendering from the next tick on.
     ///
     /// # Errors
-    /// What cannot change while the loop runs, in words.
+    /// A change that a running loop cannot make.
     pub fn change(&mut self, rendering: Rendering) -> Result<(), String> {
         self.parameters
             .change(rendering)
@@ -166,12 +166,12 @@ impl Lane {
             .map_err(in_words)
     }
 
-    /// Where its device was seen last `[m]`.
+    /// Returns the last known position of the device `[m]`.
     pub fn position(&self) -> Option<f64> {
         self.position.filter(|position| position.is_finite())
     }
 
-    /// The rows that have not been taken yet, as a frame of samples; none if there are none.
+    /// Returns the new rows as a frame of samples, or `None` if there are none.
     pub fn frame(&mut self, number: u8, run: u32) -> Option<Vec<u8>> {
         let frame = self.rows.take_frame(number, run)?;
         let bytes = frame.numbered(self.frames);

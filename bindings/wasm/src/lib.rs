@@ -1,8 +1,8 @@
 //! palpate in a browser: the loop of `palpate live`, its virtual device and the worlds, as WebAssembly.
 //!
-//! The loops are the program's own ([`palpate_rt::ControlLoop`]), on a clock that the page moves; nothing is computed
-//! here that is not computed by the crates below. A host calls the functions of [`edge`]; `web/engine.js` is the one
-//! of the page. `docs/playground.md` says what the page shows.
+//! The loops are the program's own ([`palpate_rt::ControlLoop`]), with a clock that the page advances. The crates below
+//! do all computations. A host calls the functions of [`edge`]; `web/engine.js` does so for the page.
+//! `docs/playground.md` describes the page.
 
 pub mod edge;
 mod lane;

@@ -1,4 +1,4 @@
-//! Every number of a run, bit by bit: what a build for a browser and one for this machine are compared by.
+//! Every number of a run, bit by bit, to compare a browser build with a native one.
 
 use std::fmt::Write as _;
 
@@ -11,15 +11,15 @@ use palpate_testbed::actuator::ActuatorParams;
 use palpate_testbed::world::{PlantParams, WorldPlant};
 use palpate_world::Sample;
 
-/// What the methods of a world that need a setting are given where its file gives none: damping `[N s/m]`, stiffness
-/// `[N/m]` and mass `[kg]` of the coupling.
+/// Default settings for methods of a world whose file has none: damping `[N s/m]`, stiffness `[N/m]` and mass `[kg]`
+/// of the coupling.
 const USUAL: (f64, f64, f64) = (1.0, 1000.0, 0.05);
 
-/// Runs a scene or a world by every method over its window, and writes for each tick the device, the force and the
-/// books of energy as the bits of their numbers.
+/// Runs a scene or a world by every method over its window and returns the bits of device, force and energy ledger
+/// at each tick.
 ///
 /// # Errors
-/// What is wrong with the text, with line and column; what cannot be run.
+/// A fault of the text, with line and column; a scene that cannot be run.
 pub fn numbers(source: &str) -> Result<String, String> {
     if WorldFile::is_one(source) {
         let file = WorldFile::parse("world", source).map_err(|errors| errors.to_string())?;
@@ -101,7 +101,7 @@ fn of_world(mut scene: WorldScene) -> Result<String, String> {
     Ok(text)
 }
 
-/// A line: what it is of, and the bits of its numbers.
+/// Appends a line: its label and the bits of its numbers.
 fn line(text: &mut String, of: &str, values: &[f64]) {
     text.push_str(of);
     for value in values {

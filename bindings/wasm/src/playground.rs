@@ -1,4 +1,4 @@
-//! One or two loops in the same hand, and what a page asks of them.
+//! One or two loops with the same hand, and the messages of a page.
 
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::method::MethodName;
@@ -12,38 +12,38 @@ use serde::{Deserialize, Serialize};
 
 use crate::lane::Lane;
 
-/// Most lanes: two methods beside each other.
+/// Largest number of renderings: two methods side by side.
 const LANES: usize = 2;
-/// How far the hand may be led `[m]`.
+/// Largest hand position along the axis `[m]`.
 const REACH: f64 = 1.0;
-/// Mass of the virtual device `[kg]`.
+/// Range of the mass of the virtual device `[kg]`.
 const DEVICE_MASS: [f64; 2] = [0.01, 5.0];
-/// Delay of the virtual device `[s]`.
+/// Range of the delay of the virtual device `[s]`.
 const DEVICE_DELAY: [f64; 2] = [0.0, 0.02];
 
-/// The virtual device, as far as a page can change it.
+/// Parameters of the virtual device that a page can change.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DeviceChoice {
     /// Mass `[kg]`.
     pub mass_kg: f64,
-    /// Time from a sample to the beginning of its force `[s]`. The renderer is told.
+    /// Delay from a sample to the start of its force `[s]`. It is also the model value of the renderer.
     pub delay_s: f64,
-    /// Whether a contact that creates energy is cut off, as by `palpate live`.
+    /// Whether a contact that generates energy causes a safety stop, as in `palpate live`.
     pub cut_off: bool,
 }
 
-/// What is wrong with a message.
+/// A rejected message.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refused {
     /// The type of the message.
     pub about: &'static str,
-    /// What is wrong, and what is allowed.
+    /// Reason, and the allowed values.
     pub why: String,
 }
 
 impl Refused {
-    /// As a page is told.
+    /// Returns the message for the page.
     #[must_use]
     pub fn text(&self) -> String {
         ServerMessage::Refused {
@@ -54,7 +54,7 @@ impl Refused {
     }
 }
 
-/// Loops in simulated time, and what may be changed of them.
+/// Loops in simulated time, and their changeable settings.
 pub struct Playground {
     scene: Scene,
     settings: Settings,
@@ -62,17 +62,17 @@ pub struct Playground {
     device: DeviceChoice,
     hand: PointerHand,
     lanes: Vec<Lane>,
-    /// How often the loops have begun.
+    /// Number of starts of the loops.
     runs: u32,
     notes: Vec<String>,
 }
 
 impl Playground {
-    /// Opens a scene of one contact, rendered by its method and, beside it, by the plain spring. The hand holds
-    /// the device where it is.
+    /// Opens a scene of one contact, rendered by its method and, side by side, by the sampled spring. The hand holds
+    /// the device in its position.
     ///
     /// # Errors
-    /// What is wrong with the scene, with line and column.
+    /// A fault of the scene, with line and column.
     pub fn open(source: &str) -> Result<Self, String> {
         let scene = SceneFile::parse("scene", source)
             .map_err(|errors| errors.to_string())?
@@ -102,10 +102,10 @@ impl Playground {
         Ok(playground)
     }
 
-    /// The scene with the device as it was chosen.
+    /// Returns the scene with the selected device.
     fn scene_on(&self, device: DeviceChoice) -> Scene {
         let mut scene = self.scene.clone();
-        // A scene file has no recorded hand, whose model has the mass.
+        // A scene file cannot contain a recorded hand, whose model has the mass.
         if let Some(mass) = scene.device.mass_mut() {
             *mass = device.mass_kg;
         }
@@ -113,7 +113,7 @@ impl Playground {
         scene
     }
 
-    /// Loops from their first tick on; `goes_on`: with their devices where they are.
+    /// Creates the loops. With `goes_on` the devices keep their positions.
     fn begin(
         &self,
         settings: &Settings,
@@ -141,7 +141,7 @@ impl Playground {
             .collect()
     }
 
-    /// What is said first.
+    /// Returns the greeting.
     #[must_use]
     pub fn hello(&self) -> String {
         let device = DeviceSaid {
@@ -154,7 +154,7 @@ impl Playground {
         ServerMessage::hello(&self.scene, self.limits, device).text()
     }
 
-    /// What is rendered now, and on which device.
+    /// Returns the current rendering and the device.
     #[must_use]
     pub fn state(&self) -> String {
         #[derive(Serialize)]
@@ -185,11 +185,11 @@ impl Playground {
         serde_json::to_string(&State { said, device }).unwrap_or_default()
     }
 
-    /// Does what a message asks for: those of `palpate live` but recordings, and
+    /// Handles a message: those of `palpate live` except recordings, and
     /// `{"type": "device", "mass_kg": , "delay_s": , "cut_off": }`.
     ///
     /// # Errors
-    /// What is wrong with it, and what is allowed.
+    /// A fault of the message, and the allowed values.
     pub fn hear(&mut self, text: &str) -> Result<(), Refused> {
         #[derive(Deserialize)]
         #[serde(tag = "type", rename_all = "snake_case")]
@@ -276,13 +276,13 @@ impl Playground {
         self.begin_with(self.settings.clone(), device, true)
     }
 
-    /// Loops, object, device and hand are where the scene has them.
+    /// Resets loops, object, device and hand to the scene.
     fn restart(&mut self) -> Result<(), String> {
         self.hand.move_to(self.scene.device.position());
         self.begin_with(self.settings.clone(), self.device, false)
     }
 
-    /// Begins anew with these, or changes nothing.
+    /// Restarts with these settings. On an error nothing changes.
     fn begin_with(
         &mut self,
         settings: Settings,
@@ -303,7 +303,8 @@ impl Playground {
         rearmed.ok_or_else(|| format!("lane is {lane}; allowed: 0 to {}", lanes - 1))
     }
 
-    /// Ticks all lanes up to this time of the run `[s]`, as far as one call goes; the number of ticks.
+    /// Advances all renderings to this time of the run `[s]`, within the limit of one call, and returns the number
+    /// of ticks.
     pub fn advance(&mut self, until: f64) -> u32 {
         let notes = &mut self.notes;
         let lanes = self.lanes.iter_mut().enumerate();
@@ -312,21 +313,21 @@ impl Playground {
             .sum()
     }
 
-    /// Time of the run that all lanes have reached `[s]`.
+    /// Returns the time of the run that all renderings have reached `[s]`.
     #[must_use]
     pub fn time(&self) -> f64 {
         let times = self.lanes.iter().map(Lane::time);
         times.fold(f64::INFINITY, f64::min)
     }
 
-    /// The rows of a lane that have not been taken yet, as a frame of samples.
+    /// Returns the new rows of a rendering as a frame of samples.
     pub fn frame(&mut self, lane: u32) -> Option<Vec<u8>> {
         let number = u8::try_from(lane).ok()?;
         let runs = self.runs;
         self.lanes.get_mut(usize::from(number))?.frame(number, runs)
     }
 
-    /// What has happened since this was asked last, as messages.
+    /// Returns the messages since the last call.
     pub fn take_notes(&mut self) -> Vec<String> {
         std::mem::take(&mut self.notes)
     }

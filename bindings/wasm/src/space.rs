@@ -1,4 +1,4 @@
-//! A world in simulated time, by one or two methods, with a hand that a page leads.
+//! A world in simulated time, by one or two methods, with hands that the page moves.
 
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_sim::world::as_judged;
@@ -7,21 +7,21 @@ use palpate_testbed::world::{PlantParams, WorldPlant};
 use palpate_world::{Motion, Sample, Shape, Vector, WorldRenderer, WorldState};
 use serde::Serialize;
 
-/// Most lanes: two methods beside each other.
+/// Largest number of renderings: two methods side by side.
 const LANES: usize = 2;
-/// Stiffness of the hand that is led `[N/m]`, and its damping `[N s/m]`: that of the pointer's hand of `palpate live`.
+/// Stiffness `[N/m]` and damping `[N s/m]` of the hand, equal to those of the pointer's hand of `palpate live`.
 const HAND: (f64, f64) = (400.0, 20.0);
-/// How far from its start a hand is led along each axis `[m]`.
+/// Largest distance of a hand's target from its start along each axis `[m]`.
 const REACH: f64 = 0.2;
-/// Most ticks of one call and lane.
+/// Largest number of ticks per call and rendering.
 const MOST_TICKS: u32 = 2000;
-/// Largest force on a device, as a length `[N]`.
+/// Largest norm of the force on a device `[N]`.
 const LARGEST_FORCE: f64 = 20.0;
 
-/// A world that runs, once for each method, all in the same hands.
+/// A running world, once per method, all with the same hands.
 pub struct Space {
     scene: WorldScene,
-    /// Where the hands want to be `[m]`.
+    /// Target positions of the hands `[m]`.
     targets: Vec<Vector>,
     lanes: Vec<SpaceLane>,
 }
@@ -31,13 +31,13 @@ struct SpaceLane {
     renderer: WorldRenderer,
     state: WorldState,
     plant: WorldPlant,
-    /// Force on each tool by the last sample `[N]`.
+    /// Force on each tool at the last sample `[N]`.
     forces: Vec<Vector>,
-    /// Samples that the renderer refused.
+    /// Number of samples that the renderer rejected.
     refused: u64,
 }
 
-/// What there is to draw.
+/// Objects to draw.
 #[derive(Serialize)]
 struct Drawn<'a> {
     title: &'a str,
@@ -73,7 +73,7 @@ enum DrawnShape {
     Cylinder { radius_m: f64, half_length_m: f64 },
 }
 
-/// Where everything is.
+/// Current poses, forces and contacts.
 #[derive(Serialize)]
 struct Now<'a> {
     t_s: f64,
@@ -90,19 +90,19 @@ struct LaneNow<'a> {
     forces_n: &'a [Vector],
     /// Positions `[m]` and orientations of the bodies, in the world's order.
     bodies: Vec<([f64; 3], [f64; 4])>,
-    /// Where bodies and tools touch `[m]`, and the force there `[N]`.
+    /// Contact points of bodies and tools `[m]`, and their forces `[N]`.
     contacts: Vec<([f64; 3], [f64; 3])>,
-    /// Energy that held forces have given to the hands beyond the contacts' work `[J]`.
+    /// Generated energy: energy given to the hands beyond the contacts' work `[J]`.
     created_j: f64,
-    /// Samples that the renderer refused.
+    /// Number of samples that the renderer rejected.
     refused: u64,
 }
 
 impl Space {
-    /// Opens a world, with a lane for each method. Each hand holds its device where the world has it at the start.
+    /// Opens a world with one rendering per method. Each hand holds its device in its initial position.
     ///
     /// # Errors
-    /// What is wrong with the text, with line and column; a shape that is not drawn; a loop that is no plain one.
+    /// A fault of the text, with line and column; a shape that cannot be drawn; a loop with delay, lag or another gain.
     pub fn open(source: &str, methods: &[&str]) -> Result<Self, String> {
         let file = WorldFile::parse("world", source).map_err(|errors| errors.to_string())?;
         let mut scene = file.scene;
@@ -143,10 +143,10 @@ impl Space {
         Ok(space)
     }
 
-    /// Leads the hand of a device to a place `[m]`.
+    /// Sets the target position of a device's hand `[m]`.
     ///
     /// # Errors
-    /// There is no such device, or the place is too far away.
+    /// The device does not exist, or the position is too far away.
     pub fn lead(&mut self, device: u32, to: Vector) -> Result<(), String> {
         let devices = self.scene.devices.len();
         let place = usize::try_from(device)
@@ -166,7 +166,7 @@ impl Space {
         Ok(())
     }
 
-    /// Ticks all lanes up to this time `[s]`, as far as one call goes; the number of ticks.
+    /// Advances all renderings to this time `[s]`, within the limit of one call, and returns the number of ticks.
     pub fn advance(&mut self, until: f64) -> u32 {
         let starts: Vec<_> = self.scene.devices.iter().map(|d| d.position).collect();
         let pulls: Vec<Vector> = self
@@ -196,7 +196,7 @@ impl Space {
             .collect()
     }
 
-    /// What there is to draw, as JSON.
+    /// Returns the objects to draw as JSON.
     #[must_use]
     pub fn drawn(&self) -> String {
         let tools = self.scene.world.tools.iter().zip(&self.scene.devices);
@@ -214,13 +214,13 @@ impl Space {
                     start_m: device.position,
                 })
                 .collect(),
-            // Looked at when it was opened.
+            // The shapes were checked when the world was opened.
             bodies: self.bodies().unwrap_or_default(),
         };
         serde_json::to_string(&drawn).unwrap_or_default()
     }
 
-    /// Where everything is, as JSON.
+    /// Returns the current state as JSON.
     #[must_use]
     pub fn now(&self) -> String {
         let now = Now {
@@ -253,8 +253,8 @@ impl SpaceLane {
         })
     }
 
-    /// Ticks; `pulls`: what each hand pulls with because it wants to be elsewhere than at the start `[N]`. Its spring is
-    /// linear, so to move where it rests is to add a force, held from tick to tick.
+    /// Advances the world. `pulls` are the forces of the hands due to their target offsets from the start `[N]`: a
+    /// hand's spring is linear, so a shift of its rest position is an added force, held from tick to tick.
     fn advance(&mut self, until: f64, pulls: &[Vector]) -> u32 {
         let mut made = 0;
         while self.plant.time() <= until && made < MOST_TICKS {
@@ -319,7 +319,7 @@ fn drawn(shape: &Shape) -> Option<DrawnShape> {
             radius_m: radius,
             half_length_m: half_length,
         },
-        // Later shapes are said so, when a world is opened.
+        // Shapes of later versions are reported when a world is opened.
         #[allow(unreachable_patterns)]
         _ => return None,
     })

@@ -1,4 +1,4 @@
-//! What a page may ask, and what comes of it, without a browser.
+//! Messages of a page and their effects, without a browser.
 
 use palpate_scope::rows::columns;
 use palpate_wasm::{Playground, Space};
@@ -6,7 +6,7 @@ use palpate_wasm::{Playground, Space};
 const LIVE: &str = include_str!("../../../experiments/live.toml");
 const PINCH: &str = include_str!("../../../experiments/worlds/pinch.toml");
 
-/// The values of a column of a frame of samples.
+/// Returns the values of a column of a frame of samples.
 fn column(frame: &[u8], name: &str) -> Vec<f32> {
     let rows = u32::from_le_bytes(frame[4..8].try_into().unwrap()) as usize;
     let column = columns().position(|column| column.name == name).unwrap();
@@ -56,7 +56,7 @@ fn whatever_the_hand_does_the_force_has_its_limit_and_is_a_number() {
         .hear(r#"{"type":"set","mass_kg":null,"stiffness_n_per_m":10000,"period_s":0.02}"#)
         .unwrap();
     for step in 1..200 {
-        // Slower than what the safety takes for a fault of the sensor: the wall is at 30 mm.
+        // Below the speed that the safety layer takes for a sensor fault: the wall is at 30 mm.
         let to = if step % 2 == 0 { 0.0 } else { 0.08 };
         playground
             .hear(&format!(r#"{{"type":"hand","position_m":{to}}}"#))

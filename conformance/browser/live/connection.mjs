@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { startLive } from "../program.mjs";
 import { visit } from "../visit.mjs";
 
-// What a browser itself reports when nobody answers.
+// Messages of the browser itself if the server does not answer.
 const NOBODY_ANSWERS = /ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET|WebSocket connection|Failed to load resource/;
 
 const banner = () => document.querySelector('[data-about="lost"] p')?.textContent;
@@ -27,14 +27,14 @@ test("a server that is gone is missed at once, the curves stay, and the page com
   });
   await live.end("SIGKILL");
   assert.match(await open.until("it is said", banner), /^The server is gone: .* The curves stay/);
-  // It was not waited for until it had been silent for long.
+  // The page did not wait for a timeout.
   assert.equal((await open.get(() => globalThis.losses))[0], "it has closed the connection");
   assert.ok((await open.get(() => palpate.model.lanes[0].ring.length)) >= before);
   assert.equal(await open.get(() => document.querySelector("#connection").dataset.kind), "lost");
   const again = await startLive("--listen", live.address);
   await open.until("it is back", () => document.querySelector("#connection").dataset.kind === "live");
   await open.until("nothing is missed", () => !document.querySelector('[data-about="lost"]'));
-  // Time has begun again: nothing of the loop before is among the new curves.
+  // Time has restarted: the new curves contain nothing of the previous loop.
   await open.until("it has begun anew", () => globalThis.begun === 1);
   await open.until("curves come", () => palpate.model.lanes.every(({ ring }) => ring.length > 20));
   const { increases, newest } = await open.get(() => {
@@ -79,7 +79,7 @@ test("a loop that is over is said to be", async () => {
   const text = await open.until("it is over", () => document.querySelector('[data-about="ended"] p')?.textContent);
   assert.match(text, /^The loop is over: /);
   assert.notEqual(await open.get(() => document.querySelector("#connection").dataset.kind), "live");
-  // How many have come depends on when the page was there, and on what the loop has missed.
+  // The number of rows depends on the time of the visit and on missed deadlines.
   assert.ok(rows > 0 && (await open.get(() => palpate.model.lanes[0].ring.length)) >= rows, "the curves stay");
   // The program ends with its loop.
   await open.leave(NOBODY_ANSWERS);
@@ -95,7 +95,7 @@ test("where others can listen a token is needed, and the page passes it on", asy
   await open.leave();
   const stranger = await visit(url.replace(/\?.*/, ""), { wait: false });
   assert.equal(stranger.response.status(), 401);
-  // The browser asks for an icon, too.
+  // The browser also requests an icon.
   await stranger.leave(/401|404/);
   await live.end();
   live.forget();

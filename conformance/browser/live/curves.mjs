@@ -79,7 +79,7 @@ test("charts can be hidden and shown; no peak of the force is lost on the way to
   await open.page.click('#shown [data-chart="position"]');
   const shown = () => palpate.charts.visible.map(({ what }) => what.id);
   assert.deepEqual(await open.get(shown), ["position", "force", "penetration", "energy", "leak"]);
-  // Somebody knocks.
+  // A knock by the hand.
   await open.get(() => palpate.link.say({ type: "hand", position_m: -0.03 }));
   await open.pass(0.4);
   await open.get(() => palpate.link.say({ type: "hand", position_m: 0.01 }));

@@ -6,10 +6,10 @@ import { NARROW, visit } from "../visit.mjs";
 const handM = () => palpate.model.state.hand_m;
 const pxPerM = () => palpate.scene.axis.pxPerM;
 
-/** Waits until the server says that the hand wants to be here. */
+/** Waits until the server reports this position of the hand. */
 async function handAt(open, positionM) {
   await open.until(`the hand is at ${positionM} m`, (to) => Math.abs(palpate.model.state.hand_m - to) < 1e-4, positionM);
-  // The device is in the hand, and there is nothing else to move it far.
+  // The device is in the hand, and nothing else moves it far.
   await open.until(
     "the device has come along",
     (to) => Math.abs(palpate.model.newest(0, "device_position_m") - to) < 8e-3,
@@ -46,7 +46,7 @@ test("dragging with the mouse moves the hand, which stays where it is let be", a
   const from = await open.get(handM);
   await mouse.move(x, y);
   await mouse.down();
-  // The view eases to what has to be seen; while the hand is held it stays.
+  // The view eases to the visible range; while the hand is held it does not move.
   const scale = await open.get(pxPerM);
   await mouse.move(x + 20, y - 30, { steps: 6 });
   await handAt(open, from + 30 / scale);

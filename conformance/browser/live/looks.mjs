@@ -7,7 +7,7 @@ import { NARROW, WIDE, visit } from "../visit.mjs";
 
 const FOLDER = process.env.PALPATE_SCREENSHOTS;
 
-/** Moves the hand up and down, so that there is something to see. */
+/** Moves the hand up and down, so that the curves change. */
 async function knock(open) {
   for (const to of [-0.012, 0.012, -0.012, 0.006]) {
     await open.get((to) => palpate.link.say({ type: "hand", position_m: to }), to);
@@ -15,7 +15,7 @@ async function knock(open) {
   }
 }
 
-/** Reads and adds many numbers: how long this takes says how fast the processor is just now. */
+/** Reads and adds many numbers, as a benchmark of the processor's current speed. */
 const readManyNumbers = () => {
   const numbers = Float64Array.from({ length: 1_000_000 }, (_, at) => at);
   let sum = 0;
@@ -27,7 +27,7 @@ const readManyNumbers = () => {
   return sum;
 };
 
-/** Counts what the page draws on its canvases, before its own scripts run. */
+/** Counts the page's drawing operations on its canvases, before its own scripts run. */
 const countMarks = () => {
   globalThis.marks = 0;
   const drawing = {
@@ -57,11 +57,11 @@ async function measure(look, open) {
 test("two lanes at 4 kHz and 10 s of curves are drawn at a price that leaves room", async (t) => {
   const live = await startLive("--period", "0.00025");
   const open = await visit(live.url, { first: countMarks });
-  // Of the thread's own time, not of the clock's: what else runs on the machine does not count.
+  // Measured in thread time rather than wall time, so that other processes do not count.
   const session = await open.page.createCDPSession();
   await session.send("Performance.enable", { timeDomain: "threadTicks" });
   await open.pass(10.2);
-  // Nine ticks at most are two rows: 8000 are those of 9 s. A busy machine lets the loop miss some, or the page be told less.
+  // At most nine ticks form two rows: 8000 rows correspond to 9 s. On a busy machine the loop or the page misses some.
   await open.until("thousands of rows have come of each lane", () => palpate.model.lanes.every(({ ring }) => ring.length > 8000));
   const look = async () => {
     const { metrics } = await session.send("Performance.getMetrics");
@@ -79,7 +79,7 @@ test("two lanes at 4 kHz and 10 s of curves are drawn at a price that leaves roo
   const perSecond = (1000 * pictures) / (to.atMs - from.atMs);
   const rows = await open.get(() => palpate.model.lanes.map(({ ring }) => ring.length));
   const marks = (to.marks - from.marks) / pictures;
-  // A curve in each chart for each lane.
+  // A curve in each chart for each rendering.
   const across = await open.get(() =>
     palpate.charts.visible.reduce((sum, { plot }) => sum + palpate.model.lanes.length * plot.clientWidth * devicePixelRatio, 0),
   );
@@ -88,12 +88,12 @@ test("two lanes at 4 kHz and 10 s of curves are drawn at a price that leaves roo
       `${each("script").toFixed(1)} ms of them in scripts; the reference ${reference.toFixed(1)} ms; ${rows.join(" and ")} rows; ` +
       `${marks.toFixed(0)} marks for ${across} pixels across`,
   );
-  // What is drawn follows the pixels, not the rows: two values for each pixel's width, of up to two marks each, and for
-  // axes, labels and the scene 2000 more.
+  // The number of marks depends on the pixels, not on the rows: two values per pixel column, of up to two marks each,
+  // and 2000 more for axes, labels and the scene.
   assert.ok(marks < 4 * across + 2000, `${marks} marks for ${across} pixels across`);
-  // Without a graphics processor: that is the dearer half. On a machine that is left alone a picture takes 0.06 of the
-  // reference, 0.017 of it in scripts. Beside ten jobs on two processors it took 0.4 and 0.15: caches are shared, and there
-  // is one picture for the rows of two seconds.
+  // Without a graphics processor, which is the more expensive case. On an idle machine a picture takes 0.06 of the
+  // reference, 0.017 of it in scripts. Beside ten jobs on two processors it took 0.4 and 0.15, because caches are
+  // shared and one picture shows the rows of two seconds.
   assert.ok(each("task") < reference, `${each("task")} ms, the reference ${reference} ms`);
   assert.ok(each("script") < 0.4 * reference, `${each("script")} ms in scripts, the reference ${reference} ms`);
   await open.leave();
@@ -107,7 +107,7 @@ for (const [name, viewport] of [["wide", WIDE], ["narrow", NARROW]]) {
       const live = await startLive();
       const open = await visit(live.url, { viewport, scheme });
       await knock(open);
-      // As many as there are, and as little room for them as there can be.
+      // All of them, in the smallest possible space.
       await open.page.click('#shown [data-chart="position"]');
       await open.page.click("#notes summary");
       const { across, panel, folded, dark } = await open.get(() => ({
@@ -153,7 +153,7 @@ for (const viewport of [WIDE, { width: 1320, height: 760 }]) {
           requestAnimationFrame(look);
           const { model, scene } = globalThis.palpate ?? {};
           if (model?.hello && model.state) {
-            // A timer runs after the picture is laid out and painted.
+            // A timer runs after layout and painting of the picture.
             setTimeout(() => globalThis.scales.push(scene.axis.pxPerM));
           }
         };
@@ -180,7 +180,7 @@ test("at no width does anything stand beside the window", async () => {
   const live = await startLive();
   const open = await visit(live.url);
   await open.told();
-  // The narrowest of each layout, the widest of it, and what screens often have.
+  // The narrowest and widest width of each layout, and common screen widths.
   for (const width of [481, 600, 899, 900, 1024, 1280, 1319, 1320, 1366, 1440, 1920]) {
     await open.page.setViewport({ width, height: 760 });
     await open.until("it is laid out", (want) => innerWidth === want && document.querySelector("main").offsetWidth > 0, width);
@@ -208,7 +208,7 @@ test("what counts on is not read out again and again", async () => {
   await open.get(() => {
     globalThis.readOut = [];
     const watch = new MutationObserver((changes) => {
-      // Of what is folded up nothing is read.
+      // Collapsed elements are not read out.
       globalThis.readOut.push(...changes.filter(({ target }) => target.checkVisibility()).map(({ target }) => target.textContent));
     });
     for (const region of document.querySelectorAll("[role=status], [role=alert], [aria-live]")) {
@@ -240,7 +240,7 @@ test("who wants less motion gets curves that go on in steps, and the scene at on
   });
   await open.until("curves have gone on", () => globalThis.drawn.charts.length >= 4);
   const { charts, scene, frames } = await open.get(() => ({ ...globalThis.drawn, frames: palpate.counted.allFrames - globalThis.drawn.fromFrame }));
-  // What has to be fitted anew is drawn at once.
+  // Charts with a new range are drawn at once.
   const steps = charts.flatMap(({ nowS, fit }, k) => (k === 0 || fit ? [] : [nowS - charts[k - 1].nowS]));
   assert.ok(steps.every((step) => step >= 0.499), `${steps} s`);
   assert.equal(scene, frames, "the scene is drawn with each frame");

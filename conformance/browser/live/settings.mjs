@@ -7,17 +7,17 @@ const fieldText = (name) => document.querySelector(`[data-name="${name}"] input[
 const refusal = (name) => document.querySelector(`[data-name="${name}"] .refused`).textContent;
 const input = (name) => `[data-name="${name}"] input[type="text"]`;
 
-/** Presses the device into a wall by leading the hand this far into it. */
+/** Presses the device into a wall by moving the hand this far into it. */
 async function press(open, byM) {
-  // A wall stands where it is; the hand is set by its protocol, so that it is exact.
+  // A wall has a fixed position. The hand is set through its protocol, which is exact.
   const wall = await open.get(() => palpate.model.newest(0, "object_position_m"));
   await open.get((to) => palpate.link.say({ type: "hand", position_m: to }), wall + byM);
   await open.pass(1.5);
 }
 
 /**
- * The force that is held on the device, once it is, and how deep the device is in what is shown: a busy machine misses
- * deadlines, which take the force away for a moment.
+ * Returns the force held on the device, once it is nonzero, and the displayed depth of the device. A busy machine
+ * misses deadlines, which disables the force for a moment.
  */
 async function held(open) {
   const end = Date.now() + 30_000;
@@ -52,12 +52,12 @@ test("stiffness and mass are set, and the force follows", async () => {
     [500, softer],
   ]) {
     assert.ok(Math.abs(-forceN / depthM / set - 1) < 0.02, `${forceN} N at ${depthM} m into ${set} N/m`);
-    // `coupled` may leave the wall up to 0.5 mm beside its place, after deadlines that a busy machine has missed.
+    // After deadlines missed by a busy machine, `coupled` may shift the wall by up to 0.5 mm.
     assert.ok(Math.abs(shownM - wallM) < 0.0007, `the wall is shown at ${shownM} m, and stands at ${wallM} m`);
   }
-  // The hand stays where it is led, and is a spring itself: a softer wall lets it in deeper, and pushes less.
+  // The hand keeps its position and is a spring itself: a softer wall yields more and pushes less.
   assert.ok(softer.depthM > 1.5 * stiff.depthM && softer.forceN > 0.9 * stiff.forceN, `${JSON.stringify({ stiff, softer })}`);
-  // A block again, with the mass that it had.
+  // A block again, with its previous mass.
   await open.page.click("#wall");
   await open.until("it has its mass again", () => palpate.model.state.mass_kg === 0.1);
   await open.enter(input("mass_kg"), "0,2");
@@ -80,7 +80,7 @@ test("a slider sets what a field sets", async () => {
   });
   const text = await open.get(fieldText, "stiffness_n_per_m");
   assert.equal(Number(text), await open.get(() => palpate.model.state.stiffness_n_per_m));
-  // 0 has several places on a slider. Keys that are pressed slowly get from one to the next, and out of it.
+  // 0 covers several positions of a slider. Slow key presses move from one to the next, and out of it.
   await open.enter(input("virtual_force_n"), "0");
   await open.until("there is no virtual force", () => palpate.model.state.virtual_force_n === 0);
   const slider = '[data-name="virtual_force_n"] input[type="range"]';
@@ -88,7 +88,7 @@ test("a slider sets what a field sets", async () => {
   const middle = await at();
   await open.page.focus(slider);
   await open.page.keyboard.press("ArrowRight");
-  // So long it is left to the hand on it.
+  // During this time the hand on it keeps control.
   await new Promise((go) => setTimeout(go, 600));
   await open.told();
   assert.equal(await at(), middle + 1);
@@ -111,7 +111,7 @@ test("rate and period are one thing", async () => {
   await open.pass(1.2);
   const { count } = await open.over(0, "lateness_s", 1);
   await open.told();
-  // A deadline that was missed has no row.
+  // A missed deadline has no row.
   const { missed_deadlines: missed } = (await open.told()).lanes[0];
   assert.ok(count + missed > 240 && count <= 252, `${count} rows in a second, ${missed} deadlines missed`);
   await open.leave();
@@ -131,17 +131,17 @@ test("what the server refuses stands beside its field, which goes back", async (
   await open.enter(input("damping-1"), "-1");
   const ofDamping = await open.until("the refusal is shown", refusal, "damping-1");
   assert.equal(ofDamping, "Damping b −1 N s/m is outside its range; allowed: 0 to 50 N s/m");
-  // What else is asked for takes the reason away.
+  // Another input clears the reason.
   assert.equal(await open.get(refusal, "stiffness_n_per_m"), "");
   assert.equal(await open.get(fieldText, "damping-1"), "");
   await open.enter(input("mass_kg"), "heavy");
   assert.equal(await open.until("the refusal is shown", refusal, "mass_kg"), "“heavy” is no number");
-  // 0 Hz would be no period at all.
+  // 0 Hz has no period.
   const rate = await open.get(fieldText, "period_s");
   await open.enter(input("period_s"), "0");
   assert.equal(await open.until("the refusal is shown", refusal, "period_s"), "“0” is outside its range; allowed: 20 to 4000 Hz");
   assert.equal(await open.get(fieldText, "period_s"), rate);
-  // A rate is refused as a rate, a period as a period, where it was entered.
+  // A rate is rejected as a rate, a period as a period, at its input.
   await open.enter(input("period_s"), "100000");
   const ofRate = () => document.querySelector('[data-name="period_s"] .refused').textContent.startsWith("Rate");
   await open.until("the rate is refused", ofRate);
@@ -153,12 +153,12 @@ test("what the server refuses stands beside its field, which goes back", async (
   );
   assert.equal(await open.get(refusal, "period_s"), "");
   assert.equal(await open.get(fieldText, "period_s"), rate);
-  // Nothing marks a field whose value is right, and the value that counts takes the reason away.
+  // A field with a valid value has no mark, and the accepted value clears the reason.
   const marked = () => document.querySelectorAll('[aria-invalid="true"], .field.wrong').length;
   assert.equal(await open.get(marked), 0);
   await open.enter(input("period_s"), rate);
   await open.until("the reason is gone", () => document.querySelector('[data-name="period"] .refused').textContent === "");
-  // What is right takes the reason away.
+  // A valid value clears the reason.
   await open.enter(input("stiffness_n_per_m"), "700");
   await open.until("the stiffness is set", () => palpate.model.state.stiffness_n_per_m === 700);
   await open.until("the reason is gone", () => document.querySelector('[data-name="stiffness_n_per_m"] .refused').textContent === "");
@@ -175,7 +175,7 @@ test("a refusal stands where one has asked, and nothing shows what was not done"
   await open.enter(input("stiffness_n_per_m"), "700");
   await open.until("the stiffness is set", () => palpate.model.state.stiffness_n_per_m === 700);
   const refusals = () => ["#lanes > .refused", '[data-name="stiffness_n_per_m"] .refused'].map((place) => document.querySelector(place).textContent);
-  // What is refused names no field.
+  // This refusal names no field.
   const tooOften = "the loops begin anew too often; allowed: 4 times each second";
   const refused = (about, text) => open.get((about, text) => palpate.model.take({ type: "refused", about, text }), about, text);
   await open.page.click("#second-lane");
@@ -186,7 +186,7 @@ test("a refusal stands where one has asked, and nothing shows what was not done"
   await open.until("the stiffness is set", () => palpate.model.state.stiffness_n_per_m === 800);
   await refused("set", tooOften);
   assert.equal((await open.get(refusals))[1], tooOften);
-  // A server that is too busy says nothing of what it was about.
+  // A server that is too busy does not report the type of the rejected message.
   await open.get(() => {
     document.querySelector("#method-1").value = "basic";
     document.querySelector("#wall").checked = true;
@@ -213,7 +213,7 @@ test("a method that trips is shown; another one, rearmed, holds the same wall", 
   await open.until("there is no force", () => palpate.model.newest(0, "force_on_device_n") === 0);
   await open.page.select("#method-1", "coupled");
   await open.until("it is coupled", () => palpate.model.state.lanes[0].method === "coupled");
-  // The one that renders now is not the one that oscillated.
+  // The method has changed since the oscillation.
   const says = await open.until("the banner names both", () => {
     const text = document.querySelector('[data-about="trip-1"] p')?.textContent;
     return /coupled renders now/.test(text) && text;

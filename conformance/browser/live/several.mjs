@@ -11,7 +11,7 @@ import { NARROW, visit } from "../visit.mjs";
 const PINCH = fileURLToPath(new URL("../../../experiments/worlds/pinch.toml", import.meta.url));
 const ARGUMENTS = [PINCH, "--method", "coupled", "--priority", "0"];
 
-/** Keeps a picture, where pictures are asked for. */
+/** Saves a picture, if pictures are requested. */
 async function picture(open, name) {
   const folder = process.env.PALPATE_SCREENSHOTS;
   if (folder) {
@@ -24,7 +24,7 @@ const handAt = (number) => [palpate.model.state, ...palpate.model.state.further_
 const labels = () => [...document.querySelectorAll("#devices label")].map(({ textContent }) => textContent);
 const chosen = () => document.querySelector("#devices input:checked").parentElement.textContent;
 
-/** Drags from a tool, or from beside all of them, by so many pixels. */
+/** Drags from a tool, or from a free position, by this many pixels. */
 async function drag(open, number, [dx, dy]) {
   const [x, y] = await open.get((number) => {
     const box = document.querySelector("#space").getBoundingClientRect();
@@ -40,7 +40,7 @@ async function drag(open, number, [dx, dy]) {
 
 const apart = (a, b) => Math.hypot(...a.map((x, axis) => x - b[axis]));
 
-/** Waits until the hands have moved by more than 2 mm where they are to, and checks that the others have not. */
+/** Waits until the selected hands have moved by more than 2 mm, and checks that the others have not. */
 async function moved(open, before, areMoved) {
   for (const [number, isMoved] of areMoved.entries()) {
     if (isMoved) {
@@ -55,7 +55,7 @@ async function moved(open, before, areMoved) {
       );
     }
   }
-  // What was asked for is so: the drag is over for the server, too.
+  // The request is complete: the drag has ended for the server too.
   await open.until("the hands are where they are to be", () => palpate.hand.hands.every(({ led }) => led.value === null));
   const after = await Promise.all([0, 1].map((number) => open.get(handAt, number)));
   const still = areMoved.map((isMoved, number) => isMoved || apart(after[number], before[number]) < 1e-9);
@@ -73,7 +73,7 @@ test("of two devices the one that is taken hold of moves, then the other one, th
   assert.deepEqual(names, [["left", "led"], ["right", ""]]);
   let hands = await Promise.all([0, 1].map((number) => open.get(handAt, number)));
 
-  // By the mouse: the tool that is taken hold of is the one that moves.
+  // By the mouse: the grasped tool moves.
   await drag(open, 1, [0, -40]);
   assert.equal(await open.get(chosen), "right");
   hands = await moved(open, hands, [false, true]);
@@ -81,7 +81,7 @@ test("of two devices the one that is taken hold of moves, then the other one, th
   await drag(open, 0, [0, -40]);
   assert.equal(await open.get(chosen), "left");
   hands = await moved(open, hands, [true, false]);
-  // Beside all of them it is the chosen one.
+  // Next to all tools, the chosen one moves.
   await drag(open, null, [0, 30]);
   hands = await moved(open, hands, [true, false]);
 
@@ -101,7 +101,7 @@ test("of two devices the one that is taken hold of moves, then the other one, th
   hands = await moved(open, hands, [true, true]);
   assert.ok(apart(hands[0].map((x, axis) => x - hands[1][axis]), between) < 1e-9, "both go the same way");
 
-  // A hand that lets go leaves the other one what it holds.
+  // Releasing one hand leaves the other hand's hold unchanged.
   await open.page.focus("#space");
   await open.page.keyboard.press("1");
   await open.page.keyboard.press("Escape");
@@ -128,7 +128,8 @@ test("two fingers hold the cube, one mouse after the other, and both forces are 
       await open.pass(0.05);
     }
   };
-  // Each into the cube by 6 mm less the gap of 0.2 mm, one hand holding while the other is led; then both up.
+  // Each finger goes into the cube by 6 mm minus the gap of 0.2 mm, one hand holding while the other moves; then both
+  // move up.
   const pinch = async () => {
     await press("1", 1);
     await press("ArrowRight", 6);
@@ -145,7 +146,7 @@ test("two fingers hold the cube, one mouse after the other, and both forces are 
     const areAlike = felt.left > 0.5 && felt.right > 0.5 && Math.abs(felt.left - felt.right) < 0.3 * (felt.left + felt.right);
     return isLifted && areAlike && felt.arrows === 2;
   };
-  // A busy machine stops the loop now and then: the fingers have no force then, go deep into the cube, and kick it away.
+  // A busy machine sometimes stalls the loop: without a force, the fingers go deep into the cube and kick it away.
   let isHeld = await pinch();
   for (let attempt = 1; attempt < 10 && !isHeld; attempt += 1) {
     const run = await open.get(() => palpate.model.run);
@@ -155,7 +156,7 @@ test("two fingers hold the cube, one mouse after the other, and both forces are 
     isHeld = await pinch();
   }
   assert.ok(isHeld, "two like forces with an arrow each, and the cube is lifted");
-  // They stand beside the cube; none is behind it.
+  // Both are beside the cube, and neither is behind it.
   const aside = await open.get(() => [0, 1].map((tool) => palpate.space.toolOnCanvas(0, tool)[0] / palpate.space.canvas.clientWidth));
   assert.ok(aside[0] < 0.4 && aside[1] > 0.6, `${aside}`);
   const legend = await open.get(() => [...document.querySelectorAll("#chart-force .legend tr")].map((row) => row.firstChild.textContent));

@@ -1,4 +1,4 @@
-// The page of a world: it draws without a graphics processor, bodies move, and the hand is led in three dimensions.
+// The page of a world: it draws without a graphics processor, bodies move, and the hand moves in three dimensions.
 
 import assert from "node:assert/strict";
 import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
@@ -49,7 +49,7 @@ test("a world is drawn, and a tool that is dragged pushes its block", async () =
   const [, , blockZ] = await open.get(blockAt, 0);
   assert.ok(Math.abs(blockZ - blockBefore[2]) < 2e-3, "it stays on the table");
 
-  // By the mouse: where the pointer goes the hand goes, in the plane that faces the camera.
+  // By the mouse: the hand follows the pointer in the plane that faces the camera.
   const { mouse } = open.page;
   const corner = await open.get(() => {
     const { x, y } = document.querySelector("#space").getBoundingClientRect();
@@ -62,7 +62,7 @@ test("a world is drawn, and a tool that is dragged pushes its block", async () =
   await mouse.move(corner[0] + x, corner[1] + y - 40, { steps: 5 });
   await mouse.up();
   await open.until("the hand was lifted", (z) => palpate.model.state.hand_m?.[2] > z + 2e-3, before[2]);
-  // The wheel leads it away from whoever looks.
+  // The wheel moves it away from the viewer.
   const near = await open.get(() => palpate.model.state.hand_m);
   await mouse.wheel({ deltaY: -300 });
   await open.until(
@@ -91,7 +91,7 @@ test("the tool of a device of six axes is turned by the mouse and by keys", asyn
   for (let step = 0; step < 9; step += 1) {
     await open.page.keyboard.press("y");
   }
-  // Ten degrees about y, from where the scene begins.
+  // Ten degrees about y, from the start of the scene.
   await open.until("and on", (y) => palpate.model.state.hand_orientation[2] > y + 0.07, byKey[2]);
   await open.until("the tool turns after it", (y) => palpate.space.lanes[0].tools[0].quaternion.y > y + 0.03, byKey[2]);
   const corner = await open.get(() => {
@@ -112,7 +112,7 @@ test("the tool of a device of six axes is turned by the mouse and by keys", asyn
   };
   await open.until("the pointer has rolled it", isTurned, before);
   assert.equal((await open.get(turnedAt)).length, 4);
-  // A hand that has let go takes hold of the tool again, where and as it is.
+  // After its release the hand grasps the tool again, in its present pose.
   await open.page.focus("#space");
   await open.page.keyboard.press("Escape");
   await open.until("the hand has let go", () => palpate.model.state.hand_m === null);
@@ -171,7 +171,7 @@ method = "coupled"
 device_mass_kg = 0.2
 `;
 
-/** The brightness of the picture at a place of the world, by the rule of WCAG. */
+/** Returns the brightness of the picture at a position in the world, by the formula of WCAG. */
 const brightness = (place) => {
   const { space } = palpate;
   const { canvas, camera } = space;
@@ -199,7 +199,7 @@ test("a fixed ball stands out from the plane under it, in both schemes", async (
     await open.until("the world has come", () => palpate.space.lanes.length === 1 && palpate.model.newestS > 0);
     // Beside it.
     const plane = await open.get(brightness, [0.043, -0.025, 0]);
-    // Its middle, and its side away from the light.
+    // Its centre, and its side away from the light.
     const ball = [await open.get(brightness, [-0.007, -0.012, 0.043]), await open.get(brightness, [-0.012, -0.024, 0.018])];
     const contrasts = ball.map((shade) => (Math.max(shade, plane) + 0.05) / (Math.min(shade, plane) + 0.05));
     const said = contrasts.map((contrast) => contrast.toFixed(2)).join(" and ");

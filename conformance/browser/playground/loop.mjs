@@ -7,7 +7,7 @@ import { FOLDER, created, play } from "./open.mjs";
 
 const MOST_BYTES = 620_000;
 
-/** Takes a preset, and waits until it has run for so many seconds. */
+/** Selects a preset, and waits until it has run for this many seconds. */
 async function preset(open, id, seconds) {
   const before = await open.get(() => palpate.model.run);
   await open.page.click(`#presets [data-preset="${id}"]`);
@@ -62,7 +62,7 @@ test("a contact that creates energy is cut off where that is asked for, and come
 
 test("two loops of 1 kHz keep real time", async (t) => {
   const { open, leave } = await play("#period_s=0.001");
-  // Of a machine that is busy with something else for a moment, a later report counts.
+  // On a machine that is busy for a moment, a later report counts.
   const pace = await open.until("it keeps real time", () => palpate.pace?.overS >= 1.5 && Math.abs(palpate.pace.ratio - 1) < 0.02 && palpate.pace);
   t.diagnostic(`${pace.ratio.toFixed(4)} of real time, ${pace.ticksPerS.toFixed(0)} ticks per second, ${(100 * pace.busy).toFixed(1)} % of a processor`);
   assert.ok(Math.abs(pace.ticksPerS - 2000) < 60, `${pace.ticksPerS}`);
@@ -75,7 +75,7 @@ test("Stop stops, a tab that is hidden stands still, and both go on where they s
   const standing = async () => {
     await open.until("it has stopped", () => palpate.link.isStill);
     const at = await open.get(() => palpate.model.newestS);
-    // Long enough for a loop that goes on to be seen.
+    // Long enough to detect a running loop.
     await new Promise((go) => setTimeout(go, 500));
     assert.equal(await open.get(() => palpate.model.newestS), at);
     return at;
@@ -146,7 +146,7 @@ test("nothing comes from anywhere else, nothing is missing, and all of it is sma
   const all = await open.get(() => performance.getEntriesByType("resource").map(({ name }) => name));
   assert.ok(all.length > 30 && all.every((name) => name.startsWith(server.url)), all.join(" "));
   const files = [...new Set(server.asked.map((url) => new URL(url, server.url)))].map(({ pathname }) => pathname.slice("/some/where/".length) || "index.html");
-  // What a browser asks for by itself.
+  // Files that a browser requests by itself.
   const bytes = [...new Set(files)].map((file) => brotliCompressSync(readFileSync(join(FOLDER, file))).length);
   const sum = bytes.reduce((sum, size) => sum + size, 0);
   t.diagnostic(`${bytes.length} files, ${sum} bytes compressed; first picture ${Math.round(await open.get(() => palpate.counted.firstPictureMs))} ms after the page was asked for`);

@@ -76,7 +76,7 @@ test("a tool is dragged as it is seen, keys move it, and beside it the view turn
   await open.page.mouse.down();
   await open.page.mouse.move(x, y - 40, { steps: 4 });
   await open.page.mouse.up();
-  // The loop hears of a drag bit by bit: only where it is led to in the end says what the key adds.
+  // The loop receives a drag in parts: only the final target shows the effect of the key.
   const settled = () => {
     const { drag, targets, now } = palpate.worlds;
     return !drag && targets[0].every((x, axis) => x === now.targets_m[0][axis]) && now.targets_m[0];

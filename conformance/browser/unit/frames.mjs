@@ -1,4 +1,4 @@
-// Frames as the server makes them, for tests.
+// Frames in the server's format, for tests.
 
 /** Bytes of a frame of samples; `rows` are lists of values, `times` their seconds. */
 export function frameOf({ lane = 0, number = 0, run = 1, times, rows, kind = 1, columns = rows[0]?.length ?? 1 }) {

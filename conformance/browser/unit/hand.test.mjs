@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { Axis } from "../../../crates/palpate-scope/page/axis.js";
 import { Hand } from "../../../crates/palpate-scope/page/hand.js";
 
-/** What is dragged, without a browser. */
+/** A drag target without a browser. */
 class Place extends EventTarget {
   attributes = new Map();
   classList = { add() {}, remove() {} };
@@ -25,7 +25,7 @@ class Place extends EventTarget {
   }
 }
 
-/** A hand that nobody leads, and a device at this place [m], both in view. */
+/** A hand without a user, and a device at this position [m], both in view. */
 function apart(deviceM) {
   const axis = new Axis([-0.05, 0.05]);
   axis.lay(0, 400);
@@ -57,7 +57,7 @@ for (const deviceM of [1.7, -1.7]) {
     place.does("pointerdown", { clientY: 200 });
     hand.flush();
     assert.deepEqual(sent.at(-1), { type: "hand", position_m: end });
-    // Towards 0 it follows at once, from where it was taken.
+    // Towards 0 it follows at once, from its grasp position.
     place.does("pointermove", { clientY: 200 + 40 * end });
     hand.flush();
     const wanted = end - (40 * end) / scene.axis.pxPerM;

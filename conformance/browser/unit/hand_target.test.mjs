@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { HandTarget } from "../../../crates/palpate-scope/page/hand_target.js";
 
-/** A target, and what it has sent. */
+/** A target, and its sent messages. */
 function wished() {
   const sent = [];
   const send = (value) => sent.push(value) > 0;

@@ -20,7 +20,7 @@ class FakeSocket extends EventTarget {
     this.said.push(text);
   }
 
-  /** As a browser's: what is closed here tells so later. */
+  /** As in a browser, the close event follows later. */
   close() {
     this.readyState = 2;
   }
@@ -56,7 +56,7 @@ function linked() {
   return { link, heard };
 }
 
-// Time that goes on only when a test says so [ms].
+// Time that advances only by the test [ms].
 let nowMs = 0;
 let waiting = [];
 

@@ -113,7 +113,7 @@ test("a computer that has slept goes on with the loop that has not", () => {
   model.takeSamples(frame({ times: [605] }));
   assert.equal(model.lanes[0].ring.firstS, 5);
   assert.equal(gaps(model.lanes[0].ring), 1);
-  // Today has been set meanwhile.
+  // The system clock was set meanwhile.
   awakeS += 3;
   todayS -= 3600;
   connect();
@@ -172,7 +172,7 @@ test("a spike of one tick in a group is no mean, and the newest group is drawn b
   model.take(stateOf({ period_s: 0.00025 }));
   const groups = (times, values, number) => frame({ times, rows: values.map((value) => [value]), number });
   const recent = () => model.recent(0, "force_on_device_n", 0.1);
-  // 8 ticks, of which one gave 10 N: their mean is 1.25 N, which nobody here can know.
+  // 8 ticks, one of them with 10 N: their mean is 1.25 N, which is unknown here.
   model.takeSamples(groups([0, 0.00175], [0, 10], 0));
   assert.deepEqual(recent(), { least: 0, greatest: 10, mean: NaN, grouped: true, nearest: 0 });
   model.takeSamples(groups([0.002, 0.00375], [-3, -2], 1));
@@ -190,7 +190,7 @@ test("of ticks there is a mean, and the newest is drawn", () => {
   assert.deepEqual(model.recent(0, "force_on_device_n", 0.1), { least: 0, greatest: 10, mean: 4, grouped: false, nearest: 2 });
 });
 
-/** The stiffness that each row of a lane was rendered with, as its number tells. */
+/** The stiffness of each row of a rendering, by the row's number. */
 const stiffnesses = (model, { ring }) =>
   Array.from({ length: ring.length }, (_, row) => model.settings[ring.settings[ring.place(row)] - model.settingsFrom].stiffness_n_per_m);
 
@@ -205,13 +205,13 @@ test("settings are kept as long as there are rows of them, and no longer", () =>
   for (let k = 0; k < 200; k += 1) {
     set(1000 + 3 * k);
     set(1001 + 3 * k);
-    // Now and then a frame is dropped on the way.
+    // Now and then a frame is lost.
     model.takeSamples(frame({ times: [k, k + 0.5], number: k + Math.floor(k / 10) }));
   }
   const [lane] = model.lanes;
   assert.deepEqual(stiffnesses(model, lane), [1592, 1592, 1595, 1595, 1598, 1598]);
   assert.ok(model.settings.length <= 4, `${model.settings.length} kept`);
-  // The other lane holds on to what it has rows of.
+  // The other rendering keeps the settings of its rows.
   model.takeSamples(frame({ times: [200], lane: 1 }));
   for (let k = 0; k < 20; k += 1) {
     set(2000 + k);
@@ -219,7 +219,7 @@ test("settings are kept as long as there are rows of them, and no longer", () =>
   }
   assert.deepEqual(stiffnesses(model, model.lanes[1]), [1598]);
   assert.equal(model.settings.length, 21);
-  // There and back before any row came: nothing has changed.
+  // There and back before any row arrived: nothing has changed.
   set(1);
   set(2019);
   assert.equal(model.settings.length, 21);
@@ -260,7 +260,7 @@ test("rows of a new run say that it goes on, before any state does; one that has
   model.takeSamples(frame({ times: [0], run: 2 }));
   assert.equal(model.ended, null);
   model.take({ type: "ended", text: "it is lost again" });
-  // Rows of a third run come after the word of its end.
+  // Rows of a third run arrive after the message of its end.
   model.takeSamples(frame({ times: [0], run: 3 }));
   model.take(stopped(false, false));
   assert.equal(model.ended, "it is lost again");

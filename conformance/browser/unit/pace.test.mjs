@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Pace, SAY_S, Turns } from "../../../crates/palpate-scope/page/pace.js";
 
-/** How many of so many frames draw the charts, where one that does takes this long. */
+/** Returns how many of these frames draw the charts, if a frame with charts takes this long. */
 function drawn(frames, withMs, withoutMs = 16.7) {
   const pace = new Pace();
   let lasted = 16.7;

@@ -55,7 +55,7 @@ test("a world is read: the bytes are those of docs/scope.md, written out", () =>
     contacts: [{ point: [4, 5, 6], force: [7, 8, 9] }],
   });
   assert.throws(() => readWorld(bytes.slice(0, 80)), /1 bodies, 1 contacts and 1 devices has 80 bytes instead of 96/);
-  // The force on a second device stands behind all that there is of one.
+  // The force on a second device follows all data of the first.
   const further = `${head.replace("02 01 0000", "02 01 0100")}${body}${contact} 000080bf 000000c0 000040c0`;
   const ofTwo = readWorld(new Uint8Array(Buffer.from(further.replaceAll(" ", ""), "hex")).buffer);
   assert.deepEqual(ofTwo.forces, [[0.25, 0.5, 0.75], [-1, -2, -3]]);

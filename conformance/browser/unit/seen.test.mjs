@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { Ring } from "../../../crates/palpate-scope/page/ring.js";
 import { createdWithin, seenInWords } from "../../../crates/palpate-scope/page/seen.js";
 
-/** A model of one lane whose rows are 1 s apart, with these leaks [J]. */
+/** A model of one rendering whose rows are 1 s apart, with these leaks [J]. */
 function modelOf(leaks) {
   const ring = new Ring(1, 100);
   ring.append({ rows: leaks.length, startS: 10, afterS: leaks.map((_, i) => i), values: leaks });

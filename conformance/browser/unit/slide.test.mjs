@@ -23,7 +23,7 @@ test("a value stands where it was set", () => {
     const scale = slide(low, high);
     for (const place of [0.2, 0.4, 0.7, 0.95]) {
       const back = scale.place(scale.value(place));
-      // Values are rounded to three digits, and 0 is held on to.
+      // Values are rounded to three digits, and 0 has an extended range.
       assert.ok(Math.abs(back - place) < 0.035, `${low} to ${high}: ${place} became ${back}`);
     }
   }

@@ -1,1 +1,1 @@
-//! Holds only the tests in `tests/`.
+//! Contains only the tests in `tests/`.

@@ -1,5 +1,5 @@
-//! The vendor's client, which knows nothing of this project, connects to the emulator, reads, sends
-//! forces and sees the device move.
+//! The vendor's client, an independent program, connects to the emulator, reads, sends forces and observes the device's
+//! motion.
 
 use std::time::Duration;
 
@@ -23,7 +23,7 @@ fn emulator(form: Form) -> Emulator {
 async fn client(emulator: &Emulator) -> HaplyDevice {
     let http = format!("http://{}", emulator.address());
     let device = HaplyDevice::new(&http, &emulator.url()).await.unwrap();
-    // Its listener has its own time for the frame on connect.
+    // Its listener receives the first frame asynchronously.
     for _ in 0..500 {
         if !device.read_state().await.unwrap().inverse3.is_empty() {
             return device;
@@ -104,7 +104,7 @@ async fn the_clients_force_moves_the_device() {
     assert_eq!(emulator.force(ID), Some([0.0, 0.0, 1.5]));
     let served = emulator.served();
     assert_eq!(served.configured, 1);
-    // One answer to each message, but for the one that may be under way.
+    // One answer to each message, except for one in transit.
     assert!(served.messages - served.replies <= 1, "{served:?}");
     device.shutdown().await.unwrap();
     tokio::time::sleep(Duration::from_millis(200)).await;
@@ -156,7 +156,7 @@ async fn the_clients_requests_are_answered() {
     let devices = http.get_devices().await.unwrap();
     assert_eq!(devices.len(), 1);
     assert_eq!(devices[0].id(), ID);
-    // What is not emulated is refused, not answered with something else.
+    // Requests outside the emulation are rejected instead of answered wrongly.
     assert!(http.get_sessions().await.is_err());
 }
 

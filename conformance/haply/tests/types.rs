@@ -1,4 +1,4 @@
-//! The vendor's types and ours read each other's text.
+//! The vendor's types and this project's types parse each other's text.
 
 use haply::device_model::{
     ControlDomain, ControlMode, DeviceConfig, DeviceMode, DeviceType, Inverse3Device,

@@ -1,8 +1,8 @@
-//! The path from the loop to its recorder under loom: every order in which the two threads can meet, and
-//! every value that a machine with weak ordering lets a load see.
+//! The path from the loop to its recorder under loom: every interleaving of the two threads, and every value that a
+//! weakly ordered machine allows a load to see.
 //!
-//! The tally is the program's own file. The ring is a model of `rtrb` 0.3.6, which has no loom of its
-//! own: the same loads and stores with the same orderings, `push` and `pop` as its source has them.
+//! The tally is the program's own file. The ring is a model of `rtrb` 0.3.6, which does not support loom: it has the
+//! same loads and stores with the same orderings, and `push` and `pop` as in its source.
 
 #![allow(
     dead_code,
@@ -14,7 +14,7 @@ use loom::sync::Arc;
 use loom::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use loom::thread;
 
-/// What `tally.rs` takes its atomics from.
+/// Source of the atomics in `tally.rs`.
 mod atomics {
     pub(crate) use loom::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 }
@@ -27,15 +27,15 @@ use tally::Tally;
 const CAPACITY: usize = 1;
 const TICKS: u64 = 3;
 
-/// A ring for one that pushes and one that pops.
+/// A ring with one producer and one consumer.
 struct Ring {
     slots: [UnsafeCell<u64>; CAPACITY],
     head: AtomicUsize,
     tail: AtomicUsize,
 }
 
-// SAFETY: a slot is written by the one side while it is empty and read by the other while it is full;
-// loom fails the test where that is not so.
+// SAFETY: one side writes a slot while it is empty and the other reads it while it is full; loom fails the test
+// otherwise.
 unsafe impl Sync for Ring {}
 
 impl Ring {
@@ -71,7 +71,7 @@ impl Producer {
             return false;
         }
         let slot = self.ring.slot(self.cached_tail);
-        // SAFETY: the slot is empty, and nobody else writes.
+        // SAFETY: the slot is empty, and this is the only producer.
         slot.with_mut(|slot| unsafe { *slot = value });
         self.cached_tail += 1;
         self.ring.tail.store(self.cached_tail, Ordering::Release);
@@ -94,7 +94,7 @@ impl Consumer {
             }
         }
         let slot = self.ring.slot(self.cached_head);
-        // SAFETY: the slot is full, and nobody else reads.
+        // SAFETY: the slot is full, and this is the only consumer.
         let value = slot.with(|slot| unsafe { *slot });
         self.cached_head += 1;
         self.ring.head.store(self.cached_head, Ordering::Release);
@@ -118,7 +118,7 @@ fn ring() -> (Producer, Consumer) {
     (producer, consumer)
 }
 
-/// As the recorder does it: whether it is closed is asked first, then all that is there is taken.
+/// Listens like the recorder: it first loads the closed flag, then takes all entries.
 fn listen(consumer: &mut Consumer, is_closed: impl Fn() -> bool) -> Vec<u64> {
     let mut heard = Vec::new();
     loop {
@@ -132,7 +132,7 @@ fn listen(consumer: &mut Consumer, is_closed: impl Fn() -> bool) -> Vec<u64> {
     }
 }
 
-/// The ring is full again and again, and every tick is either heard or counted as lost.
+/// The ring is repeatedly full, and every tick is either received or counted as lost.
 #[test]
 fn what_the_loop_made_is_what_was_heard_and_what_was_lost() {
     loom::model(|| {
@@ -158,7 +158,7 @@ fn what_the_loop_made_is_what_was_heard_and_what_was_lost() {
     });
 }
 
-/// A tap that waits loses nothing while it is listened to, and waits no more when it is not.
+/// A waiting tap loses nothing while a listener exists, and stops waiting when it is gone.
 #[test]
 fn a_tap_that_waits_ends_when_nobody_listens() {
     loom::model(|| {
@@ -188,8 +188,8 @@ fn a_tap_that_waits_ends_when_nobody_listens() {
     });
 }
 
-/// The test can fail: a close that is no release, or that is not acquired, as `is_abandoned` of `rtrb`
-/// without a fence behind it.
+/// Negative control: the test fails if the close is not a release or is not acquired, like `is_abandoned` of `rtrb`
+/// without a subsequent fence.
 fn closed_by(store: Ordering, load: Ordering) {
     loom::model(move || {
         let (mut producer, mut consumer) = ring();

@@ -1,1 +1,1 @@
-//! Holds only the test in `tests/`.
+//! Contains only the test in `tests/`.

@@ -1,4 +1,4 @@
-//! A tick allocates nothing, whatever the method and the sample.
+//! A tick allocates nothing, for every method and sample.
 //!
 //! ```text
 //! cargo test --release -p palpate-conformance-no-alloc
@@ -14,20 +14,19 @@ use palpate::{
     VirtualDamperParams,
 };
 
-/// The system's allocator, counting what each thread asks of it.
+/// The system's allocator, with a count of each thread's calls.
 struct Counting;
 
 thread_local! {
     static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
 }
 
-// SAFETY: every call is passed on unchanged; the counter is a constant-initialised thread-local
-// without a destructor, so touching it allocates nothing. `alloc_zeroed` and `realloc` come
-// through `alloc` by default.
+// SAFETY: every call is forwarded unchanged; the counter is a constant-initialised thread-local without a destructor,
+// so accessing it allocates nothing. `alloc_zeroed` and `realloc` call `alloc` by default.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        // SAFETY: the caller's promises are those `System` asks for.
+        // SAFETY: the caller guarantees the requirements of `System`.
         unsafe { System.alloc(layout) }
     }
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
@@ -133,14 +132,14 @@ fn a_renderer_is_made_started_and_stepped_without_allocating() {
     assert_eq!(count, 0);
 }
 
-/// Nor does a tick on a mesh: triangles are gathered into room that is there.
+/// Nor does a tick on a mesh: triangles are collected in a preallocated buffer.
 #[test]
 fn a_mesh_is_touched_without_allocating() {
     use palpate_world::{
         BasicParams, Body, Contact, ContactLaw, CoupledParams, GodObjectParams, Mesh, Motion,
         Party, Sample, Shape, Tool, World, WorldLoop, WorldMethod, WorldRenderer,
     };
-    // Egg box of 2 mm on 100 mm, of triangles of 1 mm.
+    // Egg box of 2 mm on 100 mm, with triangles of 1 mm.
     let cells = 100;
     let vertices: Vec<[f64; 3]> = (0..=cells)
         .flat_map(|i| (0..=cells).map(move |j| [0.001 * f64::from(i), 0.001 * f64::from(j)]))
@@ -152,7 +151,7 @@ fn a_mesh_is_touched_without_allocating() {
         .flat_map(|a| [[a, a + row, a + row + 1], [a, a + row + 1, a + 1]])
         .collect();
     let mesh = std::sync::Arc::new(Mesh::new(&vertices, &faces).unwrap());
-    // The large ball looks at as many triangles as it may, which takes an unoptimised build its time.
+    // For the large ball the maximum number of triangles is checked, which is slow in an unoptimised build.
     for (radius, ticks) in [(0.0, 3000), (0.004, 3000), (1.0, 200)] {
         let world = World {
             joints: Vec::new(),
@@ -193,14 +192,14 @@ fn a_mesh_is_touched_without_allocating() {
                 }
             });
             assert!(forces > 50, "{radius}: {forces}");
-            // A ball of 1 m has more triangles about it than are looked at, and it is said.
+            // A ball of 1 m has more triangles nearby than are checked, which is reported.
             assert_eq!(left_out > 0, radius > 0.02, "{radius}: {left_out}");
             assert_eq!(count, 0);
         }
     }
 }
 
-/// Nor does a tick of points on a grid of distances.
+/// Nor does a tick of points on a distance grid.
 #[test]
 fn points_touch_a_grid_without_allocating() {
     use palpate_world::{
@@ -268,7 +267,7 @@ fn points_touch_a_grid_without_allocating() {
     }
 }
 
-/// A world is made and started with room for everything; its ticks then allocate nothing.
+/// A world allocates all memory at its creation and start; its ticks allocate nothing.
 #[test]
 fn a_world_is_stepped_without_allocating() {
     use palpate_world::{
@@ -281,7 +280,7 @@ fn a_world_is_stepped_without_allocating() {
         offset: 0.0,
     };
     let ball = Free::of_mass(0.1).pulled_by([0.0, 0.0, -1.0]);
-    // Beside the ball, a block falls on one that is on a slider with a spring.
+    // In addition to the ball, a block falls on another one on a slider with a spring.
     let block = Shape::Box {
         half_extents: [0.02; 3],
     };
@@ -327,7 +326,7 @@ fn a_world_is_stepped_without_allocating() {
         coupling.into(),
         CoupledParams::new(vec![[0.1, 0.2, f64::INFINITY]]).into(),
     ];
-    // A device that lacks y is led along it.
+    // A device without y has a position-driven y axis.
     let axes = [[true; 3], [true, false, true]];
     for (axes, method) in axes
         .into_iter()
@@ -447,7 +446,7 @@ fn cylinders_are_touched_without_allocating() {
     }
 }
 
-/// The same for contact with the bodies of another engine.
+/// Nor does contact with the bodies of another engine.
 #[test]
 fn contact_with_an_engine_s_body_allocates_nothing() {
     use palpate_world::engine::{
@@ -501,7 +500,8 @@ fn contact_with_an_engine_s_body_allocates_nothing() {
     assert_eq!(count, 0);
 }
 
-/// The same by the local models of a slow host, whether one comes, is refused, is missing or gets too old.
+/// Nor does contact by the local models of a low-rate simulator, whether a model arrives, is rejected, is missing or
+/// expires.
 #[test]
 fn contact_by_a_local_model_allocates_nothing() {
     use palpate_world::engine::BodyNow;
@@ -539,10 +539,10 @@ fn contact_by_a_local_model_allocates_nothing() {
             if tick % 50 == 20 {
                 positions[0][1] = f64::NAN;
             }
-            // Every 20 ticks, ten ticks late; after a second the host hangs for 0.2 s.
+            // Every 20 ticks, ten ticks late; after a second the simulator hangs for 0.2 s.
             let is_there = tick % 20 == 10 && !(1000..1200).contains(&tick);
             let model = is_there.then(|| &models[tick - 10]);
-            // One from the future now and then.
+            // Occasionally a model from the future.
             let model = if tick % 100 == 55 {
                 models.last()
             } else {

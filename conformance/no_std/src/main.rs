@@ -1,6 +1,6 @@
-//! The first collision of the paper's Fig. 2 scene, rendered by HFCR and by coupled rendering in a
-//! program without std: no allocator, no unwinding, output through libc. Exits with 0 if every force
-//! is the stated one, in both precisions.
+//! The first collision of the paper's Fig. 2 scene, rendered by HFCR and by coupled rendering in a program without std:
+//! no allocator, no unwinding, output through libc. Exits with 0 if every force equals its reference value, in both
+//! precisions.
 //!
 //! ```text
 //! cargo run --manifest-path conformance/no_std/Cargo.toml
@@ -16,10 +16,10 @@ use palpate::{
     Sample, Scalar,
 };
 
-/// Tick of the first force that is not 0.
+/// Tick of the first nonzero force.
 const FIRST_CONTACT: usize = 10;
-/// Forces on the object from then on `[N]`, of an independent implementation:
-/// `fig2_hfcr.csv` of `crates/palpate-sim/tests/it/vectors`.
+/// Forces on the object from then on `[N]`, from an independent implementation: `fig2_hfcr.csv` of
+/// `crates/palpate-sim/tests/it/vectors`.
 const HFCR: [f64; 10] = [
     1.241_618_935_297_262,
     3.300_190_570_569_963_5,
@@ -50,15 +50,15 @@ const COUPLED: [f64; 10] = [
 
 #[panic_handler]
 fn panic(_: &PanicInfo<'_>) -> ! {
-    // SAFETY: `abort` takes nothing and does not return.
+    // SAFETY: `abort` has no arguments and does not return.
     unsafe { libc::abort() }
 }
 
-/// The precompiled `core` refers to it, even where nothing unwinds; it is never called.
+/// The precompiled `core` refers to it even without unwinding; it is never called.
 #[unsafe(no_mangle)]
 extern "C" fn rust_eh_personality() {}
 
-/// Runs the scene and gives the largest difference from the stated forces `[N]`.
+/// Runs the scene and returns the largest difference from the reference forces `[N]`.
 fn largest_difference<S: Scalar>(method: AnyParams<S>, stated: &[f64; 10]) -> f64 {
     let of = S::from_f64;
     let contact = Contact::object(of(100.0), of(0.1));
@@ -78,7 +78,7 @@ fn largest_difference<S: Scalar>(method: AnyParams<S>, stated: &[f64; 10]) -> f6
             .checked_sub(FIRST_CONTACT)
             .map_or(0.0, |contact| stated[contact]);
         let difference = Scalar::abs(output.force_on_object.to_f64() - expected);
-        // A NaN is kept, since nothing exceeds it.
+        // A NaN is kept, because no value exceeds it.
         if difference.is_nan() || difference > largest {
             largest = difference;
         }
@@ -98,7 +98,7 @@ fn largest_difference<S: Scalar>(method: AnyParams<S>, stated: &[f64; 10]) -> f6
 fn report(precision: &CStr, difference: f64, tolerance: f64) -> bool {
     let agrees = difference <= tolerance;
     let verdict = if agrees { c"ok" } else { c"FAILED" };
-    // SAFETY: the format takes two strings and two doubles, and gets them.
+    // SAFETY: the format requires two strings and two doubles, which are passed.
     unsafe {
         libc::printf(
             c"%s: forces within %.1e N of the stated ones (%.0e allowed): %s\n".as_ptr(),
@@ -129,7 +129,7 @@ pub extern "C" fn main(_count: c_int, _arguments: *const *const u8) -> c_int {
     let agree = [
         report(c"hfcr, f64", double[0], 1e-9),
         report(c"hfcr, f32", single[0], 1e-3),
-        // What the observer does not know of the device after ten free ticks.
+        // The observer's remaining uncertainty about the device after ten free ticks.
         report(c"coupled, f64", double[1], 1e-7),
         report(c"coupled, f32", single[1], 1e-4),
     ];

@@ -1,4 +1,4 @@
-//! A device, a clock and a user that mean no good: anything that the types allow.
+//! A hostile device, clock and user, with all behaviour that the types allow.
 
 use std::hint::black_box;
 use std::sync::atomic::Ordering;
@@ -17,18 +17,19 @@ use crate::situations::{Watch, scene};
 const LOOPS: u64 = 600;
 const TICKS: u32 = 100;
 
-/// Says anything, and insists that what it is given is a force within the limit.
+/// A device with arbitrary readings that checks the limit of the commanded force.
 pub struct Hostile {
     clock: SteppedClock,
     capabilities: Capabilities,
     random: fastrand::Rng,
     largest_force: f64,
-    /// What it was asked to hold last.
+    /// The last commanded wrench.
     pub asked: Wrench,
 }
 
 impl Hostile {
-    /// With so many axes, by numbers of `random`; it is given no more than `largest_force` [N].
+    /// Creates a device with this many axes and numbers of `random`, which checks that commands do not exceed
+    /// `largest_force` [N].
     pub fn new(
         clock: &SteppedClock,
         axes: usize,
@@ -45,7 +46,7 @@ impl Hostile {
     }
 }
 
-/// Mostly near `scale`, and now and then any number that there is, or none.
+/// Returns a number mostly near `scale`, and sometimes any number, or NaN.
 fn number(random: &mut fastrand::Rng, scale: f64) -> f64 {
     match random.u8(..20) {
         0 => f64::from_bits(random.u64(..)),
@@ -71,7 +72,7 @@ impl Device for Hostile {
             return Err(error(random));
         }
         if random.u8(..10) == 0 {
-            // The device takes its time.
+            // The device is slow.
             self.clock
                 .advance(Duration::from_nanos(random.u64(..5_000_000)));
         }
@@ -109,7 +110,7 @@ impl Device for Hostile {
     }
 }
 
-/// Loops of every method under limits, faults, changes and delays drawn at random, from fixed seeds.
+/// Loops of every method with random limits, faults, changes and delays, from fixed seeds.
 pub fn anything(watch: &mut Watch) {
     let scenes = ["wall.toml", "experiment1.toml", "coupled/wall-1000.toml"].map(scene);
     let mut tripped = 0;

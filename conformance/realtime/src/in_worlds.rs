@@ -1,4 +1,4 @@
-//! What a loop gets into that renders a world on one device.
+//! Situations of a loop that renders a world on one device.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -15,12 +15,12 @@ use palpate_world::{ContactLaw, CoupledParams, Shape, Tool, WorldLoop};
 
 use crate::situations::Watch;
 
-/// A world of `experiments/`.
+/// Loads a world of `experiments/`.
 pub(crate) fn world_scene(name: &str) -> WorldScene {
     with_points(name, 60)
 }
 
-/// A scene whose shells of 60 points have so many.
+/// Loads a scene and sets the number of points of its shells with 60 points.
 fn with_points(name: &str, points: usize) -> WorldScene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../experiments")
@@ -106,7 +106,7 @@ pub fn six_axes(watch: &mut Watch) {
     }
 }
 
-/// Ticks of a world of six axes, in some of which there is a torque.
+/// Ticks of a world of six axes, some of them with a torque.
 fn turn<D: Device>(
     control: &mut ControlLoop<D, SteppedClock, RenderedWorld>,
     name: &str,
@@ -143,7 +143,7 @@ pub fn worlds_that_change(watch: &mut Watch) {
                 for contact in &mut other.world.contacts {
                     contact.law.stiffness *= 1.0 + 0.1 * f64::from(tick % 7);
                 }
-                // Every third is overtaken before it is rendered.
+                // Every third one is superseded before it is rendered.
                 for _ in 0..1 + tick % 3 / 2 {
                     let method = ["basic", "coupled"][usize::from(tick % 20 == 5)];
                     let world = rendered(&other, method);
@@ -188,7 +188,7 @@ pub fn a_slow_host(watch: &mut Watch) {
             let mut body = BodyNow::fixed(own.position);
             body.mobility[2][2] = 10.0;
             let law = ContactLaw::spring(1000.0).with_friction(0.5);
-            // Two millimetres into it, wherever it is; every third time one contact less.
+            // Two millimetres inside, relative to its position; every third time one contact less.
             let (at, up) = (progress.positions[0], [0.0, 0.0, 1.0]);
             let contact = LocalContact::at_gap((0, at, 0.01), Some(0), -0.002, up, law);
             let contacts = [Some(contact), (tick % 60 != 0).then_some(contact)];

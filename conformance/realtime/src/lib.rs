@@ -1,4 +1,4 @@
-//! What the tick of a `palpate_rt::ControlLoop` may not do is watched for here, in three ways.
+//! Checks that the tick of a `palpate_rt::ControlLoop` avoids forbidden operations, in three ways.
 //!
 //! ```text
 //! cargo test --workspace --release                        counts allocations, among all tests
@@ -6,8 +6,8 @@
 //! scripts/nightly sanitizer                               RealtimeSanitizer
 //! ```
 //!
-//! All three watch the same [`situations`], and each has to notice the [`misdeeds`] that it is there
-//! for. What each of them cannot see stands in docs/realtime.md.
+//! All three check the same [`situations`], and each has to detect its share of the [`misdeeds`]. docs/realtime.md
+//! describes the limits of each check.
 
 mod hostile;
 mod in_worlds;

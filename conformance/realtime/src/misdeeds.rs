@@ -1,4 +1,4 @@
-//! What a tick may not do, done on purpose: a device commits it when the loop reads.
+//! Forbidden operations of a tick, committed on purpose by a device when the loop reads it.
 
 use std::hint::black_box;
 use std::str::FromStr;
@@ -14,25 +14,25 @@ use palpate_scene::method::MethodName;
 
 use crate::situations::{Watch, scene};
 
-/// How long a lock is held by another thread, and how long a sleep lasts.
+/// Duration of a lock in another thread, and of a sleep.
 const WHILE: Duration = Duration::from_millis(100);
 
-/// Something that a tick may not do.
+/// A forbidden operation of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Misdeed {
-    /// Nothing: the measure of the others.
+    /// Nothing: the baseline.
     Nothing,
-    /// Takes memory and gives it back.
+    /// Allocates and frees memory.
     Allocate,
     /// Prints a line.
     Print,
-    /// Takes a lock that is free.
+    /// Acquires a free lock.
     LockFree,
-    /// Takes a lock that another thread holds.
+    /// Acquires a lock held by another thread.
     LockHeld,
     /// Sleeps by `std`.
     Sleep,
-    /// Sleeps by a system call of its own, without the C library.
+    /// Sleeps by a direct system call, without the C library.
     SleepRaw,
     /// Opens a file.
     Open,
@@ -63,7 +63,7 @@ impl FromStr for Misdeed {
     }
 }
 
-/// Ten ticks of a loop whose device commits `misdeed` in each.
+/// Runs ten ticks of a loop whose device commits `misdeed` in each.
 pub fn commit(misdeed: Misdeed, watch: &mut Watch) {
     let clock = SteppedClock::new();
     let rendering = scene("wall.toml").rendering(MethodName::Coupled).unwrap();
@@ -84,7 +84,7 @@ pub fn commit(misdeed: Misdeed, watch: &mut Watch) {
     }
 }
 
-/// A thread that holds `lock` for a while; it does already.
+/// Starts a thread that already holds `lock` on return, and keeps it for a while.
 fn hold(lock: &Arc<Mutex<u32>>) -> thread::JoinHandle<()> {
     let lock = Arc::clone(lock);
     let (told, holds) = mpsc::channel();

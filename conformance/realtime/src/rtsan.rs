@@ -5,9 +5,9 @@ unsafe extern "C" {
     fn __rtsan_realtime_exit();
 }
 
-/// Runs `tick` where calls that may block end the program with a report.
+/// Runs `tick` in a context in which blocking calls end the program with a report.
 pub fn watched(tick: &mut dyn FnMut()) {
-    // SAFETY: they count the calling thread's real-time contexts up and down, in pairs.
+    // SAFETY: the calls increment and decrement the calling thread's real-time contexts, in pairs.
     unsafe { __rtsan_realtime_enter() };
     tick();
     // SAFETY: as above.

@@ -1,4 +1,4 @@
-//! Two devices in one loop: a pinch in two hands, the faults of each, and two devices that mean no good.
+//! Two devices in one loop: a pinch in two hands, the faults of each, and two hostile devices.
 
 use std::hint::black_box;
 use std::sync::atomic::Ordering;
@@ -31,7 +31,7 @@ fn two<D: Device>(
     ControlLoop::of_devices(devices, clock, world).unwrap()
 }
 
-/// Two hands pinch a cube, and somebody listens.
+/// Two hands pinch a cube, with a listener.
 pub fn a_pinch(watch: &mut Watch) {
     let scene = world_scene("worlds/pinch.toml");
     for method in ["basic", "coupled"] {
@@ -58,7 +58,7 @@ pub fn a_pinch(watch: &mut Watch) {
     }
 }
 
-/// Every fault of each device, and rearming.
+/// Every fault of each device, with rearming.
 pub fn faults_of_each(watch: &mut Watch) {
     use DeviceErrorKind::{Disconnected, NothingNew, Refused};
     let scene = world_scene("worlds/pinch.toml");
@@ -106,7 +106,7 @@ pub fn faults_of_each(watch: &mut Watch) {
     }
 }
 
-/// Anything that two devices can say. Where one trips, neither is commanded a force.
+/// Arbitrary readings of two devices. After a safety stop of one, neither is commanded a force.
 pub fn anything_of_two(watch: &mut Watch) {
     let scene = world_scene("worlds/pinch.toml");
     let (mut tripped, mut on) = (0, 0);

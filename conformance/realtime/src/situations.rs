@@ -1,6 +1,6 @@
-//! What a loop gets into: every device, method, limit and fault, with somebody listening or not.
+//! Situations of a loop: every device, method, limit and fault, with and without a listener.
 //!
-//! A situation sets its loop up and looks at what came of it outside, and gives each tick to a watch.
+//! A situation sets up its loop and checks the outcome outside the watch, and passes each tick to a watch.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -21,13 +21,13 @@ use crate::hostile::anything;
 use crate::in_worlds::{a_slow_host, faults_in_a_world, six_axes, worlds, worlds_that_change};
 use crate::several::{a_pinch, anything_of_two, faults_of_each};
 
-/// Runs what it is given, a tick, and watches it.
+/// Runs a tick and monitors it.
 pub type Watch<'a> = dyn FnMut(&mut dyn FnMut()) + 'a;
 
-/// A situation, by name.
+/// A named situation.
 pub type Situation = (&'static str, fn(&mut Watch));
 
-/// Every situation in which the clock is moved by hand.
+/// Every situation in which the clock is advanced by hand.
 pub const STEPPED: [Situation; 21] = [
     ("every method on a simulated device", every_method),
     ("worlds on a device in space", worlds),
@@ -55,13 +55,13 @@ pub const STEPPED: [Situation; 21] = [
     ("anything that two devices can say", anything_of_two),
 ];
 
-/// Every situation in which real time passes.
+/// Every situation in real time.
 pub const MONOTONIC: [Situation; 2] = [
     ("real time, asleep and awake", real_time),
     ("a run that is stopped", a_run_that_is_stopped),
 ];
 
-/// A scene of `experiments/`.
+/// Loads a scene of `experiments/`.
 #[must_use]
 pub fn scene(name: &str) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -219,7 +219,7 @@ fn oscillation(watch: &mut Watch) {
     assert_eq!(control.trip(), Some(Trip::Oscillation));
 }
 
-/// Limits that nothing here reaches.
+/// Returns limits that are never reached here.
 fn wide() -> SafetyParams {
     SafetyParams {
         largest_force: 1e6,
@@ -251,7 +251,7 @@ fn changes(watch: &mut Watch) {
     }
 }
 
-/// Another thread changes the parameters as fast as it can.
+/// Another thread changes the parameters as fast as possible.
 fn changes_in_a_hurry(watch: &mut Watch) {
     let scene = scene("experiment1_in_a_hand.toml");
     let mut control = simulated(&scene, MethodName::Coupled, wide());
@@ -268,7 +268,7 @@ fn changes_in_a_hurry(watch: &mut Watch) {
             }
         });
         let mut taken = 0;
-        // On few processors the other thread may wait for its turn.
+        // On few processors the other thread may have to wait.
         for _ in 0..1_000_000 {
             let mut tick = None;
             watch(&mut || tick = Some(control.tick()));
@@ -308,7 +308,7 @@ fn a_full_tap(watch: &mut Watch) {
     let mut control = simulated(&scene, MethodName::Coupled, SafetyParams::default()).tapped(tap);
     ticks(&mut control, 500, watch);
     assert!(listener.lost() >= 496);
-    // Nor when the listener has gone.
+    // Nor after the listener has been dropped.
     drop(listener);
     ticks(&mut control, 500, watch);
 }

@@ -1,4 +1,4 @@
-//! A tick allocates nothing, and does not panic, whatever the loop gets into.
+//! A tick allocates nothing and does not panic, in every situation.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -13,7 +13,7 @@ use palpate_rt::ControlLoop;
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::method::MethodName;
 
-/// The system's allocator, counting what each thread asks of it: memory taken, and given back.
+/// The system's allocator, with a count of each thread's allocations and deallocations.
 struct Counting;
 
 thread_local! {
@@ -24,13 +24,12 @@ fn count() {
     CALLS.set(CALLS.get() + 1);
 }
 
-// SAFETY: every call is passed on unchanged; the counter is a constant-initialised thread-local
-// without a destructor, so touching it allocates nothing. `alloc_zeroed` and `realloc` come
-// through `alloc` by default.
+// SAFETY: every call is forwarded unchanged; the counter is a constant-initialised thread-local without a destructor,
+// so accessing it allocates nothing. `alloc_zeroed` and `realloc` call `alloc` by default.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count();
-        // SAFETY: the caller's promises are those `System` asks for.
+        // SAFETY: the caller guarantees the requirements of `System`.
         unsafe { System.alloc(layout) }
     }
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
@@ -43,7 +42,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Ticks, and how many of them called the allocator.
+/// Number of ticks, and of ticks with calls of the allocator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Ticks {
     all: usize,
@@ -80,8 +79,8 @@ fn nor_does_it_in_real_time() {
     none_in(&MONOTONIC);
 }
 
-/// JSON and WebSocket allocate, but in threads of the driver. It wakes one of them in its `write`, by
-/// a system call that does not wait; the other watches would find that one, and are not asked.
+/// JSON and WebSocket allocate, but in the driver's threads. The driver wakes one of them in its `write`, by a
+/// non-blocking system call. The other checks would report that call and are not used here.
 #[test]
 fn nor_does_it_on_an_inverse3_whatever_its_service_does() {
     let emulator = Emulator::start(&EmulatorOptions::default()).unwrap();

@@ -1,6 +1,6 @@
-//! RealtimeSanitizer finds no call that may block in a tick, and finds those put there.
+//! RealtimeSanitizer finds no blocking call in a tick, and finds deliberate ones.
 //!
-//! A finding ends the program with a report, so each misdeed has a program of its own.
+//! A finding ends the program with a report, so each misdeed has a separate program.
 
 use std::process::Command;
 
@@ -16,9 +16,8 @@ fn a_tick_makes_no_call_that_may_block() {
     }
 }
 
-/// Which call each misdeed is found by. What is not found is what docs/realtime.md says is not: a
-/// lock that is free takes no call of the C library, and the sleep of `std` and that of the loop's
-/// clock are calls that the sanitizer does not know.
+/// The call by which each misdeed is detected. docs/realtime.md lists the undetected ones: a free lock makes no call of
+/// the C library, and the sanitizer does not intercept the sleep calls of `std` and of the loop's clock.
 #[test]
 fn it_finds_what_the_documents_say_it_finds() {
     let found_by = |misdeed| match misdeed {

@@ -1,4 +1,4 @@
-//! A tick makes no system call but the sleep, as strace sees it from outside.
+//! A tick makes no system call except the sleep, as observed by strace.
 
 use std::collections::BTreeMap;
 use std::process::Command;
@@ -12,7 +12,7 @@ struct Within {
     calls: BTreeMap<String, usize>,
 }
 
-/// Runs the program `marked` under strace and looks between its marks.
+/// Runs the program `marked` under strace and collects the calls between its marks.
 fn within_ticks(what: &str) -> Within {
     let folder = tempfile::tempdir().unwrap();
     let run = Command::new("strace")
@@ -51,8 +51,7 @@ fn a_tick_makes_no_system_call() {
     assert!(within.calls.is_empty(), "{:?}", within.calls);
 }
 
-/// The machine's clock is read without a system call where its kernel has a way; where it has none,
-/// that call is no fault of the loop.
+/// On most kernels the clock is read without a system call. On others that call is not a fault of the loop.
 #[test]
 fn in_real_time_it_makes_none_but_the_sleep() {
     let mut within = within_ticks("monotonic");

@@ -1,14 +1,13 @@
-//! What a tick needs of memory: the stack of a step and of a report, and the sizes of state and
-//! renderer, with the method known to the compiler and with any method.
+//! Memory of a tick: the stack of a step and of a report, and the sizes of state and renderer, with a method known at
+//! compile time and with any method.
 //!
 //! ```text
 //! cargo run --release --manifest-path conformance/stack/Cargo.toml
 //! ```
 //!
-//! The stack below the caller is painted before each tick, and after it the lowest byte that has lost
-//! its colour is looked for. Ticks are those of the paper's Fig. 2 loop: free, entering, in contact,
-//! leaving, with samples that come late, that are refused and with the longest delay that is looked
-//! through. Exits with 1 if a tick needs more than `MOST`.
+//! The stack below the caller is painted before each tick; the lowest changed byte gives the depth. Ticks are those of
+//! the paper's Fig. 2 loop: free, entering, in contact, leaving, with late samples, rejected samples and the longest
+//! supported delay. Exits with 1 if a tick needs more than `MOST`.
 
 use std::hint::black_box;
 use std::process::ExitCode;
@@ -19,17 +18,17 @@ use palpate::{
     LARGEST_DELAY, LoopParams, MethodParams, ObjectState, Phase, Renderer, Sample, Scalar,
 };
 
-/// Most stack that a tick may need [bytes].
+/// Largest allowed stack of a tick [bytes].
 const MOST: usize = 4096;
-/// Depth that is painted [bytes], far more than a tick needs.
+/// Painted depth [bytes], far more than a tick needs.
 const PAINTED: usize = 64 * 1024;
-/// What lies between a caller's own frame and the paint [bytes]: the frame of the painter.
+/// Distance between a caller's own frame and the paint [bytes]: the frame of the painter.
 const MARGIN: usize = 256;
 /// Stack of the measuring thread [bytes].
 const THREAD: usize = 1 << 20;
 const COLOUR: u8 = 0xA5;
 
-/// Depth of the stack that `call` uses below its caller [bytes], or [`MARGIN`] if it is less.
+/// Returns the stack depth of `call` below its caller [bytes], at least [`MARGIN`].
 #[inline(never)]
 fn depth(call: &mut dyn FnMut()) -> usize {
     let here = black_box(0_u8);
@@ -39,18 +38,18 @@ fn depth(call: &mut dyn FnMut()) -> usize {
     base - lowest(base)
 }
 
-/// Paints what lies below `base`.
+/// Paints the stack below `base`.
 #[inline(never)]
 fn paint(base: usize) {
     for address in base - PAINTED..base - MARGIN {
         let byte = std::ptr::with_exposed_provenance_mut::<u8>(address);
-        // SAFETY: inside the stack of this thread, which is THREAD long and hardly used, and below
-        // every frame that is alive: that of this function is smaller than MARGIN.
+        // SAFETY: inside the stack of this thread, which has THREAD bytes and is almost unused, and below every live
+        // frame: the frame of this function is smaller than MARGIN.
         unsafe { byte.write_volatile(COLOUR) };
     }
 }
 
-/// The lowest address below `base` that is not painted any more.
+/// Returns the lowest address below `base` whose paint has changed.
 #[inline(never)]
 fn lowest(base: usize) -> usize {
     (base - PAINTED..base - MARGIN)
@@ -62,20 +61,20 @@ fn lowest(base: usize) -> usize {
         .unwrap_or(base - MARGIN)
 }
 
-/// What a renderer needs [bytes].
+/// Memory of a renderer [bytes].
 #[derive(Default)]
 struct Needs {
     step: usize,
     report: usize,
     state: usize,
     renderer: usize,
-    /// Whether it was seen free, in contact, entering and leaving, so that nothing is left out.
+    /// Whether free, contact, entering and leaving ticks occurred, so that the measurement is complete.
     seen: [bool; 4],
-    /// Whether the method foresees entering and leaving.
+    /// Whether the method predicts entering and leaving.
     foresees: bool,
 }
 
-/// A closed loop with a light device, and what its ticks need.
+/// Runs a closed loop with a light device, and measures the memory of its ticks.
 fn measured<S: Scalar, P: MethodParams<S> + Copy>(params: P, delay: f64, needs: &mut Needs) {
     let of = S::from_f64;
     let loop_params = LoopParams {

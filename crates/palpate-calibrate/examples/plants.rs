@@ -1,4 +1,5 @@
-//! The table of `docs/calibration.md`: random virtual devices, calibrated, against what was put in.
+//! Generates the table of `docs/calibration.md`: calibration results of random virtual devices against their true
+//! parameters.
 //!
 //! `cargo run --release -p palpate-calibrate --example plants [-- COUNT [ROW]]`
 

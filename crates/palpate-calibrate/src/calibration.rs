@@ -1,22 +1,22 @@
-//! What is known of a loop, each value with its standard deviation and how it was found.
+//! Known parameters of a loop, each with its standard deviation and origin.
 
 use std::collections::BTreeMap;
 
 use crate::quantity::Quantity;
 
-/// A value, how well it is known, and from what.
+/// A value with its uncertainty and origin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Known {
     /// The value, in the unit of the quantity's key.
     pub value: f64,
-    /// Standard deviation in the same unit; none where nobody said it.
+    /// Standard deviation in the same unit; `None` if unknown.
     pub standard_deviation: Option<f64>,
-    /// How it was found, in plain words; none where nobody said it.
+    /// Origin of the value, in plain words; `None` if unknown.
     pub found_by: Option<String>,
 }
 
 impl Known {
-    /// A value that was found with a standard deviation, rounded to a hundredth of it.
+    /// Creates a measured value, rounded to a hundredth of its standard deviation.
     pub fn found(value: f64, standard_deviation: f64, by: impl Into<String>) -> Self {
         let step = if standard_deviation > 0.0 && standard_deviation.is_finite() {
             10f64.powi(power_of_ten(standard_deviation) - 2)
@@ -30,7 +30,7 @@ impl Known {
         }
     }
 
-    /// A value that was given, and not found.
+    /// Creates a value that was given, not measured.
     pub fn given(value: f64, by: impl Into<String>) -> Self {
         Self {
             value,
@@ -48,7 +48,7 @@ fn power_of_ten(value: f64) -> i32 {
     value.log10().floor() as i32
 }
 
-/// `value` to the next multiple of `step`, a power of ten, written with no digit beyond it.
+/// Rounds `value` to the nearest multiple of `step`, a power of ten, without digits beyond it.
 fn rounded(value: f64, step: f64) -> f64 {
     if step == 0.0 {
         return value;
@@ -62,45 +62,45 @@ fn rounded(value: f64, step: f64) -> f64 {
     }
 }
 
-/// What is known of a loop along one axis. What is not in it is not known.
+/// Known parameters of a loop along one axis. A missing quantity is unknown.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Calibration {
     /// Values by quantity.
     pub known: BTreeMap<Quantity, Known>,
-    /// The axis along which it was found, in the words of the device.
+    /// The axis along which the values were measured, in the words of the device.
     pub axis: Option<String>,
-    /// When it was found.
+    /// Date of the measurement.
     pub date: Option<String>,
-    /// What found it: a command, or a person.
+    /// Source of the values: a command or a person.
     pub command: Option<String>,
 }
 
 impl Calibration {
-    /// The value of a quantity, in the unit of its key, if it is known.
+    /// Returns the value of a quantity, in the unit of its key, or `None` if it is unknown.
     #[must_use]
     pub fn value(&self, quantity: Quantity) -> Option<f64> {
         self.known.get(&quantity).map(|known| known.value)
     }
 
-    /// The standard deviation of a quantity, in the unit of its key, if it is known.
+    /// Returns the standard deviation of a quantity, in the unit of its key, or `None` if it is unknown.
     #[must_use]
     pub fn standard_deviation(&self, quantity: Quantity) -> Option<f64> {
         self.known.get(&quantity)?.standard_deviation
     }
 
-    /// Delay and lag together `[s]`: their own value, or the sum of the two where both are known.
+    /// Returns the sum of delay and lag `[s]`: the measured sum, or the sum of both values if both are known.
     #[must_use]
     pub fn delay_plus_lag(&self) -> Option<f64> {
         self.value(Quantity::DelayPlusLag)
             .or_else(|| Some(self.value(Quantity::Delay)? + self.value(Quantity::Lag)?))
     }
 
-    /// Says what is known of a quantity.
+    /// Sets the value of a quantity.
     pub fn set(&mut self, quantity: Quantity, known: Known) {
         self.known.insert(quantity, known);
     }
 
-    /// The same, with the values that somebody states in place of what was found.
+    /// Returns a copy in which the stated values replace the measured ones.
     #[must_use]
     pub fn stating(mut self, stated: impl IntoIterator<Item = (Quantity, Option<f64>)>) -> Self {
         for (quantity, value) in stated {

@@ -1,18 +1,18 @@
-//! Cogging: a force of the motor that goes with the position, of a pitch that nobody says.
+//! Cogging: a motor force that is periodic in position, of unknown pitch.
 
 use std::f64::consts::TAU;
 
 use crate::filter::{self, Samples, Steady};
 use crate::model::{Kind, LENGTH, Sampled};
 
-/// Pitches that are looked for `[m]`.
+/// Range of the searched pitches `[m]`.
 const PITCHES: [f64; 2] = [1e-3, 12e-3];
 /// Ratio from one pitch to the next.
 const RATIO: f64 = 1.04;
-/// Logarithms of likelihood that cogging has to win.
+/// Gain in log-likelihood that cogging requires.
 const PRICE: f64 = 20.0;
 
-/// Cosine and sine of the phase of cogging of a pitch `[m]`, in the middle of each period.
+/// Returns cosine and sine of the cogging phase for a pitch `[m]`, at the middle of each period.
 pub fn phases(samples: &Samples, pitch: f64) -> Vec<[f64; 2]> {
     let x = &samples.positions;
     (0..x.len())
@@ -24,8 +24,8 @@ pub fn phases(samples: &Samples, pitch: f64) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// The pitch `[m]` that explains most of the innovations of `model` without cogging; none where that is
-/// not worth its parameters.
+/// Returns the pitch `[m]` that explains most of the innovations of `model` without cogging. Returns `None` if the gain
+/// in likelihood does not justify the additional parameters.
 pub fn pitch(
     kind: Kind,
     model: &Sampled,
@@ -40,7 +40,7 @@ pub fn pitch(
     let innovations = filter::innovations(kind, &without, steady, samples);
     let left = &innovations[counted.clone()];
     let whole: f64 = left.iter().map(|e| e * e).sum();
-    // What a force of a shape adds to the innovations, all else at rest.
+    // Response of the innovations to a force of this shape, from rest.
     let response = |shape: Vec<f64>| {
         let alone = Sampled {
             friction: -1.0,

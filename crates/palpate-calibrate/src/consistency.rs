@@ -1,4 +1,4 @@
-//! Checks of a fit against what its model leaves out: an amplifier that saturates, a delay that changes.
+//! Consistency checks for effects outside the model: amplifier saturation and a changing delay.
 
 use crate::fit::{Fit, Problem};
 use crate::measure::Declined;
@@ -9,13 +9,13 @@ const LEVELS: std::ops::Range<i32> = 5..20;
 const OF_LEVELS: f64 = 20.0;
 /// Gain of log-likelihood that saturation needs; there are fifteen candidate levels.
 const SATURATION_MARGIN: f64 = 15.0;
-/// Standard deviations by which two halves may differ.
+/// Standard deviations by which the two halves may differ.
 const HALVES: f64 = 4.0;
 
-/// The commanded force from which on the amplifier gives no more `[N]`, if the soft begin and end of the excitation say so.
+/// Returns the commanded force above which the amplifier saturates `[N]`, if the ramps of the excitation show it.
 ///
-/// A command of constant magnitude moves a clipped device as it moves a heavier one, so only the ramps tell the two apart: clipped,
-/// they move it more than the plateau lets expect.
+/// A clipped device responds to a command of constant magnitude like a heavier device, so only the ramps distinguish
+/// them: there a clipped device moves more than the plateau predicts.
 pub fn saturation(problem: &Problem) -> Option<f64> {
     let largest = problem.largest_command();
     let cost = problem.cost_of(f64::INFINITY, 0.0)?;
@@ -28,13 +28,13 @@ pub fn saturation(problem: &Problem) -> Option<f64> {
     (cost - least > SATURATION_MARGIN).then_some(level)
 }
 
-/// Widens the deviations of delay and mass by the difference between the halves of the motion.
+/// Widens the standard deviations of delay and mass by the difference between the halves of the motion.
 ///
 /// # Errors
-/// The delay of one half differs from that of the other by more than `most_delay` `[periods]`.
+/// The delays of the two halves differ by more than `most_delay` `[periods]`.
 pub fn halves(fit: &mut Fit, problem: &Problem, most_delay: f64) -> Result<(), Declined> {
     let [Some(first), Some(second)] = problem.halves().map(Problem::refitted) else {
-        // A half of a short motion may say too little for a fit; the whole has been checked.
+        // Half of a short motion may not determine a fit. The whole motion has been checked.
         return Ok(());
     };
     for parameter in [at::DELAY_PLUS_LAG, at::LN_MOBILITY] {
@@ -53,7 +53,8 @@ pub fn halves(fit: &mut Fit, problem: &Problem, most_delay: f64) -> Result<(), D
     Ok(())
 }
 
-/// Widens the deviations of delay and mass by what `other`, a fit of another model that is nearly as good, has otherwise.
+/// Widens the standard deviations of delay and mass by their difference from `other`, a fit of another model with
+/// nearly the same likelihood.
 pub fn widen_by(fit: &mut Fit, other: &Fit) {
     for parameter in [at::DELAY_PLUS_LAG, at::LN_MOBILITY] {
         let difference = fit.point[parameter] - other.point[parameter];

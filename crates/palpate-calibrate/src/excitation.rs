@@ -1,32 +1,33 @@
 //! The force that moves the device: `+A` or `-A`, held for random times, steered to stay in a box.
 //!
-//! Each period the device's speed says where it would come to rest, if the force braked it. The further
-//! that is from the middle, the less likely a hold pushes further out; a hold that would leave the box
-//! ends early. The force begins and ends softly, and the first and last part have none.
+//! In each period the speed of the device predicts where it would come to rest under full braking. The further that
+//! point is from the middle, the less likely the next hold pushes outwards. A hold that would leave the box ends early.
+//! The force ramps up and down, and the first and last part have no force.
 
 use std::collections::VecDeque;
 use std::fmt;
 
-/// Shortest and longest hold `[s]`, and what the period adds to each `[periods]`: sines below the sensor's steps say little, long holds excite cogging.
+/// Shortest and longest hold `[s]`, and the increment per period `[periods]`. Motion below the sensor's steps carries
+/// little information; long holds excite cogging.
 const HOLD: [f64; 2] = [0.005, 0.015];
 const HOLD_PERIODS: [f64; 2] = [0.5, 2.0];
-/// Time without force at the beginning, in which the hand is watched `[s]`.
+/// Time without force at the beginning, for measuring the tremor of the hand `[s]`.
 const LISTEN: f64 = 0.5;
-/// Time over which the force comes in, and goes out `[s]`.
+/// Duration of the force ramps at the beginning and at the end `[s]`.
 const RAMP: f64 = 0.3;
 /// Time without force at the end `[s]`.
 const REST: f64 = 0.1;
-/// Time constant of the velocity that steers `[s]`.
+/// Time constant of the velocity estimate used for steering `[s]`.
 const STEERING: f64 = 0.004;
-/// Heaviest device that braking is foreseen for `[kg]`.
+/// Largest device mass for which braking is designed `[kg]`.
 const HEAVIEST: f64 = 0.5;
-/// Lightest device that braking at the end is stable for `[kg]`.
+/// Smallest device mass for which braking at the end is stable `[kg]`.
 const LIGHTEST: f64 = 0.08;
-/// Part of the box in which the device is steered; the rest is for what steering does not foresee.
+/// Fraction of the box in which the device is steered; the rest is a margin.
 const STEERED: f64 = 0.6;
-/// Speed that no device reaches under these forces `[m/s]`.
+/// Upper bound of a device's speed under these forces `[m/s]`.
 const LARGEST_SPEED: f64 = 1.0;
-/// Time over which that speed is taken `[s]`: a sensor's step within one period is no speed.
+/// Time over which the speed is averaged `[s]`: a sensor step within one period does not count as a speed.
 const SPEED_OVER: f64 = 0.01;
 
 /// Shortest calibration `[s]`.
@@ -36,16 +37,16 @@ pub const LONGEST: f64 = 120.0;
 /// Shortest and longest period `[s]`.
 pub const PERIODS: [f64; 2] = [0.000_1, 0.02];
 
-/// What an excitation may do.
+/// Parameters of an excitation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExcitationParams {
     /// Period of the loop `[s]`.
     pub period: f64,
     /// Largest force on the device `[N]`.
     pub largest_force: f64,
-    /// How long it takes, with the parts that have no force `[s]`.
+    /// Duration, including the parts without force `[s]`.
     pub duration: f64,
-    /// How far the device may go from where it starts `[m]`; beyond, the excitation stops.
+    /// Largest distance from the start position `[m]`; beyond it the excitation stops.
     pub excursion: f64,
     /// Largest tremor of the hand, root mean square, before the excitation starts `[m]`.
     pub tremor: f64,
@@ -54,7 +55,7 @@ pub struct ExcitationParams {
 }
 
 impl ExcitationParams {
-    /// The usual ones: 0.5 N for 8 s, within 10 mm, tremor up to 1 mm.
+    /// Returns the default parameters: 0.5 N for 8 s, within 10 mm, tremor up to 1 mm.
     #[must_use]
     pub fn new(period: f64) -> Self {
         Self {
@@ -67,10 +68,10 @@ impl ExcitationParams {
         }
     }
 
-    /// Whether an excitation can be made of them.
+    /// Checks the ranges of all parameters.
     ///
     /// # Errors
-    /// A value that is out of its range.
+    /// A value is out of range.
     pub fn check(&self) -> Result<(), ExcitationError> {
         let [shortest, longest] = PERIODS;
         let ranges = [
@@ -95,54 +96,54 @@ impl ExcitationParams {
     }
 }
 
-/// A parameter of an excitation that is out of its range.
+/// Excitation parameter that is out of range.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("{name} is {value} {unit}, but must be {least} to {most} {unit}")]
 #[non_exhaustive]
 pub struct ExcitationError {
-    /// What it is.
+    /// Name of the parameter.
     pub name: &'static str,
     /// Its value.
     pub value: f64,
-    /// The least that is allowed.
+    /// Smallest allowed value.
     pub least: f64,
-    /// The most that is allowed.
+    /// Largest allowed value.
     pub most: f64,
     /// The unit.
     pub unit: &'static str,
 }
 
-/// Why an excitation stopped before its end.
+/// Reason why an excitation stopped early.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stop {
     /// A position was not a finite number.
     NotANumber,
-    /// The device went further than it may.
+    /// The device left its box.
     Excursion {
-        /// How far it went from where it started `[m]`.
+        /// Distance from the start position `[m]`.
         reached: f64,
-        /// How far it may go `[m]`.
+        /// Allowed distance `[m]`.
         allowed: f64,
     },
-    /// The hand trembled more than it may before the excitation started.
+    /// The tremor of the hand before the excitation exceeded its limit.
     Tremor {
-        /// Root mean square of the motion without force, without its mean and drift `[m]`.
+        /// Root mean square of the motion without force, after removing mean and drift `[m]`.
         found: f64,
-        /// The most that is allowed `[m]`.
+        /// Allowed value `[m]`.
         allowed: f64,
     },
     /// The position did not change under forces that move any device.
     NoAnswer {
-        /// For how long `[s]`.
+        /// Duration `[s]`.
         time: f64,
         /// Largest force in that time `[N]`.
         force: f64,
     },
-    /// The device was faster than any under these forces: a sensor that jumps, or a hand that pulls.
+    /// The speed exceeded the bound of any device under these forces: the sensor jumps, or the hand pulls.
     Speed {
         /// The speed `[m/s]`.
         found: f64,
-        /// The most that is allowed `[m/s]`.
+        /// Allowed speed `[m/s]`.
         allowed: f64,
     },
 }
@@ -180,18 +181,18 @@ impl fmt::Display for Stop {
     }
 }
 
-/// Where an excitation is.
+/// Phase of an excitation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Phase {
-    /// It goes on.
+    /// The excitation is running.
     Running,
     /// It is complete; the force is 0.
     Done,
-    /// It stopped before its end; the force is 0.
+    /// The excitation stopped early; the force is 0.
     Stopped(Stop),
 }
 
-/// An excitation: positions in, forces out.
+/// An excitation, with positions as input and forces as output.
 #[derive(Clone, Debug)]
 pub struct Excitation {
     params: ExcitationParams,
@@ -199,7 +200,7 @@ pub struct Excitation {
     phase: Phase,
     /// Samples taken.
     count: usize,
-    /// Samples of the whole.
+    /// Samples of the whole excitation.
     length: usize,
     start: f64,
     last: f64,
@@ -211,17 +212,17 @@ pub struct Excitation {
     recent: VecDeque<f64>,
     listened: Listened,
     answer: Answer,
-    /// Whether there was a sample.
+    /// Whether a sample has arrived.
     is_begun: bool,
-    /// Whether the tremor has been judged.
+    /// Whether the tremor has been checked.
     is_heard: bool,
 }
 
 impl Excitation {
-    /// An excitation that has not begun.
+    /// Creates an excitation in its initial state.
     ///
     /// # Errors
-    /// A parameter out of its range.
+    /// A parameter is out of range.
     pub fn new(params: ExcitationParams) -> Result<Self, ExcitationError> {
         params.check()?;
         Ok(Self {
@@ -243,32 +244,32 @@ impl Excitation {
         })
     }
 
-    /// What it was made with.
+    /// Returns the parameters of this excitation.
     #[must_use]
     pub fn params(&self) -> &ExcitationParams {
         &self.params
     }
 
-    /// Samples of the whole excitation; the answer to the last one is 0.
+    /// Returns the number of samples of the whole excitation; the force for the last one is 0.
     #[must_use]
     pub fn length(&self) -> usize {
         self.length
     }
 
-    /// Where it is.
+    /// Returns the current phase.
     #[must_use]
     pub fn phase(&self) -> Phase {
         self.phase
     }
 
-    /// The samples at which there is a force.
+    /// Returns the range of samples with a force.
     #[must_use]
     pub fn excited(&self) -> std::ops::Range<usize> {
         let period = self.params.period;
         samples(LISTEN, period)..self.length - samples(REST, period)
     }
 
-    /// The force on the device `[N]` from the sample of `position` `[m]` until the next one.
+    /// Returns the force on the device `[N]` from the sample of `position` `[m]` until the next one.
     pub fn next(&mut self, position: f64) -> f64 {
         if self.phase != Phase::Running {
             return 0.0;
@@ -288,13 +289,13 @@ impl Excitation {
         } else {
             self.braking()
         };
-        // Not -0 while there is no force.
+        // Adding 0.0 normalises -0.0, which occurs while there is no force.
         let force = part * self.amplitude(index) + 0.0;
         self.answer.push(&self.params, force);
         force
     }
 
-    /// Goes on over a period without a sample, in which the device keeps the last force.
+    /// Advances by a period without a sample, in which the device holds the last force.
     pub fn miss(&mut self) {
         if self.phase == Phase::Running {
             self.count += 1;
@@ -305,7 +306,7 @@ impl Excitation {
         }
     }
 
-    /// Takes a position in; why the excitation stops, if it does.
+    /// Processes a position. Returns a reason to stop, if there is one.
     fn take(&mut self, position: f64) -> Option<Stop> {
         let ExcitationParams {
             period,
@@ -365,7 +366,7 @@ impl Excitation {
         None
     }
 
-    /// Part of the largest force, times the force.
+    /// Magnitude of the force at a sample: the largest force times the ramp.
     fn amplitude(&self, index: usize) -> f64 {
         let excited = self.excited();
         if !excited.contains(&index) {
@@ -377,8 +378,7 @@ impl Excitation {
         self.params.largest_force * from_start.min(to_end).min(1.0)
     }
 
-    /// The force that brings the device to rest, over the largest: a damper that delays do not make
-    /// unstable.
+    /// Returns the normalised braking force: a damper that delays do not destabilise.
     fn braking(&self) -> f64 {
         let ExcitationParams {
             period,
@@ -389,7 +389,7 @@ impl Excitation {
         (-self.velocity / full).clamp(-1.0, 1.0)
     }
 
-    /// The sign of the force at a `position` from the start `[m]`.
+    /// Returns the sign of the force at a `position` relative to the start `[m]`.
     fn held(&mut self, position: f64) -> f64 {
         let ExcitationParams {
             period,
@@ -415,17 +415,17 @@ impl Excitation {
     }
 }
 
-/// Whether the position answers the force.
+/// Detector for a position that does not respond to the force.
 ///
-/// The least motion of a working device is that of the heaviest one under the largest friction. A sensor whose positions stay
-/// within what they had without any force, while that device would have gone far, is dead.
+/// The smallest motion of a working device is that of the heaviest device under the largest friction. If the positions
+/// stay within the force-free range while that device would have moved far, the sensor is dead.
 #[derive(Clone, Copy, Debug, Default)]
 struct Answer {
     /// Range of the positions without force `[m]`.
     still: Option<[f64; 2]>,
-    /// Range since the last answer `[m]`.
+    /// Range since the last response `[m]`.
     seen: Option<[f64; 2]>,
-    /// Way of the heaviest device since then `[m]`.
+    /// Path of the heaviest device since then `[m]`.
     expected: f64,
     /// Time since then `[s]`.
     time: f64,
@@ -433,12 +433,12 @@ struct Answer {
     force: f64,
 }
 
-/// Way of the heaviest device without an answer `[m]`: twenty times the coarsest sensor's step.
+/// Path of the heaviest device without a response `[m]`: twenty times the step of the coarsest sensor.
 const LONGEST_WAY: f64 = 2e-3;
-/// Coulomb friction over the largest force, at most: calibration declines with more.
+/// Largest ratio of Coulomb friction to the largest force: calibration declines above it.
 const MOST_FRICTION: f64 = 0.6;
-/// Range without force up to which positions are those of a sensor's noise `[m]`; a larger one is that of a hand, which an answer
-/// need not exceed.
+/// Largest force-free range that counts as sensor noise `[m]`. A larger range comes from the hand, and the response
+/// need not exceed it.
 const STILL: f64 = 5e-5;
 
 impl Answer {
@@ -446,7 +446,7 @@ impl Answer {
         widen(&mut self.still, position);
     }
 
-    /// Takes a position under force in; why the excitation stops, if it does.
+    /// Processes a position under force. Returns a reason to stop, if there is one.
     fn take(&mut self, position: f64) -> Option<Stop> {
         widen(&mut self.seen, position);
         let range = |range: Option<[f64; 2]>| range.map_or(0.0, |[low, high]| high - low);
@@ -464,7 +464,7 @@ impl Answer {
         })
     }
 
-    /// A force was commanded for a period.
+    /// Records the force commanded for a period.
     fn push(&mut self, params: &ExcitationParams, force: f64) {
         let ExcitationParams {
             period,
@@ -486,7 +486,7 @@ fn widen(range: &mut Option<[f64; 2]>, position: f64) {
     *range = Some([low.min(position), high.max(position)]);
 }
 
-/// The line through positions over time, and how far they are from it.
+/// Line fit of positions over time, with the residual.
 #[derive(Clone, Copy, Debug, Default)]
 struct Listened {
     count: f64,
@@ -507,7 +507,7 @@ impl Listened {
         self.xx += x * x;
     }
 
-    /// Root mean square of the distance from the line.
+    /// Returns the root mean square distance from the line.
     fn deviation(&self) -> f64 {
         let n = self.count;
         let tt = self.tt - self.t * self.t / n;

@@ -9,13 +9,13 @@ use toml::de::{DeTable, DeValue};
 use crate::calibration::{Calibration, Known};
 use crate::quantity::Quantity;
 
-/// The version of calibrations that this crate reads and writes.
+/// Format version of calibrations that this crate reads and writes.
 const FORMAT: i64 = 1;
 const FORMAT_KEY: &str = "calibration_format";
 const DEVIATIONS: &str = "standard_deviation";
 const FOUND_BY: &str = "found_by";
 
-/// A fault in a calibrated device file, with its place.
+/// Error in a calibrated device file, with its position.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{file}:{line}:{column}: {message}")]
 #[non_exhaustive]
@@ -26,23 +26,23 @@ pub struct CalibrationError {
     pub line: usize,
     /// Column in characters, from 1.
     pub column: usize,
-    /// Bytes of the file that are at fault.
+    /// Byte range of the error.
     pub span: Range<usize>,
-    /// What is wrong, and what is allowed.
+    /// Description of the error and the allowed values.
     pub message: String,
-    /// The whole text, to show the place in.
+    /// The whole text, for showing the context.
     pub source_text: String,
 }
 
-/// Bytes at fault and what is wrong.
+/// Byte range and description of an error.
 type Fault = (Range<usize>, String);
 
 impl Calibration {
-    /// Reads the text of a device file called `name`.
+    /// Parses the text of a device file called `name`.
     ///
     /// # Errors
-    /// The first fault with its line and column: no TOML, another format, an unknown key, a value out of
-    /// range, a deviation or an origin of a value that the file does not have.
+    /// Returns the first error with its line and column: invalid TOML, another format version, an unknown key, a value
+    /// out of range, or a deviation or origin of a value that the file does not have.
     pub fn parse(name: &str, source: &str) -> Result<Self, CalibrationError> {
         read(source).map_err(|(span, message)| {
             let before = &source[..span.start.min(source.len())];
@@ -110,7 +110,7 @@ fn read(source: &str) -> Result<Calibration, Fault> {
     Ok(calibration)
 }
 
-/// A file of another version may have keys that this one does not know, so the version comes first.
+/// Checks the format version first, because a file of another version may have unknown keys.
 fn check_format(table: &DeTable<'_>) -> Result<(), Fault> {
     let Some(value) = table.get(FORMAT_KEY) else {
         let message = format!(
@@ -237,7 +237,7 @@ fn write_table(
     Ok(())
 }
 
-/// The fewest digits that read back to the same bits; a float of TOML has a point or an exponent.
+/// Formats with the fewest digits that read back to the same bits; a TOML float has a point or an exponent.
 fn decimal(value: f64) -> String {
     format!("{value:?}")
 }

@@ -4,24 +4,24 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::model::{Kind, LENGTH, Sampled};
 
-/// Doublings until the covariance no longer changes; each doubles the time that has passed.
+/// Maximum number of doublings until the covariance converges; each one doubles the elapsed time.
 const MOST_DOUBLINGS: usize = 40;
 
-/// What the filter runs on.
+/// Input of the filter.
 #[derive(Clone, Debug)]
 pub struct Samples {
-    /// Positions from the first one on `[LENGTH]`.
+    /// Positions relative to the first one `[LENGTH]`.
     pub positions: Vec<f64>,
-    /// The command that was given at each sample `[N]`.
+    /// Command at each sample `[N]`.
     pub commands: Vec<f64>,
     /// Mean sign of the velocity over the period that follows each sample.
     pub signs: Vec<f64>,
-    /// Cosine and sine of the cogging's phase in the middle of that period.
+    /// Cosine and sine of the cogging phase at the middle of that period.
     pub phases: Vec<[f64; 2]>,
 }
 
 impl Samples {
-    /// Samples of positions `[m]` and commands `[N]`.
+    /// Creates samples from positions `[m]` and commands `[N]`.
     pub fn new(positions: &[f64], commands: &[f64]) -> Self {
         Self {
             positions: positions
@@ -35,17 +35,17 @@ impl Samples {
     }
 }
 
-/// The filter of a model in its steady state.
+/// Steady-state filter of a model.
 #[derive(Clone, Debug)]
 pub struct Steady {
     /// Covariance before a sample, over the variance of the sensor.
     before: DMatrix<f64>,
-    /// What an innovation changes.
+    /// Gain of the innovation for each state.
     gain: DVector<f64>,
 }
 
-/// The steady covariance by the doubling algorithm (Anderson and Moore, *Optimal Filtering*, section
-/// 6.7); none where it does not settle.
+/// Computes the steady-state covariance by the doubling algorithm (Anderson and Moore, *Optimal Filtering*, section
+/// 6.7). Returns `None` if it does not converge.
 pub fn steady(model: &Sampled) -> Option<Steady> {
     let n = model.transition.nrows();
     let identity = DMatrix::<f64>::identity(n, n);
@@ -74,7 +74,7 @@ pub fn steady(model: &Sampled) -> Option<Steady> {
     Some(Steady { before, gain })
 }
 
-/// Innovations `[LENGTH]` of all samples; the filter starts at rest at the first position.
+/// Computes the innovations `[LENGTH]` of all samples; the filter starts at rest at the first position.
 pub fn innovations(kind: Kind, model: &Sampled, gain: &Steady, samples: &Samples) -> Vec<f64> {
     let mut found = Vec::with_capacity(samples.positions.len());
     let take = |innovation: f64, _: &[f64]| found.push(innovation);
@@ -85,14 +85,14 @@ pub fn innovations(kind: Kind, model: &Sampled, gain: &Steady, samples: &Samples
     found
 }
 
-/// Runs the filter; `take` gets each innovation and the state before it is corrected.
+/// Runs the filter; `take` receives each innovation and the state before its correction.
 fn pass<const N: usize>(
     model: &Sampled,
     steady: &Steady,
     samples: &Samples,
     mut take: impl FnMut(f64, &[f64]),
 ) {
-    // By columns: the sum over them has no chain of additions within a row.
+    // Column order: the sum over columns has no dependent chain of additions within a row.
     let columns: [[f64; N]; N] =
         std::array::from_fn(|j| std::array::from_fn(|i| model.transition[(i, j)]));
     let new: [f64; N] = std::array::from_fn(|i| model.new_command[i]);
@@ -127,16 +127,16 @@ fn pass<const N: usize>(
     }
 }
 
-/// A smoothed velocity and what is known of it.
+/// Smoothed velocity with its uncertainty.
 pub struct Velocity {
     /// Velocity at each sample `[LENGTH / period]`.
     pub values: Vec<f64>,
-    /// Its standard deviation where the sensor's is `1` `[periods^-1]`.
+    /// Standard deviation for a sensor deviation of `1` `[periods^-1]`.
     pub deviation: f64,
 }
 
-/// The velocity from all samples, by the steady fixed-interval smoother (Bierman, *Fixed interval smoothing
-/// with discrete measurements*, 1973): it inverts no covariance.
+/// Computes the velocity from all samples by the steady fixed-interval smoother (Bierman, *Fixed interval smoothing
+/// with discrete measurements*, 1973), which inverts no covariance.
 pub fn smoothed_velocity(
     kind: Kind,
     model: &Sampled,
@@ -158,14 +158,14 @@ fn smooth<const N: usize>(model: &Sampled, steady: &Steady, samples: &Samples) -
     });
     let before = &steady.before;
     let variance = steady.innovation_variance();
-    // From a state before one sample to that before the next one.
+    // Transition from the state before one sample to the state before the next one.
     let mut corrected = DMatrix::<f64>::identity(N, N);
     let mut first = corrected.column_mut(0);
     first -= &steady.gain;
     let over = &model.transition * corrected;
     let rows: [[f64; N]; N] = std::array::from_fn(|j| std::array::from_fn(|i| over[(j, i)]));
     let of_velocity: [f64; N] = std::array::from_fn(|i| before[(1, i)]);
-    // What the samples from here on say of the state.
+    // Information about the state from this sample and all later ones.
     let mut later = [0.0; N];
     for (velocity, innovation) in velocities.iter_mut().zip(&innovations).rev() {
         let mut here = [0.0; N];
@@ -199,7 +199,7 @@ fn smooth<const N: usize>(model: &Sampled, steady: &Steady, samples: &Samples) -
 }
 
 impl Steady {
-    /// Variance of an innovation over that of the sensor.
+    /// Returns the variance of an innovation over that of the sensor.
     pub fn innovation_variance(&self) -> f64 {
         self.before[(0, 0)] + 1.0
     }

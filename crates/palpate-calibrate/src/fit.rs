@@ -1,8 +1,8 @@
 //! The fit: the likelihood of the Kalman filter's innovations, as nonlinear least squares.
 //!
-//! In the steady state the variance of the innovations is the same at every sample, so the largest
-//! likelihood is the least sum of their squares, over the parameters of the device and over the levels of
-//! the noise alike: only their ratios change the innovations. Weak priors keep what the data do not say.
+//! In the steady state the variance of the innovations is the same at every sample, so the maximum likelihood is the
+//! minimum of their sum of squares, over the device parameters as well as the noise levels: only the ratios of noise
+//! levels change the innovations. Weak priors determine parameters without information in the data.
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
@@ -12,31 +12,31 @@ use crate::cogging;
 use crate::filter::{self, Samples};
 use crate::model::{self, FLEXIBLE, Kind, LENGTH, Point, at};
 
-/// Rounds of fit and signs of the velocity.
+/// Rounds of fit and velocity signs.
 const ROUNDS: usize = 4;
-/// Time over which the scores are taken as correlated `[s]`.
+/// Correlation time of the scores `[s]`.
 const CORRELATED: f64 = 0.03;
-/// Damping `[1/s]` and stiffness `[1/s^2]` over mass where the search begins.
+/// Initial values of damping `[1/s]` and stiffness `[1/s^2]` over mass.
 const FIRST_DAMPING: f64 = 5.0;
 const FIRST_STIFFNESS: f64 = 100.0;
-/// What the deviations are wider than the fit says, and what the model leaves out of delay `[periods]` and
-/// of ln mass: cogging, friction that holds. Chosen on virtual devices, so that two deviations cover the
-/// error in 85 of 100 or more (`examples/plants.rs`).
+/// Factor on the deviations of the fit, and model errors of delay `[periods]` and of ln mass from cogging and static
+/// friction. Chosen on virtual devices so that two deviations cover the error in at least 85 of 100
+/// (`examples/plants.rs`).
 const WIDER: f64 = 1.25;
 const DELAY_MODEL: f64 = 0.002;
 const DELAY_MODEL_PERIOD: f64 = 0.004;
 const MASS_MODEL: f64 = 0.003;
-/// Longest lag that is looked for `[s]`.
+/// Longest lag in the search `[s]`.
 const MOST_LAG: f64 = 0.006;
-/// Deviations from the centre of what is likely up to which a lag counts as normally distributed. Beyond, motors are
-/// rare, but they exist: there an unlikely lag costs the logarithm of the distance only.
+/// Deviations from the prior mean up to which the prior of a lag is normal. Motors beyond it are rare but exist, so
+/// from there the cost grows only with the logarithm of the distance.
 const NORMAL_LAG: f64 = 3.0;
-/// Where in a period the sign of the velocity is looked at.
+/// Fractions of a period at which the sign of the velocity is evaluated.
 const PARTS: [f64; 8] = [
     0.0625, 0.1875, 0.3125, 0.4375, 0.5625, 0.6875, 0.8125, 0.9375,
 ];
 
-/// What the fit looks at.
+/// The least-squares problem of the fit.
 #[derive(Clone, Debug)]
 pub struct Problem {
     kind: Kind,
@@ -44,7 +44,7 @@ pub struct Problem {
     period: f64,
     /// Samples whose innovations count.
     counted: std::ops::Range<usize>,
-    /// Centre and standard deviation of what is taken as likely.
+    /// Mean and standard deviation of the priors.
     prior: [(f64, f64); FLEXIBLE],
     bounds: [(f64, f64); FLEXIBLE],
     point: Point,
@@ -55,7 +55,7 @@ pub struct Problem {
 /// A fit.
 #[derive(Clone, Debug)]
 pub struct Fit {
-    /// Whether it has a flexible transmission.
+    /// Whether the device has a flexible transmission.
     pub kind: Kind,
     /// The parameters.
     pub point: Point,
@@ -65,28 +65,28 @@ pub struct Fit {
     pub innovation: f64,
     /// Standard deviation of the sensor's error `[m]`.
     pub sensor_noise: f64,
-    /// Number of innovations that were counted.
+    /// Number of counted innovations.
     pub count: usize,
-    /// Positions as the filter foresaw them, from the first sample on `[m]`.
+    /// Positions predicted by the filter, from the first sample on `[m]`.
     pub foreseen: Vec<f64>,
     /// The problem at its solution.
     pub solved: Problem,
 }
 
 impl Fit {
-    /// Whether the lag is the longest that is looked for, `[s]` where it is.
+    /// Returns the upper limit of the lag `[s]` if the fit has reached it.
     pub fn longest_lag(&self, period: f64) -> Option<f64> {
         let square = self.point[at::LAG_SQUARED] * period * period;
         (square >= 0.99 * MOST_LAG * MOST_LAG).then_some(MOST_LAG)
     }
 
-    /// Minus the logarithm of the likelihood, without what every fit to these samples has.
+    /// Returns the negative log-likelihood without the terms common to all fits of these samples.
     pub fn cost(&self) -> f64 {
         0.5 * self.count as f64 * self.innovation.ln()
     }
 }
 
-/// The problem where the fit starts.
+/// Creates the problem at its initial point.
 pub fn problem(
     samples: Samples,
     period: f64,
@@ -158,19 +158,19 @@ pub fn problem(
 }
 
 impl Problem {
-    /// The period `[s]`.
+    /// Returns the period `[s]`.
     pub fn period(&self) -> f64 {
         self.period
     }
 
-    /// Largest command `[N]`.
+    /// Returns the largest command `[N]`.
     pub fn largest_command(&self) -> f64 {
         let commands = self.samples.commands.iter();
         commands.fold(0.0, |most, force| most.max(force.abs()))
     }
 
-    /// [`Fit::cost`] where the amplifier clips commands at `level` `[N]` and the mobility is `more` larger (ln); none where
-    /// the filter has no steady state.
+    /// Returns [`Fit::cost`] with commands clipped at `level` `[N]` and ln mobility increased by `more`. Returns `None`
+    /// if the filter has no steady state.
     pub fn cost_of(&self, level: f64, more: f64) -> Option<f64> {
         let mut clipped = self.clone();
         for command in &mut clipped.samples.commands {
@@ -183,7 +183,7 @@ impl Problem {
         Some(count * clipped.scale.ln())
     }
 
-    /// The same for the first and for the second half of the motion.
+    /// Returns the problems for the first and the second half of the motion.
     pub fn halves(&self) -> [Self; 2] {
         let middle = self.counted.start + self.counted.len() / 2;
         [self.counted.start..middle, middle..self.counted.end].map(|counted| Self {
@@ -192,7 +192,7 @@ impl Problem {
         })
     }
 
-    /// The fit that is found from here on, with the signs of the velocity as they are.
+    /// Refits from this point, with the present velocity signs.
     pub fn refitted(self) -> Option<Fit> {
         let mut found = self.minimised(2)?;
         found.rescale()?;
@@ -207,7 +207,7 @@ impl Problem {
         std::array::from_fn(|i| point[i].clamp(self.bounds[i].0, self.bounds[i].1))
     }
 
-    /// Innovations that count `[LENGTH]`; none where the filter has no steady state.
+    /// Returns the counted innovations `[LENGTH]`, or `None` if the filter has no steady state.
     fn innovations(&self, point: &Point) -> Option<Vec<f64>> {
         let model = model::sampled(self.kind, &self.inside(point), self.period);
         let steady = filter::steady(&model)?;
@@ -217,7 +217,7 @@ impl Problem {
         all.iter().all(|e| e.is_finite()).then_some(all)
     }
 
-    /// Innovations, then distances from what is likely and from the bounds, each over its deviation.
+    /// Returns the innovations, then the distances from the priors and from the bounds, each over its deviation.
     fn weighted(&self, point: &Point) -> Option<DVector<f64>> {
         let found = self.innovations(point)?;
         let free = self.free();
@@ -226,7 +226,7 @@ impl Problem {
         let unlikely = (0..free).map(|i| {
             let distance = (point[i] - self.prior[i].0) / self.prior[i].1;
             if i == at::LAG_SQUARED && distance > NORMAL_LAG {
-                // As steep where both meet.
+                // The slope is continuous where the two branches meet.
                 NORMAL_LAG * (1.0 + 2.0 * (distance / NORMAL_LAG).ln()).sqrt()
             } else {
                 distance
@@ -240,7 +240,7 @@ impl Problem {
         ))
     }
 
-    /// Change of a parameter for a derivative.
+    /// Returns the parameter step for a derivative.
     fn step(&self, parameter: usize) -> f64 {
         match parameter {
             at::LN_MOBILITY | at::DELAY_PLUS_LAG => 1e-3,
@@ -259,7 +259,7 @@ impl Problem {
         let mut slopes = DMatrix::<f64>::zeros(here.len(), self.free());
         for parameter in 0..self.free() {
             let mut point = self.point;
-            // Away from the upper bound, where the model no longer changes.
+            // Step away from the upper bound, where the model no longer changes.
             let step = self.step(parameter);
             let step = if point[parameter] + step > self.bounds[parameter].1 {
                 -step
@@ -273,7 +273,7 @@ impl Problem {
         Some(slopes)
     }
 
-    /// Sets the scale to what the innovations are.
+    /// Sets the scale to that of the innovations.
     fn rescale(&mut self) -> Option<()> {
         let found = self.innovations(&self.point)?;
         let mean = found.iter().map(|e| e * e).sum::<f64>() / found.len() as f64;
@@ -293,8 +293,8 @@ impl Problem {
         Some(found)
     }
 
-    /// Mean sign of the velocity over each period, from the slope over a few samples: what friction is
-    /// taken from before there is a model.
+    /// Estimates the mean sign of the velocity over each period from the slope over a few samples, for the friction
+    /// term before a model exists.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -319,8 +319,7 @@ impl Problem {
             .collect();
     }
 
-    /// Mean sign of the velocity over each period from the smoothed velocity, which is known with a
-    /// deviation only.
+    /// Computes the mean sign of the velocity over each period from the smoothed velocity and its standard deviation.
     fn smoothed_signs(&mut self) -> Option<()> {
         let model = model::sampled(self.kind, &self.point, self.period);
         let steady = filter::steady(&model)?;
@@ -339,7 +338,7 @@ impl Problem {
             .map(|i| {
                 let (v, next) = (values[i], values[(i + 1).min(values.len() - 1)]);
                 let (at, change) = kinks.of(i);
-                // Two slopes from one velocity to the other, which differ by what the new force gives.
+                // Two slopes between the velocities; they differ by the effect of the new force.
                 let before = next - v - (1.0 - at) * change;
                 PARTS
                     .map(|part| sign(v + before * part + change * (part - at).max(0.0)))
@@ -351,7 +350,7 @@ impl Problem {
         Some(())
     }
 
-    /// Looks for cogging; without any, its parameters stay at 0.
+    /// Searches for cogging; if there is none, its parameters stay at 0.
     fn find_cogging(&mut self) -> Option<()> {
         let model = model::sampled(self.kind, &self.point, self.period);
         let steady = filter::steady(&model)?;
@@ -367,7 +366,7 @@ impl Problem {
         Some(())
     }
 
-    /// Where within a period the force changes.
+    /// Returns the instants within a period at which the force changes.
     fn kinks(&self) -> Kinks<'_> {
         let mobility = self.point[at::LN_MOBILITY].exp() * self.period * self.period / LENGTH;
         Kinks {
@@ -377,18 +376,18 @@ impl Problem {
         }
     }
 
-    /// The sensor's deviation `[LENGTH]` that the scale of the innovations means.
+    /// Returns the sensor deviation `[LENGTH]` implied by the scale of the innovations.
     fn sensor_deviation(&self, steady: &filter::Steady) -> f64 {
         self.scale / steady.innovation_variance().sqrt()
     }
 
-    /// The fit from here on, the signs of the velocity found anew in each round.
+    /// Fits from this point and recomputes the velocity signs in each round.
     fn fitted(mut self, rounds: usize) -> Option<Self> {
         for round in 0..rounds {
             self = self.minimised(4)?;
             if round + 1 < rounds {
                 self.smoothed_signs()?;
-                // The first one, with a rough model, and one with a good model.
+                // Once with a rough model and once with a good one.
                 if round % 2 == 0 {
                     self.find_cogging()?;
                 }
@@ -398,12 +397,12 @@ impl Problem {
         Some(self)
     }
 
-    /// The fit here, with its deviations.
+    /// Returns the fit at this point with its deviations.
     fn finish(self) -> Option<Fit> {
         let slopes = self.slopes()?;
         let count = self.counted.len();
         let free = self.free();
-        // The rows of the bounds say nothing of the data.
+        // The rows of the bounds carry no information about the data.
         let information = slopes.rows(0, count + free);
         let covariance = (information.transpose() * information)
             .cholesky()?
@@ -440,7 +439,7 @@ impl Problem {
         })
     }
 
-    /// Covariance of the sum of the scores, with their correlation over [`CORRELATED`] (Newey and West,
+    /// Computes the covariance of the sum of the scores, with their correlation over [`CORRELATED`] (Newey and West,
     /// 1987), by blocks of samples.
     #[expect(
         clippy::cast_possible_truncation,
@@ -468,7 +467,7 @@ impl Problem {
     }
 }
 
-/// The changes of the force, each as if all of it came after delay and lag.
+/// Force changes, each as if it acted completely after delay and lag.
 struct Kinks<'a> {
     commands: &'a [f64],
     delay: f64,
@@ -476,8 +475,8 @@ struct Kinks<'a> {
 }
 
 impl Kinks<'_> {
-    /// Where in the period after sample `index` the force changes `[periods]`, and by how much the slope
-    /// of the velocity does `[LENGTH / period^2]`.
+    /// Returns the instant within the period after sample `index` at which the force changes `[periods]`, and the
+    /// change of the velocity's slope `[LENGTH / period^2]`.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -511,7 +510,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem {
 
     fn residuals(&self) -> Option<DVector<f64>> {
         let count = self.counted.len() + 2 * self.free();
-        // A filter that does not settle is worse than any that does.
+        // A filter that does not converge is worse than any that does.
         Some(
             self.weighted(&self.point)
                 .unwrap_or_else(|| DVector::repeat(count, 1e6)),
@@ -528,17 +527,17 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem {
 pub struct Fits {
     /// With one mass.
     pub rigid: Fit,
-    /// With two masses, where the data have room for a resonance.
+    /// With two masses, if the data support a resonance.
     pub flexible: Option<Fit>,
-    /// The same with a slow spring between them.
+    /// With two masses and a slow spring between them.
     pub slow: Option<Fit>,
 }
 
-/// The least frequency of the second mass alone on its spring `[rad/s]`, and that of a slow spring.
+/// Lowest frequency of the second mass alone on its spring `[rad/s]`, and the lowest one for a slow spring.
 const LEAST_ANTIRESONANCE: f64 = 250.0;
 const LEAST_SLOW_ANTIRESONANCE: f64 = 60.0;
 
-/// The fits with one mass and with two.
+/// Fits one mass and two masses.
 pub fn fits(mut problem: Problem, sensor: f64) -> Option<Fits> {
     problem.first_signs(sensor);
     let rigid = problem.fitted(ROUNDS)?;
@@ -551,8 +550,8 @@ pub fn fits(mut problem: Problem, sensor: f64) -> Option<Fits> {
     })
 }
 
-/// With two masses, from the best of these frequencies `[Hz]` on; the second mass alone on its spring has at least the frequency `least`
-/// `[rad/s]`.
+/// Fits two masses from the best of the start frequencies `[Hz]`; the frequency of the second mass alone on its spring
+/// is at least `least` `[rad/s]`.
 fn flexible(rigid: &Problem, starts: &[f64], least: f64) -> Option<Problem> {
     let highest = 0.38 / rigid.period;
     let mut best: Option<Problem> = None;
@@ -563,7 +562,7 @@ fn flexible(rigid: &Problem, starts: &[f64], least: f64) -> Option<Problem> {
         let mut problem = rigid.clone();
         problem.kind = Kind::Flexible;
         problem.bounds[at::LN_ANTIRESONANCE].0 = least.ln();
-        // What one mass had to take for noise is the resonance, if there is one.
+        // The one-mass fit attributes a resonance to noise.
         for level in at::LN_DISTURBANCE..=at::LN_TREMOR_DAMPING {
             problem.point[level] = problem.prior[level].0;
         }

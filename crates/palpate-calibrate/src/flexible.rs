@@ -1,29 +1,29 @@
-//! How stiff a contact a device with a flexible transmission can render.
+//! Contact stiffness limit of a device with a flexible transmission.
 //!
-//! A renderer here knows one mass. What it renders has to be slower than the transmission, and slower
-//! still where few samples fall into a period of the resonance. `docs/coupled.md` has the measurement.
+//! The renderer models one mass. The rendered contact has to be slower than the transmission, and slower still if a
+//! period of the resonance has few samples. `docs/coupled.md` has the measurement.
 
 use std::f64::consts::TAU;
 
 use crate::calibration::Calibration;
 use crate::quantity::Quantity;
 
-/// Largest frequency of a contact, over that of the first resonance.
+/// Largest frequency of a contact over that of the first resonance.
 const OF_RESONANCE: f64 = 0.4;
 /// Largest frequency of a contact on a flexible device, in cycles per period.
 const PER_PERIOD: f64 = 0.05;
 
 impl Calibration {
-    /// Stiffest contact K with an object of `object_mass` `[kg]`, infinite for a wall, that the first
-    /// resonance allows in a loop of `period` `[s]`; `[N/m]`. None where no resonance is known, or no mass.
+    /// Returns the largest contact stiffness K `[N/m]` that the first resonance allows for an object of `object_mass`
+    /// `[kg]` (infinite for a wall) in a loop of `period` `[s]`. Returns `None` if resonance or mass is unknown.
     ///
     /// ```text
     /// sqrt(K (1/m_motor + 1/M)) = 2 π min(0.4 f, 0.05 / T)
     /// ```
     ///
-    /// with the resonance f and the mass m_motor on the motor's side of the transmission: the device's mass
-    /// where nothing is known of how it is shared. Below it the error E of coupled rendering is some
-    /// percent; at twice the frequency it is some ten percent or the loop gains energy.
+    /// with the resonance f and the mass m_motor on the motor's side of the transmission. If the mass distribution is
+    /// unknown, m_motor is the device's mass. Below this stiffness the error E of coupled rendering is a few percent.
+    /// At twice the frequency E is some ten percent or the loop gains energy.
     #[must_use]
     pub fn stiffest_contact(&self, object_mass: f64, period: f64) -> Option<f64> {
         let hertz = self.value(Quantity::Resonance)?;

@@ -1,12 +1,12 @@
-//! The gain of a motor, from what the motion alone cannot say: a known spring, or a known mass.
+//! The gain of a motor from a known spring or a known mass; motion alone does not determine it.
 
 use crate::calibration::{Calibration, Known};
 use crate::quantity::Quantity;
 
-/// Relative standard deviation of a gain beyond which it is not said.
+/// Relative standard deviation above which a gain is not reported.
 const MOST_DEVIATION: f64 = 0.2;
 
-/// Quantities that are found in commanded newtons, and are in newtons once the gain is known.
+/// Quantities measured in commanded newtons, converted to newtons once the gain is known.
 const COMMANDED: [Quantity; 4] = [
     Quantity::DeviceMass,
     Quantity::ViscousFriction,
@@ -15,8 +15,8 @@ const COMMANDED: [Quantity; 4] = [
 ];
 
 impl Calibration {
-    /// The gain where the device was fixed to a spring of `stiffness` `[N/m]` and no hand: the spring over
-    /// what it was found to be in commanded newtons. None where that is known to less than 20 %.
+    /// Returns the gain of a device that was fixed to a spring of `stiffness` `[N/m]`, without a hand: the stiffness
+    /// over the one measured in commanded newtons. Returns `None` if the relative standard deviation exceeds 20 %.
     #[must_use]
     pub fn gain_by_spring(&self, stiffness: f64) -> Option<Known> {
         let found = self.known.get(&Quantity::HandStiffness)?;
@@ -28,12 +28,11 @@ impl Calibration {
         )
     }
 
-    /// The gain where this device has `mass` `[kg]` more than it had `before`, with no hand either time:
-    /// the mass over the difference of the two that were found. None where that is known to less than
-    /// 20 %.
+    /// Returns the gain if this device has `mass` `[kg]` more than `before`, both without a hand: the mass over the
+    /// difference of the measured masses. Returns `None` if the relative standard deviation exceeds 20 %.
     #[must_use]
     pub fn gain_by_added_mass(&self, before: &Self, mass: f64) -> Option<Known> {
-        // What was found before may be in newtons already.
+        // The earlier calibration may be in newtons already.
         let over_gain = |of: &Self| {
             let found = of.known.get(&Quantity::DeviceMass)?;
             let gain = of.value(Quantity::Gain).unwrap_or(1.0);
@@ -50,8 +49,7 @@ impl Calibration {
         )
     }
 
-    /// Takes the gain as known: mass, friction and stiffness, which were found in commanded newtons, are
-    /// in newtons from here on.
+    /// Sets the gain and converts mass, friction and stiffness from commanded newtons to newtons.
     pub fn set_gain(&mut self, gain: Known) {
         let of_gain = gain.standard_deviation.unwrap_or(0.0) / gain.value;
         for quantity in COMMANDED {
@@ -109,7 +107,7 @@ mod tests {
         known.set_gain(by_spring);
         assert!((known.value(Quantity::DeviceMass).unwrap() - 0.2).abs() < 1e-3);
         assert!((known.value(Quantity::HandStiffness).unwrap() - 100.0).abs() < 0.2);
-        // What is in newtons already is not divided by the gain twice.
+        // Values in newtons are not divided by the gain again.
         let again = found(0.375, 0.0).gain_by_added_mass(&known, 0.1).unwrap();
         assert!((again.value - 0.8).abs() < 2e-3, "{again:?}");
     }

@@ -1,4 +1,4 @@
-//! From positions and commands to what is known of the loop, or to why it cannot be known.
+//! Computes the parameters of the loop from positions and commands, or the reason why they are unknown.
 
 use std::fmt;
 
@@ -11,38 +11,38 @@ use crate::outcome::Fitted;
 use crate::quantum::quantum;
 use crate::start::start;
 
-/// Longest delay and lag that are looked for `[s]`, and in periods where that is more.
+/// Longest delay plus lag in the search `[s]`, and in periods if that is longer.
 const MOST_DELAY: f64 = 0.012;
 const MOST_DELAY_PERIODS: f64 = 4.0;
-/// Coulomb friction over the largest force beyond which a fit is not trusted.
+/// Ratio of Coulomb friction to the largest force above which a fit is rejected.
 const MOST_FRICTION: f64 = 0.6;
-/// Standard deviations beyond which nothing is said: of delay and lag `[periods]` or `[s]`, whichever is
-/// more, and of ln mass.
+/// Standard deviations above which the fit is rejected: of delay plus lag `[periods]` or `[s]`, whichever is larger,
+/// and of ln mass.
 const MOST_DELAY_DEVIATION: f64 = 0.3;
 const MOST_DELAY_DEVIATION_SECONDS: f64 = 3e-4;
 const MOST_MASS_DEVIATION: f64 = 0.1;
-/// Damping over mass `[1/s]` beyond which the device is held and does not move as a mass: hands have 15 to 50.
+/// Damping over mass `[1/s]` above which the device is held and does not move as a mass: hands have 15 to 50.
 const MOST_DAMPING: f64 = 120.0;
-/// Motion that a fit needs `[steps of the sensor]`, root mean square.
+/// Smallest motion for a fit `[steps of the sensor]`, root mean square.
 const LEAST_MOTION: f64 = 3.0;
-/// Logarithms of likelihood that a resonance has to win beside what three parameters cost.
+/// Gain in log-likelihood that a resonance requires in addition to the cost of three parameters.
 const RESONANCE_MARGIN: f64 = 25.0;
-/// The same of a resonance of a slow spring, below [`SLOW_RESONANCE`] `[Hz]`: there a hand looks like one.
+/// The margin for the resonance of a slow spring, below [`SLOW_RESONANCE`] `[Hz]`, where a hand looks like a resonance.
 const SLOW_RESONANCE_MARGIN: f64 = 100.0;
 const SLOW_RESONANCE: f64 = 60.0;
-/// Highest resonance `[cycles per period]`: above, errors of friction look like one.
+/// Highest resonance `[cycles per period]`: above it, friction errors look like a resonance.
 const HIGHEST_RESONANCE: f64 = 0.33;
-/// Least part of the mass beyond a transmission: with less, errors of friction look like a resonance.
+/// Smallest fraction of the mass beyond a transmission: below it, friction errors look like a resonance.
 const LEAST_FRACTION: f64 = 0.12;
 
-/// Part of the mean square of the second differences that is the sensor's at least, in a first guess.
+/// Smallest fraction of the mean square of the second differences that a first guess attributes to the sensor.
 const LEAST_OF_MEAN: f64 = 0.1;
 
-/// Why nothing is said of a loop.
+/// Reason for declining a calibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Declined {
-    /// There are as many positions as commands in a whole excitation, and here there are not.
+    /// The numbers of positions and commands differ from the length of the whole excitation.
     Length {
         /// Positions.
         positions: usize,
@@ -56,27 +56,26 @@ pub enum Declined {
         /// Root mean square of its motion `[m]`.
         motion: f64,
     },
-    /// Coulomb friction is too near to the largest force.
+    /// Coulomb friction is too close to the largest force.
     Friction {
         /// Coulomb friction `[N]`.
         friction: f64,
         /// Largest force `[N]`.
         force: f64,
     },
-    /// The device is held, in a cog of its motor for instance: it gives way and comes back, and does not move as a
-    /// mass.
+    /// The device is held, for example in a cog of its motor: it yields and returns instead of moving as a mass.
     Held {
-        /// Damping that the fit had to take over mass `[1/s]`.
+        /// Fitted damping over mass `[1/s]`.
         damping: f64,
         /// Largest force `[N]`.
         force: f64,
     },
-    /// The motor's lag is as long as the longest that is looked for.
+    /// The lag of the motor is at the upper limit of the search.
     LongLag {
-        /// The longest that is looked for `[s]`.
+        /// Upper limit of the search `[s]`.
         longest: f64,
     },
-    /// The fit leaves too much open.
+    /// The uncertainty of the fit is too large.
     Uncertain {
         /// Standard deviation of delay and lag together `[s]`.
         delay: f64,
@@ -90,9 +89,9 @@ pub enum Declined {
         /// In the second half `[s]`.
         second: f64,
     },
-    /// The amplifier gives less force than is commanded.
+    /// The amplifier delivers less force than commanded.
     Saturated {
-        /// The commanded force from which on it gives no more `[N]`.
+        /// The commanded force above which the amplifier saturates `[N]`.
         level: f64,
         /// Largest force `[N]`.
         force: f64,
@@ -168,16 +167,16 @@ impl std::error::Error for Declined {}
 /// A measured loop.
 #[derive(Clone, Debug)]
 pub struct Measured {
-    /// What is known.
+    /// The fitted parameters.
     pub fitted: Fitted,
-    /// Positions as the model foresaw them, each from the samples before it `[m]`.
+    /// Positions predicted by the model, each from the samples before it `[m]`.
     pub foreseen: Vec<f64>,
 }
 
-/// What the positions `[m]` say that followed on the commands `[N]` of an excitation.
+/// Estimates the parameters of a loop from the positions `[m]` that followed the commands `[N]` of an excitation.
 ///
 /// # Errors
-/// Why nothing can be said.
+/// The reason for declining.
 pub fn measure(
     params: &ExcitationParams,
     excited: std::ops::Range<usize>,
@@ -224,7 +223,7 @@ pub fn measure(
     })
 }
 
-/// A fit with a resonance where its likelihood is worth its parameters (Schwarz, 1978).
+/// Selects a fit with a resonance if its likelihood justifies the additional parameters (Schwarz, 1978).
 fn best(fits: Fits, period: f64) -> Fit {
     let Fits {
         rigid,
@@ -291,10 +290,10 @@ fn deviation(values: &[f64]) -> f64 {
     (values.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n).sqrt()
 }
 
-/// A first guess of the sensor's deviation `[m]`: that of its steps, or what second differences have.
+/// Returns a first guess of the sensor's standard deviation `[m]`, from its steps or from second differences.
 ///
-/// A linkage with an encoder on each joint has steps of no one size, and while no joint makes a step, a
-/// second difference is 0. So their median alone may say nothing.
+/// A linkage with an encoder on each joint has steps of varying size. While no joint makes a step, a second difference
+/// is 0, so the median alone can be uninformative.
 fn sensor_noise(positions: &[f64], quantum: Option<f64>) -> f64 {
     if let Some(quantum) = quantum {
         return quantum / 12.0_f64.sqrt();
@@ -311,18 +310,18 @@ fn sensor_noise(positions: &[f64], quantum: Option<f64>) -> f64 {
 }
 
 impl Fit {
-    /// Whether it has a resonance.
+    /// Whether the fit has a resonance.
     pub fn is_flexible(&self) -> bool {
         self.kind == Kind::Flexible
     }
 
-    /// The resonance of two masses, both free `[Hz]`.
+    /// Returns the resonance of two free masses `[Hz]`.
     pub fn resonance(&self) -> f64 {
         let alone = self.point[at::LN_ANTIRESONANCE].exp() / std::f64::consts::TAU;
         alone / (1.0 - self.fraction()).sqrt()
     }
 
-    /// Part of the mass beyond the transmission.
+    /// Returns the fraction of the mass beyond the transmission.
     pub fn fraction(&self) -> f64 {
         1.0 / (1.0 + (-self.point[at::LOGIT_FRACTION]).exp())
     }

@@ -26,7 +26,7 @@ const TREMOR: [f64; 2] = [4.0, 20.0];
 /// Shortest lag that is computed `[periods]`; below it the force steps.
 const LEAST_LAG: f64 = 0.004;
 
-/// Parameters of the fit by their place in [`Point`].
+/// Indices of the fit's parameters in [`Point`].
 pub mod at {
     /// ln of gain over mass `[ln 1/kg]`.
     pub const LN_MOBILITY: usize = 0;
@@ -40,13 +40,13 @@ pub mod at {
     pub const STIFFNESS: usize = 4;
     /// Coulomb friction over mass `[m/s^2]`.
     pub const FRICTION: usize = 5;
-    /// Cogging over mass that goes with the cosine and with the sine of the position `[m/s^2]`.
+    /// Cogging over mass, proportional to the cosine and to the sine of the position `[m/s^2]`.
     pub const COGGING: [usize; 2] = [6, 7];
     /// ln of the power of the slow disturbance over that of the sensor.
     pub const LN_DISTURBANCE: usize = 8;
-    /// The same of the tremor.
+    /// ln of the power of the tremor over that of the sensor.
     pub const LN_TREMOR: usize = 9;
-    /// The same of white acceleration.
+    /// ln of the power of white acceleration over that of the sensor.
     pub const LN_ACCELERATION: usize = 10;
     /// ln of the frequency of the tremor `[ln Hz]`.
     pub const LN_TREMOR_FREQUENCY: usize = 11;
@@ -60,12 +60,12 @@ pub mod at {
     pub const FLEXIBLE_DAMPING: usize = 15;
 }
 
-/// Number of parameters of a rigid device, and of a flexible one.
+/// Number of parameters of a rigid device.
 pub const RIGID: usize = 13;
 /// Number of parameters of a flexible device.
 pub const FLEXIBLE: usize = 16;
 
-/// A point in the space of the parameters; a rigid model does not look at the last three.
+/// A point in the parameter space; a rigid model ignores the last three.
 pub type Point = [f64; FLEXIBLE];
 
 /// Whether a model has a flexible transmission.
@@ -225,9 +225,8 @@ pub fn sampled(kind: Kind, point: &Point, period: f64) -> Sampled {
     }
 }
 
-/// Covariance of white noise of density `noise` after a period (Van Loan, *Computing integrals involving
-/// the matrix exponential*, 1978). The motor's force has no noise and is left out: a short lag would
-/// overflow.
+/// Computes the covariance of white noise of density `noise` after a period (Van Loan, *Computing integrals involving
+/// the matrix exponential*, 1978). The motor's force has no noise and is left out: a short lag would overflow.
 fn noise_of_period(a: &DMatrix<f64>, noise: &DMatrix<f64>) -> DMatrix<f64> {
     let kept: Vec<usize> = (0..a.nrows()).filter(|&state| state != Y).collect();
     let n = kept.len();

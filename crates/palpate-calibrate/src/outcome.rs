@@ -5,10 +5,10 @@ use crate::fit::Fit;
 use crate::model::{self, at};
 use crate::quantity::Quantity;
 
-/// What a fit says of the device, in SI units.
+/// Device parameters of a fit, in SI units.
 #[derive(Clone, Debug)]
 pub struct Fitted {
-    /// What is known.
+    /// The parameters.
     pub calibration: Calibration,
 }
 
@@ -38,7 +38,7 @@ impl Fitted {
         let of_sum = sd[at::DELAY_PLUS_LAG];
         let lag = model::lag(point);
         let of_square = sd[at::LAG_SQUARED];
-        // Neither is more than both together.
+        // Neither exceeds the sum of both.
         let of_lag = (of_square / (2.0 * lag.max(1e-9)))
             .min(of_square.sqrt())
             .min(sum);

@@ -1,6 +1,6 @@
-//! What can be known of a sampled loop: one list of quantities with key, unit, range and meaning.
+//! Quantities of a sampled loop: one list with key, unit, range and meaning.
 
-/// Values that a quantity can have.
+/// Range of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Range {
     /// Above 0, and finite.
@@ -35,7 +35,7 @@ impl Range {
 
 macro_rules! quantities {
     ($($(#[doc = $meaning:literal])+ $name:ident = $key:literal, $range:ident;)+) => {
-        /// A quantity of a loop. The unit stands in the key.
+        /// A quantity of a loop. The key contains the unit.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum Quantity {
             $($(#[doc = $meaning])+ $name,)+
@@ -52,14 +52,14 @@ macro_rules! quantities {
                 }
             }
 
-            /// The values that it can have.
+            /// The range of its values.
             pub fn range(self) -> Range {
                 match self {
                     $(Self::$name => Range::$range,)+
                 }
             }
 
-            /// What it is.
+            /// The meaning, in words.
             pub fn meaning(self) -> &'static str {
                 match self {
                     $(Self::$name => concat!($($meaning),+).trim_ascii(),)+
@@ -72,10 +72,10 @@ macro_rules! quantities {
 quantities! {
     /// Period of the loop for which the other quantities were found `[s]`.
     Period = "period_s", Positive;
-    /// Effective mass at the end-point `[kg]`: what a renderer is told as the mass of the device. The part
-    /// of the hand that moves with the device is in it.
+    /// Effective mass at the end-point `[kg]`: the renderer's model value of the device mass. It includes the part
+    /// of the hand that moves with the device.
     DeviceMass = "device_mass_kg", Positive;
-    /// Force that the motor gives over the force that was commanded.
+    /// Delivered over commanded force of the motor.
     Gain = "gain", Positive;
     /// Mean time from a sample to the moment at which its force begins `[s]`; the mean of the jitter is in it.
     Delay = "delay_s", NotNegative;
@@ -84,7 +84,7 @@ quantities! {
     /// Delay and lag together `[s]`: known better than each of them.
     DelayPlusLag = "delay_plus_lag_s", NotNegative;
     /// Friction of the device and damping of the hand, in proportion to the velocity `[N s/m]`. The
-    /// excitation cannot tell them apart.
+    /// excitation cannot distinguish them.
     ViscousFriction = "viscous_friction_n_s_per_m", NotNegative;
     /// Coulomb friction at the end-point `[N]`.
     CoulombFriction = "coulomb_friction_n", NotNegative;
@@ -111,7 +111,7 @@ quantities! {
 }
 
 impl Quantity {
-    /// The quantity of a key.
+    /// Returns the quantity of a key.
     #[must_use]
     pub fn of_key(key: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|quantity| quantity.key() == key)

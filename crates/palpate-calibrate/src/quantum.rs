@@ -1,11 +1,11 @@
-//! The step of a sensor, from its positions alone.
+//! Estimation of the sensor's step from its positions.
 
-/// How far a position may be from a whole number of steps, in steps: what a printed decimal rounds off.
+/// Largest distance of a position from a whole number of steps, in steps: the rounding of a printed decimal.
 const TOLERANCE: f64 = 0.1;
-/// Part of the changes that have to be whole steps.
+/// Fraction of the changes that have to be whole steps.
 const WHOLE: f64 = 0.98;
 
-/// The step of the sensor `[m]`; none where its positions are not on steps.
+/// Returns the step of the sensor `[m]`, or `None` if its positions are not on steps.
 pub fn quantum(positions: &[f64]) -> Option<f64> {
     let mut changes: Vec<f64> = positions
         .windows(2)
@@ -20,7 +20,7 @@ pub fn quantum(positions: &[f64]) -> Option<f64> {
     let largest = *changes.last()?;
     changes.retain(|change| *change > 1e-9 * largest);
     let mut step = *changes.first()?;
-    // The least change is a step with an error; a few larger ones make it better.
+    // The smallest change is a step with an error; a few larger changes improve the estimate.
     let near = changes.iter().filter(|change| **change < 4.5 * step);
     let (sum, count) = near.fold((0.0, 0.0), |(sum, count), change| {
         (sum + change, count + (change / step).round())
@@ -30,7 +30,7 @@ pub fn quantum(positions: &[f64]) -> Option<f64> {
         let steps = **change / step;
         (steps - steps.round()).abs() < TOLERANCE
     };
-    // Many steps in one change say nothing where the step is not known to as many digits.
+    // A change of many steps carries no information if the step is not known to as many digits.
     let told: Vec<&f64> = changes
         .iter()
         .filter(|change| **change < 100.0 * step)

@@ -1,20 +1,21 @@
-//! Where the fit starts: gain over mass and delay by linear least squares.
+//! Initial values of the fit: gain over mass and delay by linear least squares.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::filter::Samples;
 use crate::model::LENGTH;
 
-/// Time between the three positions of a second difference `[s]`: long against the sensor's steps, short
-/// against the hand.
+/// Time between the three positions of a second difference `[s]`: long relative to the sensor's steps, short relative
+/// to the hand's motion.
 const SPACING: f64 = 0.012;
-/// Samples that are used at most.
+/// Maximum number of samples.
 const MOST_SAMPLES: usize = 8000;
-/// Columns beside the motion by the command: a constant, the position and the velocity.
+/// Number of columns: the motion by the command, its derivative by the delay, a constant, the position and the
+/// velocity.
 const COLUMNS: usize = 5;
 
-/// ln of gain over mass `[ln 1/kg]`, and delay and lag together `[periods]`; the longest is `most_delay`.
-/// None where the device did not move with the commands.
+/// Returns ln of gain over mass `[ln 1/kg]`, and delay plus lag `[periods]` up to `most_delay`. Returns `None` if the
+/// device did not move with the commands.
 pub fn start(samples: &Samples, period: f64, most_delay: f64) -> Option<(f64, f64)> {
     let differences = Differences::new(samples, period, most_delay);
     let mut best: Option<(f64, f64)> = None;
@@ -64,7 +65,7 @@ impl<'a> Differences<'a> {
         }
     }
 
-    /// The solution for a delay, and the sum of squares that is left.
+    /// Returns the solution for a delay and the residual sum of squares.
     fn solve(&self, delay: f64) -> Option<(DVector<f64>, f64)> {
         let (x, spacing) = (&self.samples.positions, self.spacing);
         let motion = self.kernel(delay);
@@ -109,7 +110,7 @@ impl<'a> Differences<'a> {
             .sum()
     }
 
-    /// What a command of 1 held for a period adds to the second difference at each sample after it.
+    /// Returns the response of the second difference, at each later sample, to a command of 1 held for a period.
     fn kernel(&self, delay: f64) -> Vec<f64> {
         let length = self.first;
         let after_step = |t: f64| if t > 0.0 { 0.5 * t * t } else { 0.0 };

@@ -1,4 +1,4 @@
-//! Calibration of virtual devices: what was put in is found, and what cannot be found is not said.
+//! Calibration of virtual devices recovers their parameters, and declines to report undeterminable ones.
 
 mod plant;
 
@@ -33,7 +33,7 @@ fn calibrated(plant: &PlantParams, seconds: f64) -> Result<Calibration, Declined
         .map(|measured| measured.fitted.calibration)
 }
 
-/// How far a value is from what was put in, in standard deviations.
+/// Error of a value in standard deviations.
 fn deviations(calibration: &Calibration, quantity: Quantity, put_in: f64) -> f64 {
     let found = calibration.value(quantity).unwrap();
     let deviation = calibration.standard_deviation(quantity).unwrap();
@@ -135,12 +135,12 @@ fn cogging_is_found_and_makes_the_delay_better_known() {
     };
     let found = calibrated(&plant, 6.0).unwrap();
     assert!(deviations(&found, Quantity::DelayPlusLag, 0.5e-3) < 3.5);
-    // Without it in the model the deviation is 0.057 periods, with it 0.011.
+    // Without cogging in the model the deviation is 0.057 periods, with it 0.011.
     let deviation = found.standard_deviation(Quantity::DelayPlusLag).unwrap();
     assert!(deviation < 0.02e-3, "{deviation}");
 }
 
-/// Lags beyond those of most motors: up to 4 ms they are found, and no wrong value is said of a longer one.
+/// Lags beyond those of most motors: up to 4 ms they are found, and a longer one never yields a wrong value.
 #[allow(clippy::print_stdout)] // what was measured
 fn check_long_lags(lags: &[f64]) {
     for &lag in lags {
@@ -283,8 +283,8 @@ fn friction_near_to_the_force_is_declined_with_its_reason() {
     assert!(is_right, "{phase:?}");
 }
 
-/// Friction and cogging are each below the force, and together above it: the device rocks in a cog of its motor
-/// on a soft transmission. A fit of that says 7 ms of delay.
+/// Friction and cogging are each below the force, and together above it: the device rocks in a cog of its motor on a
+/// soft transmission. A naive fit yields a delay of 7 ms.
 #[test]
 fn a_device_that_a_cog_holds_is_declined_with_its_reason() {
     let cogged = PlantParams {
@@ -410,7 +410,7 @@ fn a_delay_that_changes_and_a_slow_transmission_are_not_taken_for_certain() {
             }
         }
     }
-    // A transmission of 25 Hz is declined, or found with deviations that say so.
+    // A transmission of 25 Hz is declined, or its deviations cover the error.
     let plant = PlantParams {
         second_mass: 0.1,
         transmission_stiffness: (std::f64::consts::TAU * 25.0).powi(2) / 20.0,

@@ -1,5 +1,4 @@
-//! The command line: every command, with its help. The flags of contact, method and device are the same on
-//! every command.
+//! The command line: every command with its help. All commands share the flags of contact, method and device.
 
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Parser, Subcommand};
@@ -32,9 +31,8 @@ const STYLES: Styles = Styles::styled()
 
 /// Energy-consistent haptic contact rendering.
 ///
-/// Renders the contact of a haptic device with a virtual object of finite mass, or a wall, at any
-/// loop rate, and says how much energy each method creates from nothing and how far its force is
-/// from the ideal one.
+/// Renders the contact of a haptic device with a virtual object of finite mass, or a wall, at any loop rate, and
+/// reports the energy that each method generates and its force error relative to the ideal force.
 #[derive(Parser, Debug)]
 #[command(name = "palpate", version, styles = STYLES, max_term_width = 100)]
 #[command(after_help = "\
@@ -56,7 +54,7 @@ Exit codes:
   6  nothing can be said of a device; the message says why
   130  stopped by ctrl-C or another signal before its end; what is done is kept")]
 pub struct Arguments {
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub command: Command,
 }
@@ -261,7 +259,7 @@ Examples:
   palpate live experiments/experiment1_in_a_hand.toml --device simulated
   palpate live experiments/worlds/pushed-block.toml --method basic,coupled")]
     Live(LiveArguments),
-    /// List the devices that are here, or check the wiring of one
+    /// List the available devices, or check the wiring of one
     #[command(override_usage = "\
 palpate devices [OPTIONS]
        palpate devices check haply-2diy --move [OPTIONS]")]
@@ -273,7 +271,7 @@ Examples:
   palpate devices
   palpate devices --json")]
     Devices(DevicesArguments),
-    /// Emulate a device, to try without one
+    /// Emulate a device for trials without hardware
     #[command(override_usage = "\
 palpate emulate haply-2diy [OPTIONS]
        palpate emulate inverse3 [OPTIONS]")]
@@ -289,10 +287,10 @@ Examples:
   palpate emulate haply-2diy --generation 2 --board m3 --fault stall=0.1@0.5 --duration 1
   palpate emulate inverse3 --port 0 --events-port 0 --hold 0.01,0,0 --duration 1")]
     Emulate(EmulateArguments),
-    /// Take the force off a device when its loop can not; started by the commands that run a loop
+    /// Disable the output of a device if its loop cannot; started by the commands that run a loop
     #[command(hide = true)]
     Guardian,
-    /// Ask what this machine grants a loop, and try one
+    /// Report the real-time properties of this machine, and try a loop
     #[command(long_about = "\
 Ask what this machine grants a loop, and try one.
 
@@ -304,13 +302,13 @@ Examples:
   palpate doctor
   palpate doctor --priority 0 --json")]
     Doctor(DoctorArguments),
-    /// Measure how the loop keeps time on this machine
+    /// Measure the timing of the loop on this machine
     #[command(after_help = "\
 Examples:
   palpate bench loop --duration 1
   palpate bench loop --rate 500,4000 --duration 1 --spin 0.0001 --json")]
     Bench(BenchArguments),
-    /// Say what is in a recording, and what is missing from it
+    /// Describe the contents of a recording, and its gaps
     #[command(long_about = "\
 Say what is in a recording, and what is missing from it.
 
@@ -363,7 +361,7 @@ Examples:
   palpate replay tap.mcap --replay hand --method basic,coupled --plot hand.svg
   palpate replay tap.mcap --replay hand --device-mass 0.3 --hand-stiffness 200 --hand-damping 5")]
     Replay(ReplayArguments),
-    /// Write a page about a device: its timing, its calibration, what can be rendered, a contact, warnings
+    /// Write a page about a device: its timing, calibration, renderable contacts, a contact, warnings
     #[command(override_usage = "\
 palpate report [RECORDING.mcap]... [--device-file <FILE.toml>] --out <PAGE.html> [OPTIONS]
        palpate report --device <NAME> [--device-file <FILE.toml>] --out <PAGE.html> [OPTIONS]")]
@@ -389,7 +387,7 @@ Examples:
   palpate report --device-file device.toml --name 'Arm no. 7' --json
   palpate report --device simulated --scene wall.toml --duration 2 --out device.html")]
     Report(Box<ReportArguments>),
-    /// Find the damping of a method that suits a scene, and draw the whole curve
+    /// Find the best damping of a method for a scene, and draw the whole curve
     #[command(long_about = "\
 Find the damping of a method that suits a scene, and draw the whole curve.
 
@@ -407,7 +405,7 @@ Examples:
   palpate tune experiments/experiment1.toml --method popc-ref --from 0.05 --to 15 --steps 300 --json
   palpate tune experiments/worlds/paddle.toml --method god-object --plot god-object.svg")]
     Tune(TuneArguments),
-    /// Judge methods on plants drawn at random
+    /// Evaluate methods on random plants
     #[command(long_about = "\
 Judge methods on plants drawn at random.
 
@@ -429,7 +427,7 @@ Examples:
   palpate suite --plants 20 --seed 7 --method hfcr,virtual-damper --plot suite.svg --out suite.csv
   palpate suite --plants 5 --method hfcr --write-scenes plants --json")]
     Suite(SuiteArguments),
-    /// Judge methods on scenes from 21 start heights
+    /// Evaluate methods on scenes from 21 start heights
     #[command(long_about = "\
 Judge methods on scenes from 21 start heights.
 
@@ -441,7 +439,7 @@ Examples:
   palpate heights experiments/fig2.toml experiments/experiment1.toml --told-mass-factor 1.5
   palpate heights experiments/experiment2.toml --method hfcr,hfcr-mod-st --json")]
     Heights(HeightsArguments),
-    /// Vary one quantity of a scene, and see what each method does
+    /// Vary one quantity of a scene, and show the effect on each method
     #[command(override_usage = "\
 palpate sweep <SCENE.toml> --over <QUANTITY> --values <NUMBERS> [OPTIONS]")]
     #[command(long_about = "\
@@ -481,7 +479,7 @@ Examples:
   palpate map --cells 9 --delay 1 --method hfcr,basic --out delayed.csv --json
   palpate map --cells 9 --shard 1/3 --resume")]
     Map(MapArguments),
-    /// Ask whether a device can render a contact, and by which method
+    /// Report whether a device can render a contact, and by which method
     #[command(override_usage = "\
 palpate advise --device-mass <kg> --period <s> [OPTIONS]")]
     #[command(long_about = "\
@@ -503,7 +501,7 @@ Examples:
   palpate figure fig4
   palpate figure fig2 --plot fig2.svg --json")]
     Figure(FigureArguments),
-    /// Show the whole story, without any input
+    /// Show the main results, without any input
     #[command(after_help = "\
 Example:
   palpate demo --out-dir first-look")]

@@ -1,4 +1,4 @@
-//! The lines of a file that are at fault, drawn for the person at the terminal.
+//! The lines of a file with an error, drawn for a terminal.
 
 use std::io::{self, IsTerminal};
 use std::ops::Range;
@@ -6,7 +6,7 @@ use std::ops::Range;
 use annotate_snippets::renderer::DecorStyle;
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
-/// The lines at fault with one line before and one after, and what to point at.
+/// The erroneous lines with one line before and one after, and the marked bytes.
 #[derive(Debug)]
 pub struct Excerpt {
     file: String,
@@ -14,13 +14,12 @@ pub struct Excerpt {
     lines: String,
     /// Number of the first of the lines, from 1.
     first: usize,
-    /// The bytes at fault, within the lines.
+    /// The marked bytes, within the lines.
     span: Range<usize>,
 }
 
 impl Excerpt {
-    /// The lines of `text`, which is the content of `file`, around the bytes `span`. What of the span
-    /// lies outside the text is cut off.
+    /// Returns the lines of `text`, the contents of `file`, around the bytes `span`. The span is clipped to the text.
     pub fn new(file: &str, text: &str, span: Range<usize>) -> Self {
         let start = whole_char(text, span.start);
         let end = whole_char(text, span.end).max(start);
@@ -31,7 +30,7 @@ impl Excerpt {
         let to = line_end((line_end(end) + 1).min(text.len()));
         let mut lines = text[from..to].to_owned();
         if text[from..start].ends_with('\n') && start == to {
-            // An empty last line would be left out, and the fault shown at the end of the line before.
+            // An empty last line would be left out, and the error shown at the end of the line before.
             lines.push(' ');
         }
         Self {
@@ -42,7 +41,7 @@ impl Excerpt {
         }
     }
 
-    /// The drawing, coloured where standard error is a terminal and `NO_COLOR` is not set.
+    /// Returns the drawing, coloured if standard error is a terminal and `NO_COLOR` is not set.
     pub fn drawing(&self) -> String {
         let no_color = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
         let renderer = if io::stderr().is_terminal() && !no_color {
@@ -63,8 +62,7 @@ impl Excerpt {
     }
 }
 
-/// The start of the character that the byte `at` of `text` belongs to; the end of the text for what
-/// lies behind it.
+/// Returns the start of the character that contains byte `at` of `text`, or the end of the text for a later byte.
 fn whole_char(text: &str, at: usize) -> usize {
     let is_start = |at: &usize| text.is_char_boundary(*at);
     (0..=at.min(text.len())).rev().find(is_start).unwrap_or(0)
@@ -97,7 +95,7 @@ mod tests {
         );
     }
 
-    /// Every span of a text is drawn, and the span's line with it.
+    /// Every span of a text is drawn with its line.
     #[test]
     fn a_span_may_be_anywhere() {
         for text in [

@@ -1,4 +1,4 @@
-//! What went wrong, for the person at the terminal: a message, a place, an exit code.
+//! Failures for the user at the terminal: a message, a position, an exit code.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -14,33 +14,32 @@ use palpate_study::recording::PutSceneError;
 
 use crate::excerpt::Excerpt;
 
-/// Why a command ended without its result.
+/// Reason for a command's end without its result.
 #[derive(Debug)]
 pub enum Failure {
     /// A file could not be read or written: exit code 1.
     System(String),
     /// The arguments are wrong: exit code 2.
     Arguments(String),
-    /// An input file is wrong, in one place or in several: exit code 3.
+    /// An input file is invalid, in one position or in several: exit code 3.
     Input(Vec<InputFault>),
-    /// The command is done, but the recording it read or made is not whole, as has been said: exit code
-    /// 4.
+    /// The command is done, but the recording that it read or made is incomplete, which has been reported: exit code 4.
     NotWhole,
-    /// The loop ran, but without a force at its end or for most of it, since safety had the motors off or the renderer refused
-    /// the samples; or a pipe refused every line or was stopped by safety: exit code 5.
+    /// The loop ran, but without a force at its end or for most of it, because safety disabled the motors or the
+    /// renderer rejected the samples; or a pipe rejected every line or was stopped by safety: exit code 5.
     MotorsOff(String),
-    /// Nothing can be said of a device, for a reason of its own or of its hand: exit code 6.
+    /// The device or its hand prevents a result: exit code 6.
     Declined(String),
-    /// A signal of the user's ended it before its end: exit code 130, as the shell's for ctrl-C.
+    /// A signal of the user ended the command early: exit code 130, as in a shell after ctrl-C.
     Interrupted(String),
 }
 
-/// A fault in a file of the user's.
+/// An error in a file of the user.
 #[derive(Debug)]
 pub struct InputFault {
-    /// What is wrong, where (`file:line:column`), and what is allowed.
+    /// Description of the error, its position (`file:line:column`) and the allowed values.
     pub message: String,
-    /// The text at fault and the bytes to point at, if there is text.
+    /// The erroneous text and the bytes to mark, if there is text.
     pub excerpt: Option<Excerpt>,
 }
 
@@ -93,7 +92,7 @@ impl From<PutSceneError> for Failure {
 }
 
 impl Failure {
-    /// The same, of one of several things, by its name in front of the message.
+    /// Adds the name of one of several items before the message.
     pub fn of(self, name: &str) -> Self {
         let of = |message: String| format!("{name}: {message}");
         match self {
@@ -104,7 +103,7 @@ impl Failure {
         }
     }
 
-    /// A fault in an input file without a place to show.
+    /// Creates an error in an input file without a position.
     pub fn input(message: impl fmt::Display) -> Self {
         Self::Input(vec![InputFault {
             message: message.to_string(),
@@ -112,7 +111,7 @@ impl Failure {
         }])
     }
 
-    /// A fault in an input file, shown in its text.
+    /// Creates an error in an input file, shown in its text.
     pub fn input_at(
         message: impl fmt::Display,
         file: &str,
@@ -125,7 +124,7 @@ impl Failure {
         }])
     }
 
-    /// Several faults in input files, each shown in its text.
+    /// Creates several errors in input files, each shown in its text.
     pub fn inputs(faults: impl IntoIterator<Item = SceneError>) -> Self {
         let faults = faults.into_iter().map(|fault| InputFault {
             message: fault.to_string(),
@@ -134,7 +133,7 @@ impl Failure {
         Self::Input(faults.collect())
     }
 
-    /// What went wrong, in words.
+    /// Returns the message.
     pub fn message(&self) -> String {
         match self {
             Self::System(message)
@@ -150,7 +149,7 @@ impl Failure {
         }
     }
 
-    /// Tells the user on standard error; the exit code to end with.
+    /// Prints the failure to standard error. Returns the exit code.
     pub fn report(&self) -> ExitCode {
         let (message, code) = match self {
             Self::System(message) => (message.clone(), 1),
@@ -179,8 +178,7 @@ impl Failure {
     }
 }
 
-/// Says something on standard error. Nobody may be listening there any more, which is no reason
-/// to stop: `eprintln!` would.
+/// Prints a message to standard error. A closed standard error is ignored, unlike by `eprintln!`.
 pub fn tell(message: impl fmt::Display) {
     let _ = writeln!(io::stderr().lock(), "{message}");
 }

@@ -1,5 +1,4 @@
-//! What is likely to be a mistake about where the device is: inside the object at the start, or in
-//! another unit.
+//! Detection of likely mistakes about the device's position: inside the object at the start, or in another unit.
 
 use palpate::Side;
 use palpate_record::unit::{Excess, HandMotion, LengthUnit, Spacing};
@@ -9,15 +8,15 @@ use crate::arguments::TraceFlags;
 use crate::failure::Failure;
 use palpate_study::text::digits;
 
-/// Depth beyond which the unit of the positions is likely to be another one `[m]`.
+/// Depth beyond which the unit of the positions is probably wrong `[m]`.
 const DEEP: f64 = 1.0;
-/// Penetration above which a recorded motion is taken to be in another unit `[m]`.
+/// Penetration above which the unit of a recorded motion is probably wrong `[m]`.
 const DEEP_FOR_A_MOTION: f64 = 0.1;
-/// Distance from the place of a device in a scene beyond which the unit is likely to be another one `[m]`.
+/// Distance from a device's position in a scene beyond which the unit is probably wrong `[m]`.
 const FAR: f64 = 2.0;
 
-/// Says that a device which starts at `position` `[m]` is inside the object, and what to change; none
-/// if it is not. The unit may be the mistake, unless it was given.
+/// Returns a message with the remedy for a device that starts at `position` `[m]` inside the object, or `None`. The
+/// unit may be the mistake, unless it was given.
 pub fn at_start(setup: &ReplaySetup, position: f64, is_unit_given: bool) -> Option<String> {
     let surface = setup.object.position;
     let depth = setup.contact.side.sign::<f64>() * (position - surface);
@@ -42,8 +41,8 @@ pub fn at_start(setup: &ReplaySetup, position: f64, is_unit_given: bool) -> Opti
     ))
 }
 
-/// Says that a device gets deeper into what it touches than a body of a desktop is thick; none if it does not, or the
-/// unit was given.
+/// Returns a message for a penetration deeper than the thickness of a desktop body. Returns `None` if there is none, or
+/// if the unit was given.
 pub fn deep(depth: f64, is_unit_given: bool) -> Option<String> {
     (depth > DEEP_FOR_A_MOTION && !is_unit_given).then(|| {
         let unit = LengthUnit::Millimetre;
@@ -55,8 +54,8 @@ pub fn deep(depth: f64, is_unit_given: bool) -> Option<String> {
     })
 }
 
-/// Refuses a motion along some axes, each with its `positions` `[m]` at `times` `[s]`, whose units are likely to be others,
-/// unless they were given.
+/// Rejects a motion along some axes, each with its `positions` `[m]` at `times` `[s]`, whose unit is probably wrong,
+/// unless it was given.
 pub fn check_motion(
     name: &str,
     times: &[f64],
@@ -83,7 +82,8 @@ pub fn check_motion(
     }
 }
 
-/// Refuses a motion of the device called `device` that begins far from where the scene has it, unless its unit was given.
+/// Rejects a motion of the device called `device` that begins far from its position in the scene, unless its unit was
+/// given.
 pub fn check_start(
     name: &str,
     device: &str,
@@ -103,7 +103,7 @@ pub fn check_start(
     )))
 }
 
-/// What no hand does in a motion of `positions` `[m]` at `times` `[s]`.
+/// Returns an implausible part of a motion of `positions` `[m]` at `times` `[s]`.
 pub fn excess(times: &[f64], positions: &[f64]) -> Option<Excess> {
     let mut motion = HandMotion::default();
     for (time, position) in times.iter().zip(positions) {
@@ -112,7 +112,7 @@ pub fn excess(times: &[f64], positions: &[f64]) -> Option<Excess> {
     motion.excess()
 }
 
-/// What is said of a motion that no hand makes, with what to do.
+/// Returns the message for an implausible motion, with the remedy.
 pub fn not_a_hand(excess: &Excess) -> String {
     format!(
         "{excess} --unit {} takes it so, and --unit m says that metres are right",

@@ -1,7 +1,7 @@
 //! The program `palpate`: arguments in, files and reports out. The physics is in the libraries.
 //!
-//! It is a library with one function, not only a program, because of the build: cargo compiles a library
-//! as soon as it knows the types of what it depends on, and a program only once all of that is compiled.
+//! The program is a library with one function to shorten the build: cargo compiles a library as soon as the types of
+//! its dependencies are known, and a program only after all of them are compiled.
 
 mod arguments;
 mod command_line;
@@ -24,7 +24,7 @@ use clap::{CommandFactory, FromArgMatches};
 
 use command_line::{Arguments, Command};
 
-/// Does what the arguments of this process ask for, and says how it ended: the exit code.
+/// Runs the command in the arguments of this process. Returns its exit code.
 #[must_use]
 pub fn run() -> ExitCode {
     let given = Arguments::from_arg_matches(&command_line().get_matches());
@@ -66,7 +66,8 @@ pub fn run() -> ExitCode {
     }
 }
 
-/// What may be asked for. An option that takes a number takes one below 0, too: whoever checks it says what is allowed.
+/// Returns the command line. Numeric options accept negative numbers, so that their checks can report the allowed
+/// values.
 fn command_line() -> clap::Command {
     taking_numbers_below_zero(Arguments::command())
 }
@@ -88,7 +89,7 @@ mod tests {
 
     use super::*;
 
-    /// What each option of `command`, which is asked for by these words, says of -1.
+    /// Collects the error of each option of `command`, called by these words, for the value -1.
     fn said_of_minus_one(command: &clap::Command, words: &[String], take: &mut dyn FnMut(String)) {
         let takes =
             |option: &&clap::Arg| option.get_action().takes_values() && !option.is_positional();
@@ -122,7 +123,7 @@ mod tests {
         let mut refused = 0;
         said_of_minus_one(&command_line(), &["palpate".to_owned()], &mut |said| {
             refused += 1;
-            // What a parser of unsigned numbers says.
+            // The message of a parser of unsigned numbers.
             assert!(!said.contains("invalid digit"), "{said}");
         });
         assert!(refused > 20, "{refused}");

@@ -1,4 +1,4 @@
-//! The program `palpate`; all of it is in the library beside it.
+//! The program `palpate`; its code is in the library of this crate.
 
 use std::process::ExitCode;
 

@@ -9,9 +9,9 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::failure::tell;
 
-/// Work that is done sooner needs no bar.
+/// Shorter work needs no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// Time of the first line if standard error is not a terminal; the next ones follow whenever the time has doubled.
+/// Time of the first line if standard error is not a terminal; later lines follow whenever the time has doubled.
 const FIRST_LINE: Duration = Duration::from_secs(30);
 
 /// A progress bar on standard error after one second; lines if standard error is not a terminal.
@@ -48,7 +48,7 @@ impl Progress {
         })
     }
 
-    /// Progress that is shown by another thread: `show` learns whether the work has ended within a time.
+    /// Progress shown by another thread; `show` learns whether the work ends within a time.
     fn shown_by(
         steps: usize,
         show: impl FnOnce(&ProgressBar, &dyn Fn(Duration) -> bool) + Send + 'static,
@@ -75,12 +75,12 @@ impl Progress {
         }
     }
 
-    /// Something begins: a step, or work before or after all of them.
+    /// Names the current step, or work before or after all steps.
     pub fn begin(&self, name: &str) {
         self.bar.set_message(name.to_owned());
     }
 
-    /// A step is done.
+    /// Completes a step.
     pub fn advance(&self) {
         self.bar.inc(1);
     }
@@ -121,7 +121,7 @@ mod tests {
         let is_wanted = |line: String| line.starts_with("progress: what can be rendered, 1 of 3, ");
         assert!(lines.iter().any(is_wanted));
         drop(progress);
-        // The thread has ended, and with it what it tells.
+        // The thread has ended, and so has its output.
         assert!(lines.iter().all(is_wanted));
     }
 }

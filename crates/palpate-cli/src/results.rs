@@ -1,4 +1,4 @@
-//! Where results go: the run file, the figure, the report.
+//! Output of results: the run file, the figure, the report.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -16,12 +16,12 @@ use crate::progress::Progress;
 use crate::run_file;
 use palpate_figure::{Picture, Sheet, Size, SizeError};
 
-/// Name that stands for standard output.
+/// Name of standard output.
 pub const STANDARD_OUTPUT: &str = "-";
 
 impl Results {
-    /// The files of the results. Refused, before any work is done, are those that cannot be written or
-    /// drawn, are there already, or would take the place of the `input`.
+    /// Plans the files of the results before any work. Rejects files that cannot be written or drawn, that exist
+    /// already, or that would replace the `input`.
     pub fn check(&self, input: &Path) -> Result<Outputs, Failure> {
         let mut outputs = self.overwriting.outputs();
         outputs.protect(input);
@@ -40,7 +40,7 @@ impl Results {
     }
 }
 
-/// Writes what was asked for, then prints the report.
+/// Writes the requested files, then prints the report.
 pub fn deliver(
     (results, outputs): (&Results, &Outputs),
     mut report: Report,
@@ -50,7 +50,7 @@ pub fn deliver(
     progress: Progress,
 ) -> Result<(), Failure> {
     let to_standard_output = results.out.as_deref() == Some(Path::new(STANDARD_OUTPUT));
-    // Ticks on standard output may go to the terminal that the bar is on.
+    // Ticks on standard output may share the terminal with the progress bar.
     let progress = Some(progress).filter(|_| !to_standard_output);
     let begin = |path: &Path| {
         if let Some(progress) = &progress {
@@ -95,7 +95,7 @@ pub fn deliver(
     }
 }
 
-/// Prints a report: its text, or its JSON.
+/// Prints a report as text or JSON.
 pub fn print_report(
     report: &(impl Serialize + fmt::Display),
     as_json: bool,
@@ -107,7 +107,7 @@ pub fn print_report(
     })
 }
 
-/// Prints to standard output; a reader that has left is no failure.
+/// Prints to standard output; a reader that has exited is not a failure.
 pub fn print(text: &str) -> Result<(), Failure> {
     finish(io::stdout().lock().write_all(text.as_bytes()))
 }
@@ -121,7 +121,7 @@ fn finish(result: io::Result<()>) -> Result<(), Failure> {
     }
 }
 
-/// Pixels of a PNG for each of the figure's units.
+/// Pixels of a PNG per unit of the figure.
 #[cfg(feature = "png")]
 const PIXELS_PER_UNIT: f32 = 2.5;
 
@@ -150,15 +150,14 @@ fn picture_format(path: &Path) -> Result<PictureFormat, Failure> {
     }
 }
 
-/// Plans a figure in the file at `path`, which the flag `name` gave; refuses a name that no figure can
-/// have.
+/// Plans a figure in the file at `path`, from the flag `name`. Rejects an invalid figure name.
 pub fn plan_picture(outputs: &mut Outputs, name: &str, path: &Path) -> Result<(), Failure> {
     picture_format(path)?;
     Ok(outputs.plan(name, path)?)
 }
 
 impl PlotFlags {
-    /// Plans the figure where one is asked for.
+    /// Plans the figure, if requested.
     pub fn plan(&self, outputs: &mut Outputs) -> Result<(), Failure> {
         match &self.plot {
             Some(path) => plan_picture(outputs, "--plot", path),
@@ -170,7 +169,7 @@ impl PlotFlags {
     }
 }
 
-/// Draws a figure into a file, whole or not at all.
+/// Draws a figure into a file, atomically.
 pub fn draw(
     outputs: &Outputs,
     path: &Path,
@@ -200,7 +199,7 @@ pub fn draw(
 }
 
 impl TimeFlags {
-    /// Refuses a part of no figure.
+    /// Rejects a time range without a figure.
     fn refuse(self) -> Result<(), Failure> {
         if self.plot_from.is_none() && self.plot_to.is_none() {
             return Ok(());
@@ -210,7 +209,7 @@ impl TimeFlags {
         ))
     }
 
-    /// Keeps of a figure over time what is asked for.
+    /// Crops a figure over time to the requested range.
     pub fn cut(self, mut sheet: Sheet) -> Result<Sheet, Failure> {
         if self.plot_from.is_none() && self.plot_to.is_none() {
             return Ok(sheet);
@@ -220,7 +219,7 @@ impl TimeFlags {
         };
         let from = self.plot_from.unwrap_or(first);
         let to = self.plot_to.unwrap_or(last);
-        // Written so that it is false for what is no number.
+        // This form of the condition is false for NaN.
         if from < to && from < last && to > first {
             sheet.keep(from, to);
             return Ok(sheet);

@@ -7,8 +7,8 @@ use palpate_record::run::{RunWriteError, RunWriter};
 use palpate_rt::answered;
 use palpate_sim::run::Run;
 
-/// Columns of a run file: those of a tick, by their names, and the run's own. Leaks and works are
-/// accumulated over the intervals before the sample.
+/// Columns of a run file: those of a tick, by their names, and the run's own. Leaks and works are accumulated over the
+/// intervals before the sample.
 pub const COLUMNS: [&str; 22] = [
     "t_s",
     "device_position_m",
@@ -34,10 +34,10 @@ pub const COLUMNS: [&str; 22] = [
     "method",
 ];
 
-/// The column that follows where an object has a radius: its centre.
+/// Additional column for an object with a radius: its centre.
 const CENTRE: &str = "object_centre_m";
 
-/// Writes `runs`, one after the other, with a receipt of what made them.
+/// Writes `runs`, one after the other, with metadata of their origin.
 pub fn write(
     writer: &mut dyn Write,
     receipt: &[(String, String)],

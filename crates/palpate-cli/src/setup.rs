@@ -1,4 +1,4 @@
-//! From flags to what a command runs: required values, defaults, and errors that name the flag.
+//! Converts flags to the setup of a command: required values, defaults, and errors that name the flag.
 
 mod actuation;
 mod device_file;
@@ -20,10 +20,10 @@ use wrong::not_allowed;
 pub use wrong::{wrong_flag, wrong_on_bench, wrong_rendered, wrong_setup};
 
 impl TimingFlags {
-    /// Puts the flags that were given in place of the scene's values.
+    /// Replaces the scene's values by the given flags.
     ///
     /// # Errors
-    /// A fraction of a period beside a delay in seconds.
+    /// A fraction of a period is combined with a delay in seconds.
     pub fn change(&self, scene: &mut Scene) -> Result<(), Failure> {
         if let Some(given) = self.delay_fraction {
             let Delay::Periods { fraction, .. } = &mut scene.delay else {
@@ -46,7 +46,7 @@ impl TimingFlags {
     }
 }
 
-/// Says that a method cannot render one contact.
+/// Explains that a method cannot render one contact.
 pub fn only_for_worlds(name: &str) -> Failure {
     Failure::Arguments(format!(
         "--method: {name} renders worlds only, and this is one contact; the methods are {}",
@@ -55,25 +55,25 @@ pub fn only_for_worlds(name: &str) -> Failure {
 }
 
 impl Flags {
-    /// Methods to run, `default` if none is named.
+    /// Returns the methods to run, `default` if none is named.
     pub fn methods(&self, default: MethodName) -> Vec<MethodName> {
         self.method
             .as_ref()
             .map_or_else(|| vec![default], AnyMethods::of_contact)
     }
 
-    /// Settings that were given.
+    /// Returns the given settings.
     pub fn settings(&self) -> Settings {
         self.settings.0
     }
 
-    /// Whether a setting was given, so that faults of settings are told in terms of flags.
+    /// Whether a setting was given, so that errors of settings name flags.
     pub fn explain_settings(&self) -> bool {
         self.settings() != Settings::default()
     }
 
-    /// Refuses a method that renders worlds only, a setting that one of the methods has no use for, or that means something else for each
-    /// of two.
+    /// Rejects a method that renders worlds only, a setting that one of the methods does not use, or a setting with a
+    /// different meaning for two of them.
     pub fn check_settings(&self, methods: &[MethodName]) -> Result<(), Failure> {
         if let Some(name) = self.method.as_ref().and_then(AnyMethods::of_worlds_only) {
             return Err(only_for_worlds(name));
@@ -100,7 +100,7 @@ impl Flags {
         Ok(())
     }
 
-    /// Refuses facts about the device that cannot be true, whether a method uses them or not.
+    /// Rejects impossible properties of the device, whether a method uses them or not.
     fn check_device(&self) -> Result<(), Failure> {
         for (parameter, range, value) in [
             (Parameter::DeviceMass, Range::Positive, self.device_mass),
@@ -119,14 +119,14 @@ impl Flags {
         self.actuation.check()
     }
 
-    /// The device file, if one was given.
+    /// Reads the device file, if one was given.
     fn device_file(&self, period: f64) -> Result<Option<DeviceFile>, Failure> {
         let path = self.actuation.device_file.as_deref();
         path.map(|path| DeviceFile::read(path, self, period))
             .transpose()
     }
 
-    /// What is told where nothing is simulated that could have another value.
+    /// Rejects model values if nothing is simulated that could differ from them.
     fn refuse_told(&self, command: &str) -> Result<(), Failure> {
         self.actuation.refuse_told(command)?;
         if self.told_device_mass.is_none() {
@@ -138,8 +138,8 @@ impl Flags {
         )))
     }
 
-    /// Contact, loop, object and settings of `method` for a real device, from a scene and the flags
-    /// that change it. The device's mass is what the scene tells its renderer.
+    /// Returns contact, loop, object and settings of `method` for a real device, from a scene and overriding flags. The
+    /// device's mass is the scene's model value.
     pub fn live_setup(
         &self,
         mut scene: Scene,
@@ -148,7 +148,7 @@ impl Flags {
         self.refuse_told("pipe")?;
         self.change(&mut scene, &[method])?;
         let told = self.device_mass.or(scene.told_device_mass);
-        // A simulated device does not glitch; a real one does.
+        // Unlike a simulated device, a real one can glitch.
         let of_real_devices = LoopParams::new(scene.loop_params.period).speed_limit;
         let setup = ReplaySetup {
             contact: scene.contact,
@@ -167,7 +167,7 @@ impl Flags {
         Ok((setup, settings))
     }
 
-    /// Contact, loop and object of `command`, which needs stiffness, mass and period.
+    /// Returns contact, loop and object of `command`, which needs stiffness, mass and period.
     pub fn replay_setup(&self, command: &str) -> Result<ReplaySetup, Failure> {
         let needed = |value: Option<f64>, flag: &str, unit: &str| {
             value.ok_or_else(|| Failure::Arguments(format!("{command} needs {flag} <{unit}>")))
@@ -216,7 +216,7 @@ impl Flags {
             period: others.period,
             largest_gap: self.largest_gap.or(others.largest_gap),
             speed_limit: self.speed_limit.or(others.speed_limit),
-            // An infinite limit is none, whatever a scene says.
+            // An infinite limit disables the limit of a scene.
             force_limit: self.force_limit.map_or(others.force_limit, |limit| {
                 (limit != f64::INFINITY).then_some(limit)
             }),
@@ -231,7 +231,7 @@ impl Flags {
         }
     }
 
-    /// Puts the flags that were given in place of the scene's values, for `methods`.
+    /// Replaces the scene's values by the given flags, for `methods`.
     pub fn change(&self, scene: &mut Scene, methods: &[MethodName]) -> Result<(), Failure> {
         self.check_device()?;
         let before = scene.clone();
@@ -285,7 +285,7 @@ impl Flags {
         Ok(())
     }
 
-    /// Whether any flag changes what is simulated.
+    /// Whether any flag changes the simulation.
     pub fn change_a_scene(&self) -> bool {
         let rendered = [
             Parameter::Stiffness,
@@ -312,7 +312,7 @@ impl Flags {
     }
 }
 
-/// Refuses a contact, a loop or an object that is wrong whatever the method.
+/// Rejects a contact, a loop or an object that is invalid for all methods.
 pub fn check_contact(setup: &ReplaySetup) -> Result<(), Failure> {
     Renderer::new(setup.contact, setup.known_loop(), BasicParams)
         .and_then(|renderer| renderer.start(setup.object))
@@ -320,7 +320,7 @@ pub fn check_contact(setup: &ReplaySetup) -> Result<(), Failure> {
         .map_err(|error| wrong_rendered(&error))
 }
 
-/// Adds the values that flags have changed to a title, which may name those of the file.
+/// Adds values changed by flags to a title, which may name those of the file.
 fn retitle(scene: &mut Scene, before: &Scene) {
     let mass = |scene: &Scene| match scene.contact.object_mass {
         palpate::Mass::Finite(mass) => mass,

@@ -1,4 +1,4 @@
-//! Values of arguments, and what is said of one that is not understood.
+//! Values of arguments, with messages for invalid ones.
 
 use std::fmt;
 use std::time::Duration;
@@ -17,34 +17,34 @@ use palpate_testbed::hold::DelayedHold;
 
 use crate::failure::{Failure, tell};
 
-/// The methods a command is to run.
+/// The methods to run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Methods(pub Vec<MethodName>);
 
-/// The methods that a command is to run on a contact or on a world.
+/// The methods to run on a contact or on a world.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AnyMethods {
-    /// Whether all are meant.
+    /// Whether the argument is `all`.
     pub are_all: bool,
-    /// Those that were named.
+    /// The named methods.
     pub names: Vec<&'static str>,
 }
 
 impl AnyMethods {
-    /// Those that render one contact.
+    /// Returns the methods that render one contact.
     pub fn of_contact(&self) -> Vec<MethodName> {
         let names = self.names.iter();
         names.filter_map(|name| MethodName::named(name)).collect()
     }
 
-    /// One that renders worlds only.
+    /// Returns a named method that renders worlds only.
     pub fn of_worlds_only(&self) -> Option<&'static str> {
         let mut names = self.names.iter().copied();
         names.find(|name| MethodName::named(name).is_none())
     }
 }
 
-/// `all`, or names separated by commas, of methods that render a contact or a world.
+/// Parses `all`, or names separated by commas, of methods that render a contact or a world.
 pub fn any_methods(text: &str) -> Result<AnyMethods, String> {
     if text == "all" {
         return Ok(AnyMethods {
@@ -79,7 +79,7 @@ pub fn any_methods(text: &str) -> Result<AnyMethods, String> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numbers(pub Vec<f64>);
 
-/// `all`, or names separated by commas.
+/// Parses `all`, or names separated by commas.
 pub fn methods(text: &str) -> Result<Methods, String> {
     if text == "all" {
         return Ok(Methods(MethodName::ALL.to_vec()));
@@ -95,13 +95,13 @@ pub fn methods(text: &str) -> Result<Methods, String> {
     Ok(Methods(methods))
 }
 
-/// Any number; its range is the business of what it is for.
+/// Parses any number; the caller checks its range.
 pub fn number(text: &str) -> Result<f64, String> {
     text.parse()
         .map_err(|_| "a number is needed, such as 0.01 or 1e-2".into())
 }
 
-/// A period `[s]`; one that is likely to be in milliseconds is questioned on standard error.
+/// Parses a period `[s]`, and warns of one that is probably in milliseconds.
 pub fn period(text: &str) -> Result<f64, String> {
     let period = number(text)?;
     if let Some(question) = period_question("--period", "--period 0.001", period) {
@@ -110,13 +110,13 @@ pub fn period(text: &str) -> Result<f64, String> {
     Ok(period)
 }
 
-/// A whole number from 0 on.
+/// Parses an integer of 0 or above.
 pub fn whole<N: std::str::FromStr>(text: &str) -> Result<N, String> {
     text.parse()
         .map_err(|_| "a whole number from 0 on is needed".into())
 }
 
-/// A limit above 0; infinite where there is to be none.
+/// Parses a limit above 0; infinite for no limit.
 pub fn limit(text: &str) -> Result<f64, String> {
     number(text).and_then(|limit| {
         if limit > 0.0 {
@@ -127,7 +127,7 @@ pub fn limit(text: &str) -> Result<f64, String> {
     })
 }
 
-/// Where the hand's force acts on a pantograph.
+/// Parses the point of action of the hand's force on a pantograph.
 pub fn force_place(text: &str) -> Result<HandForceAt, String> {
     let places = [HandForceAt::EndPoint, HandForceAt::Motors];
     places
@@ -141,13 +141,13 @@ pub fn force_place(text: &str) -> Result<HandForceAt, String> {
         })
 }
 
-/// Numbers separated by commas; their range is the business of what they are for.
+/// Parses numbers separated by commas; the caller checks their range.
 pub fn numbers(text: &str) -> Result<Numbers, String> {
     let values: Result<_, _> = text.split(',').map(|value| number(value.trim())).collect();
     values.map(Numbers)
 }
 
-/// A quantity of a scene that can be varied.
+/// Parses a quantity of a scene that can be varied.
 pub fn quantity(text: &str) -> Result<Quantity, String> {
     Quantity::ALL
         .into_iter()
@@ -160,7 +160,7 @@ pub fn quantity(text: &str) -> Result<Quantity, String> {
         })
 }
 
-/// A family of random plants.
+/// Parses a family of random plants.
 pub fn plant_set(text: &str) -> Result<PlantSet, String> {
     let mut worlds = WorldSet::ALL.into_iter();
     if let Some(set) = worlds.find(|set| set.name() == text) {
@@ -184,7 +184,7 @@ pub enum PlantSet {
     Worlds(WorldSet),
 }
 
-/// A unit of positions.
+/// Parses a unit of positions.
 pub fn length_unit(text: &str) -> Result<LengthUnit, String> {
     LengthUnit::of_symbol(text).ok_or_else(|| {
         let units = LengthUnit::ALL.map(LengthUnit::symbol).join(", ");
@@ -192,7 +192,7 @@ pub fn length_unit(text: &str) -> Result<LengthUnit, String> {
     })
 }
 
-/// Unit of times.
+/// Parses a unit of times.
 pub fn time_unit(text: &str) -> Result<TimeUnit, String> {
     TimeUnit::of_symbol(text).ok_or_else(|| {
         let units = TimeUnit::ALL.map(TimeUnit::symbol).join(", ");
@@ -200,7 +200,7 @@ pub fn time_unit(text: &str) -> Result<TimeUnit, String> {
     })
 }
 
-/// What separates the fields of a table.
+/// Parses the separator of a table's fields.
 pub fn delimiter(text: &str) -> Result<Delimiter, String> {
     Delimiter::named(text).ok_or_else(|| "comma, semicolon or tab is needed".into())
 }
@@ -209,19 +209,19 @@ pub fn delimiter(text: &str) -> Result<Delimiter, String> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TraceColumns(pub Vec<(String, String)>);
 
-/// Quantities and columns, such as `t=time,x=X`.
+/// Parses quantities and columns, such as `t=time,x=X`.
 pub fn trace_columns(text: &str) -> Result<TraceColumns, String> {
     Layout::parse_columns(text).map(TraceColumns)
 }
 
-/// From one number to another; which of them is larger is the business of what it is for.
+/// Parses two numbers of a range; the caller checks their order.
 pub fn range(text: &str) -> Result<(f64, f64), String> {
     text.split_once(',')
         .and_then(|(from, to)| Some((from.trim().parse().ok()?, to.trim().parse().ok()?)))
         .ok_or_else(|| "two numbers are needed, with a comma between, such as -0.05,0.05".into())
 }
 
-/// A place or a direction in the frame of a device with several axes.
+/// A position or a direction in the frame of a device with several axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameVector(pub Vec<f64>);
 
@@ -232,7 +232,7 @@ impl fmt::Display for FrameVector {
     }
 }
 
-/// Two or three finite numbers.
+/// Parses two or three finite numbers.
 pub fn place(text: &str) -> Result<FrameVector, String> {
     let numbers: Option<Vec<f64>> = text
         .split(',')
@@ -244,7 +244,7 @@ pub fn place(text: &str) -> Result<FrameVector, String> {
         .ok_or_else(|| "two or three numbers are needed, with commas between, such as 0,0.1".into())
 }
 
-/// Axes of a world, for the axes of a device in their order.
+/// World axes of a device's axes, in their order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorldAxes(pub Vec<WorldAxis>);
 
@@ -259,7 +259,7 @@ impl fmt::Display for WorldAxes {
     }
 }
 
-/// One to three different axes of a world.
+/// Parses one to three different axes of a world.
 pub fn world_axes(text: &str) -> Result<WorldAxes, String> {
     let axis = |word: &str| {
         let (name, is_reversed) = match word.trim().strip_prefix('-') {
@@ -291,7 +291,7 @@ pub enum BoardName {
     Dev,
 }
 
-/// Where an arm is while its device is opened.
+/// Pose of an arm while its device is opened.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StartPose {
     Retracted,
@@ -300,7 +300,7 @@ pub enum StartPose {
     Angles([f32; 2]),
 }
 
-/// `retracted`, `extended` or two angles.
+/// Parses `retracted`, `extended` or two angles.
 pub fn start_pose(text: &str) -> Result<StartPose, String> {
     match text {
         "retracted" => return Ok(StartPose::Retracted),
@@ -318,7 +318,7 @@ pub fn start_pose(text: &str) -> Result<StartPose, String> {
         .ok_or_else(|| "retracted, extended or two angles are needed, such as 168,12".into())
 }
 
-/// Two finite numbers.
+/// Parses two finite numbers.
 pub fn pair(text: &str) -> Result<[f64; 2], String> {
     match place(text) {
         Ok(FrameVector(numbers)) if numbers.len() == 2 => Ok([numbers[0], numbers[1]]),
@@ -326,19 +326,19 @@ pub fn pair(text: &str) -> Result<[f64; 2], String> {
     }
 }
 
-/// A flag's time.
+/// Converts the time of a flag.
 pub fn duration(flag: &str, seconds: f64) -> Result<Duration, Failure> {
     Duration::try_from_secs_f64(seconds).map_err(|_| no_time(flag, seconds))
 }
 
-/// A flag's number of seconds is no time.
+/// Explains a number of seconds that is not a valid time.
 pub fn no_time(flag: &str, seconds: f64) -> Failure {
     Failure::Arguments(format!(
         "{flag}: {seconds} s is no time; allowed: 0 to 1e19"
     ))
 }
 
-/// A delay in periods that the bench can hold.
+/// Parses a delay in periods that the simulation supports.
 pub fn periods(text: &str) -> Result<f64, String> {
     const MOST: usize = DelayedHold::LONGEST_DELAY;
     match text.parse() {
@@ -349,13 +349,13 @@ pub fn periods(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A side of the device.
+/// Parses a side of the device.
 pub fn side(text: &str) -> Result<Side, String> {
     Side::named(text)
         .ok_or_else(|| format!("the sides are {}", Side::ALL.map(Side::name).join(" and ")))
 }
 
-/// What a guard does.
+/// Parses the mode of a guard.
 pub fn guard(text: &str) -> Result<GuardMode, String> {
     GuardMode::named(text).ok_or_else(|| {
         let [off, report, limit] = GuardMode::ALL.map(GuardMode::name);

@@ -1,4 +1,4 @@
-//! Worlds in commands: which flags they take, which method, and their faults in words.
+//! Worlds in commands: their flags, methods and error messages.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use palpate_world::{WorldError, WorldField, WorldGuard, WorldPart};
 use crate::arguments::{Flags, Given};
 use crate::failure::Failure;
 
-/// Refuses flags that a world does not take.
+/// Rejects flags that do not apply to a world.
 pub fn only(given: &Given, known: &[&str], path: &Path) -> Result<(), Failure> {
     let Some(flag) = given.other_than(known) else {
         return Ok(());
@@ -25,8 +25,8 @@ pub fn only(given: &Given, known: &[&str], path: &Path) -> Result<(), Failure> {
     )))
 }
 
-/// The methods by their names: those that were named, or the scene's own. All are those for which the scene has
-/// every setting and shapes that they know.
+/// Returns the named methods, or the scene's own. `all` selects the methods for which the scene has every setting and
+/// supported shapes.
 pub fn methods<'a>(flags: &'a Flags, scene: &'a WorldScene) -> Vec<&'a str> {
     match &flags.method {
         None => vec![&scene.render.method],
@@ -38,7 +38,7 @@ pub fn methods<'a>(flags: &'a Flags, scene: &'a WorldScene) -> Vec<&'a str> {
     }
 }
 
-/// The world with the guard that flags ask for; without such a flag, the file's own.
+/// Returns the world with the guard of the flags; without such a flag, that of the file.
 pub fn guarded(flags: &Flags, file: &WorldFile) -> WorldFile {
     let mut file = file.clone();
     if let Some(mode) = flags.guard {
@@ -54,7 +54,7 @@ pub fn guarded(flags: &Flags, file: &WorldFile) -> WorldFile {
     file
 }
 
-/// The one method by its name.
+/// Returns the single method.
 pub fn one_method<'a>(flags: &'a Flags, scene: &'a WorldScene) -> Result<&'a str, Failure> {
     match methods(flags, scene)[..] {
         [method] => Ok(method),
@@ -64,14 +64,13 @@ pub fn one_method<'a>(flags: &'a Flags, scene: &'a WorldScene) -> Result<&'a str
     }
 }
 
-/// A method's name, as it lives as long as the program.
+/// Returns a method's name with a static lifetime.
 pub fn known(method: &str) -> &'static str {
     let mut all = WorldScene::METHODS.into_iter();
     all.find(|name| *name == method).unwrap_or("unknown")
 }
 
-/// What is wrong with a world that has been read: the fault lies in a flag if one gave the method, else in the
-/// file.
+/// Explains errors of a parsed world: the error is in a flag if one gave the method, else in the file.
 pub fn wrong_world(flags: &Flags, file: &WorldFile, faults: &[WorldError]) -> Failure {
     let first = &faults[0];
     for (field, flag, value) in [

@@ -1,9 +1,8 @@
-//! What a device can do.
+//! Capabilities of a device.
 
 use super::Vector;
 
-/// What a device can do, as far as its maker or a measurement says; `None` is not known, and no
-/// limit follows from it.
+/// Capabilities of a device, from its data sheet or from a measurement. `None` means unknown and imposes no limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Capabilities {
     /// The device's name, for reports and recordings.
@@ -12,30 +11,30 @@ pub struct Capabilities {
     pub axes: usize,
     /// Number of axes with a torque, 0 to 3.
     pub torque_axes: usize,
-    /// Whether poses have an orientation about three axes. A device with a stylus often has, and gives no torque.
+    /// Whether poses have an orientation about three axes. Devices with a stylus often measure it without giving
+    /// torque.
     pub measures_orientation: bool,
     /// Largest force in every pose `[N]`.
     pub largest_force: Option<f64>,
     /// Largest torque in every pose `[N m]`.
     pub largest_torque: Option<f64>,
-    /// Largest stiffness that the maker advises `[N/m]`.
+    /// Largest stiffness recommended by the manufacturer `[N/m]`.
     pub largest_stiffness: Option<f64>,
-    /// Largest damping that the maker advises `[N s/m]`.
+    /// Largest damping recommended by the manufacturer `[N s/m]`.
     pub largest_damping: Option<f64>,
     /// Corners of the workspace `[m]`, lower and upper on each axis.
     pub workspace: Option<[Vector; 2]>,
     /// Effective mass at the end-point `[kg]`.
     pub effective_mass: Option<f64>,
-    /// Quantum of the position `[m]`; 0 for a sensor without one.
+    /// Quantum of the position `[m]`; 0: continuous sensor.
     pub encoder_quantum: Option<f64>,
-    /// Whether the device holds the last force that it was commanded for as long as nobody commands
-    /// another one. If the program that commanded it is killed, only another process can take the
-    /// force off: the guardian of `palpate-rt`.
+    /// Whether the device holds the last commanded force until the next command. If the commanding program is killed,
+    /// only another process can remove that force: the watchdog process of `palpate-rt`.
     pub holds_last_force: bool,
 }
 
 impl Capabilities {
-    /// A device of which only its name and its axes are known.
+    /// Creates capabilities of which only the name and the number of axes are known.
     ///
     /// # Panics
     /// The number of axes is not 1, 2 or 3.

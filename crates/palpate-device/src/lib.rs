@@ -1,10 +1,9 @@
-//! What gives poses and takes wrenches: the [`Device`] trait, which a driver implements, and the
-//! [clocks](clock) that a loop can run on.
+//! Driver interface of haptic devices: the [`Device`] trait and the [clocks](clock) of a loop.
 //!
-//! A driver needs this crate alone. [`NullDevice`], [`ScriptedDevice`] and [`ReplayDevice`] stand in
-//! for a device in tests; `palpate-sim` has simulated ones.
+//! A driver depends on this crate alone. [`NullDevice`], [`ScriptedDevice`] and [`ReplayDevice`] are test devices;
+//! `palpate-sim` contains simulated ones.
 
-// What the loop calls does not panic, and prints nothing: what may stands in set-up only.
+// Functions that a loop calls neither panic nor print; only set-up code may.
 #![warn(
     clippy::expect_used,
     clippy::indexing_slicing,
@@ -38,11 +37,11 @@ struct ReadmeExamples;
 /// A haptic device with one end-point: up to three axes with a force, up to three with a torque.
 ///
 /// Each period the loop reads once and writes once, in this order. The device holds a written force
-/// until the next write. Neither call may allocate, lock or panic, and both return well within a
-/// period: a device that answers by request does its round trip in [`read`](Self::read), repeating
-/// the force that it holds; one that sends on its own returns what came last.
+/// until the next write. Neither call may allocate, lock or panic, and both return well within a period. A
+/// request-response device exchanges its messages in [`read`](Self::read) and repeats the held force; a streaming
+/// device returns the latest sample.
 ///
-/// A device of one's own, a knob that turns about z and has one motor:
+/// Example of a driver, for a knob that turns about z and has one motor:
 ///
 /// ```
 /// use palpate_device::clock::{Clock, SteppedClock};
@@ -95,75 +94,74 @@ struct ReadmeExamples;
 /// # Ok::<(), DeviceError>(())
 /// ```
 pub trait Device: Send {
-    /// What the device can do; it stays the same while the device lives.
+    /// Returns the capabilities. They are constant during the device's lifetime.
     fn capabilities(&self) -> &Capabilities;
 
-    /// Where the end-point is, and how it is turned where the device measures that.
+    /// Returns the position of the end-point and, if measured, its orientation.
     ///
     /// # Errors
-    /// [`DeviceErrorKind::NothingNew`]: there was no sample in this period; go on with the last force
-    /// for a period, then with none. [`DeviceErrorKind::Disconnected`]: the device is gone, and only
-    /// opening it again helps. [`DeviceErrorKind::Refused`]: the device is there and does not do what
-    /// it was asked; whoever runs it has to look at it.
+    /// [`DeviceErrorKind::NothingNew`]: there was no sample in this period; the loop keeps the last force for one
+    /// period, then commands zero. [`DeviceErrorKind::Disconnected`]: the device is disconnected and must be
+    /// reopened. [`DeviceErrorKind::Refused`]: the device is connected but rejects the request; the operator must
+    /// inspect it.
     fn read(&mut self) -> Result<Pose, DeviceError>;
 
-    /// Commands `wrench` on the end-point, and says which one is held from now on as far as is known: a
-    /// driver that clamps, rounds or delays returns what it really gives, and 0 on axes that have no
-    /// motor. [`Wrench::NONE`] is always taken, and on any doubt.
+    /// Commands `wrench` on the end-point and returns the wrench held from now on, as far as known. A driver that
+    /// clamps, rounds or delays returns the actual wrench, with 0 on axes without a motor. Every driver accepts
+    /// [`Wrench::NONE`] at any time.
     ///
     /// # Errors
-    /// As [`read`](Self::read). The force that is held is then not known.
+    /// Those of [`read`](Self::read). The held force is then unknown.
     fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError>;
 
-    /// What is sent to the motors of the wrench that was written last, where that is not what
-    /// [`write`](Self::write) has returned: a device that knows of its delay returns what is held now,
-    /// and says here what will be held later. `None`, the default: what `write` has returned.
+    /// Returns the part of the last written wrench that is sent to the motors, if it differs from the result of
+    /// [`write`](Self::write). A device that models its delay returns the currently held wrench from `write` and the
+    /// wrench held later from this function. `None`, the default: the result of `write`.
     fn last_sent(&self) -> Option<Wrench> {
         None
     }
 
-    /// A second way to command no force, for a supervisor on another thread while this one is not
-    /// answering. `None`: there is none, and a stalled loop leaves the last force on.
+    /// Returns a second path to command zero force, for a supervisor on another thread while this thread is blocked.
+    /// `None`: there is no such path, and a stalled loop leaves the last force on.
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
         None
     }
 
-    /// Whether somebody beside this program, the guardian of `palpate-rt`, has commanded no force since
-    /// this was asked last. A loop asks after it has stood still and has read.
+    /// Returns whether another process, the watchdog of `palpate-rt`, has commanded zero force since the last call. A
+    /// loop calls it after a stall, once it has read the device.
     fn was_cut(&mut self) -> bool {
         false
     }
 }
 
-/// Commands no force, apart from the device that it belongs to.
+/// Path to command zero force independently of the device object.
 pub trait ZeroWriter: Send {
-    /// Commands no force at the first moment possible. Returns at once, whatever the device does.
+    /// Commands zero force as soon as possible. Returns immediately, whatever the state of the device.
     fn write_zero(&mut self);
 }
 
-/// What a caller can do about an error of a device.
+/// Kinds of device errors, by the caller's possible response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeviceErrorKind {
     /// No new sample yet: try again in the next period.
     NothingNew,
-    /// The device is gone: command no force, open it anew.
+    /// The device is disconnected: command zero force and reopen it.
     Disconnected,
-    /// The device does not do what it is asked: command no force, look at it.
+    /// The device rejects the request: command zero force and inspect it.
     Refused,
 }
 
-/// Why a device did not do what it was asked. It carries no text of its own making: errors arise in
-/// the loop, where nothing may be allocated.
+/// Failure of a device. Its text is static, because errors occur in the loop, where allocation is forbidden.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct DeviceError {
-    /// What can be done about it.
+    /// Possible response of the caller.
     pub kind: DeviceErrorKind,
-    /// What happened, in a few words.
+    /// Short description of the failure.
     pub what: &'static str,
 }
 
 impl DeviceError {
-    /// An error of this kind.
+    /// Creates an error of this kind.
     #[must_use]
     pub fn new(kind: DeviceErrorKind, what: &'static str) -> Self {
         Self { kind, what }

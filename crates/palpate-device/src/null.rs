@@ -1,9 +1,9 @@
-//! No device at all.
+//! A device without motion.
 
 use super::{Capabilities, Device, DeviceError, Pose, Wrench, ZeroWriter};
 use crate::clock::Clock;
 
-/// A device that rests at the origin and gives every force to nobody: for measuring the loop itself.
+/// A device that rests at the origin and ignores every force. It serves to measure the loop itself.
 #[derive(Clone, Debug)]
 pub struct NullDevice<C> {
     clock: C,
@@ -11,7 +11,7 @@ pub struct NullDevice<C> {
 }
 
 impl<C: Clock> NullDevice<C> {
-    /// A null device with one axis, whose time stamps are of `clock`.
+    /// Creates a null device with one axis and time stamps of `clock`.
     #[must_use]
     pub fn new(clock: C) -> Self {
         Self {

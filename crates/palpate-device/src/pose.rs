@@ -1,4 +1,4 @@
-//! What passes between a loop and its device: a pose one way, a wrench the other way.
+//! Data exchanged by a loop and its device: poses and wrenches.
 
 use std::time::Duration;
 
@@ -6,22 +6,21 @@ use std::time::Duration;
 /// torque `[N m]`. A device with fewer than three axes uses the first ones and leaves the others at 0.
 pub type Vector = [f64; 3];
 
-/// Where the end-point is, how it is turned, and when.
+/// Position, orientation and time of the end-point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// Position of the end-point in the device's frame `[m]`.
     pub position: Vector,
-    /// How the end-point is turned: the unit quaternion `[w, x, y, z]` `[1]` that turns its own axes into
-    /// those of the device's frame. `None`: the device does not measure that.
+    /// Orientation of the end-point: the unit quaternion `[w, x, y, z]` `[1]` that rotates its axes into those of the
+    /// device's frame. `None`: not measured.
     pub orientation: Option<[f64; 4]>,
-    /// When it was there, on the loop's clock: measured by the device if it can, else when the
-    /// answer came. A device that repeats a time stamp has nothing new to say, and a stamp more than
-    /// a period ahead of the clock is none.
+    /// Sampling time on the loop's clock: measured by the device if possible, else the arrival time of the answer. A
+    /// repeated time stamp marks a repeated sample. A stamp more than a period ahead of the clock is invalid.
     pub time: Duration,
 }
 
 impl Pose {
-    /// A pose of a device that measures no orientation.
+    /// Creates a pose without orientation.
     #[must_use]
     pub fn at(position: Vector, time: Duration) -> Self {
         Self {
@@ -42,13 +41,13 @@ pub struct Wrench {
 }
 
 impl Wrench {
-    /// No force and no torque: always taken by a device, and on any doubt.
+    /// Zero force and torque. Every device accepts it at any time.
     pub const NONE: Self = Self {
         force: [0.0; 3],
         torque: [0.0; 3],
     };
 
-    /// A force `[N]` without a torque.
+    /// Creates a force `[N]` without torque.
     #[must_use]
     pub fn of_force(force: Vector) -> Self {
         Self {
@@ -57,14 +56,14 @@ impl Wrench {
         }
     }
 
-    /// Whether all its components are numbers and finite.
+    /// Returns whether all components are finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         let all = self.force.iter().chain(&self.torque);
         all.copied().all(f64::is_finite)
     }
 
-    /// What a function makes of the force and of the torque, each for itself.
+    /// Applies `change` separately to the force and to the torque.
     #[must_use]
     pub fn each(self, mut change: impl FnMut(Vector) -> Vector) -> Self {
         Self {

@@ -1,13 +1,12 @@
-//! A device that moves as it was recorded.
+//! Replay of a recorded motion.
 
 use std::time::Duration;
 
 use super::{Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Vector, Wrench};
 use crate::clock::Clock;
 
-/// A device that is moved through recorded positions by nobody's force: motion replay. It is where
-/// the recording has it, between two samples on the straight line between them; behind the end it is
-/// disconnected.
+/// A position-driven device: it follows recorded positions and ignores forces. Between two samples it interpolates
+/// linearly; after the last one it is disconnected.
 #[derive(Clone, Debug)]
 pub struct ReplayDevice<C> {
     clock: C,
@@ -20,11 +19,11 @@ pub struct ReplayDevice<C> {
 }
 
 impl<C: Clock> ReplayDevice<C> {
-    /// Replays `samples`: times since the first, strictly increasing, and positions `[m]`.
+    /// Creates a replay of `samples`: times since the first sample, strictly increasing, and positions `[m]`.
     ///
     /// # Errors
-    /// Fewer than two samples, a time that does not increase, a position that is not finite; names
-    /// the sample.
+    /// Fewer than two samples, a time that does not increase, or a position that is not finite; the error names the
+    /// sample.
     pub fn new(
         clock: C,
         axes: usize,
@@ -54,14 +53,14 @@ impl<C: Clock> ReplayDevice<C> {
     }
 }
 
-/// Why a recording cannot be replayed. Samples count from 0.
+/// Reason why a recording cannot be replayed. Samples count from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReplayError {
-    /// Nothing to move along.
+    /// Fewer than two samples.
     #[error("{0} samples; a replay needs two or more")]
     TooShort(usize),
-    /// Time stands still or runs backwards.
+    /// A time is equal to or less than the previous one.
     #[error("the time of sample {0} is not after that of the sample before")]
     TimeNotIncreasing(usize),
     /// A position is NaN or infinite.
@@ -78,7 +77,7 @@ impl<C: Clock> Device for ReplayDevice<C> {
         let time = self.clock.now();
         let started = *self.started.get_or_insert(time);
         let at = self.first + (time - started);
-        // Amortised: each sample is passed once.
+        // Amortised cost: the index passes each sample once.
         while self
             .samples
             .get(self.passed + 1)

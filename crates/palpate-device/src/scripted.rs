@@ -1,4 +1,4 @@
-//! A device that does what it is told beforehand, faults included.
+//! A device that follows a script, including faults.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -6,23 +6,23 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use super::{Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Vector, Wrench, ZeroWriter};
 use crate::clock::Clock;
 
-/// What a scripted device does in one period.
+/// Behaviour of a scripted device in one period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step {
-    /// It is here `[m]`.
+    /// Reports this position `[m]`.
     At(Vector),
-    /// It repeats its last reading, time stamp included.
+    /// Repeats the last reading, including the time stamp.
     Stale,
-    /// It has no answer.
+    /// Fails with an error of this kind.
     Fails(DeviceErrorKind),
-    /// It is here `[m]`, and does not take a force.
+    /// Reports this position `[m]` and rejects the force.
     RefusesForce(Vector),
 }
 
-/// A list of steps; behind its end the last one is repeated.
+/// List of steps; after its end the last step is repeated.
 pub type Script = Vec<Step>;
 
-/// A device that follows a script and remembers which forces it was given, for tests.
+/// A test device that follows a script and stores the forces written to it.
 #[derive(Debug)]
 pub struct ScriptedDevice<C> {
     clock: C,
@@ -33,15 +33,15 @@ pub struct ScriptedDevice<C> {
     forces: Vec<Vector>,
     zeroed: Arc<AtomicUsize>,
     guardian: Arc<AtomicBool>,
-    /// Whether it has heard of that.
+    /// Whether the last reading detected a cut.
     was_cut: bool,
 }
 
-/// Forces that are remembered; there is room for them before the loop starts.
+/// Maximum number of stored forces; the memory is allocated before the loop starts.
 const REMEMBERED: usize = 100_000;
 
 impl<C: Clock> ScriptedDevice<C> {
-    /// A device with `axes` axes that follows `script`.
+    /// Creates a device with `axes` axes that follows `script`.
     #[must_use]
     pub fn new(clock: C, axes: usize, script: Script) -> Self {
         Self {
@@ -61,7 +61,7 @@ impl<C: Clock> ScriptedDevice<C> {
         }
     }
 
-    /// The same device with other capabilities.
+    /// Replaces the capabilities.
     #[must_use]
     pub fn with_capabilities(self, capabilities: Capabilities) -> Self {
         Self {
@@ -70,19 +70,20 @@ impl<C: Clock> ScriptedDevice<C> {
         }
     }
 
-    /// Forces that were written, the first 100000 of them `[N]`.
+    /// Returns the first 100000 written forces `[N]`.
     #[must_use]
     pub fn forces(&self) -> &[Vector] {
         &self.forces
     }
 
-    /// How often its zero writer has been used.
+    /// Returns the counter of calls of the zero writer.
     #[must_use]
     pub fn times_zeroed(&self) -> Arc<AtomicUsize> {
         Arc::clone(&self.zeroed)
     }
 
-    /// Raising it plays a guardian that has commanded no force; the device hears of it when it reads.
+    /// Returns a flag that emulates a watchdog process. After it is set, the next read reports a zero-force command
+    /// of that process.
     #[must_use]
     pub fn guardian(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.guardian)

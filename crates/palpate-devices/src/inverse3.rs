@@ -1,27 +1,28 @@
-//! An Inverse3 that says in the end how its connection was.
+//! An Inverse3 that reports connection faults when it is dropped.
 
 use palpate_device::clock::Clock;
 use palpate_device::{Capabilities, Device, DeviceError, Pose, Wrench, ZeroWriter};
 use palpate_haply::inverse3::{Inspector, Inverse3};
 
-/// Which Inverse3 it is: one service by two names is one.
+/// Returns a name of the Inverse3 that is the same for two addresses of one service.
 #[must_use]
 pub fn identity(service: &str, device_id: &str) -> String {
     let service = service.replace("//localhost", "//127.0.0.1");
     format!("Inverse3 {device_id} of {}", service.trim_end_matches('/'))
 }
 
-/// Tells in the end what did not go over the connection as it should.
+/// An Inverse3 that reports connection faults when it is dropped.
 pub struct Overheard<C> {
     device: Inverse3<C>,
     inspector: Inspector,
-    /// Whether nobody else says why it is gone.
+    /// Whether to report why the device is gone, because no other component does.
     says_why: bool,
     tell: Box<dyn FnMut(String) + Send>,
 }
 
 impl<C: Clock> Overheard<C> {
-    /// The same device; `tell` hears in the end what went wrong, and why the device is gone where nobody else says it.
+    /// Wraps `device`. On drop, `tell` receives the connection faults and, if `says_why`, the reason why the device
+    /// is gone.
     pub fn new(
         device: Inverse3<C>,
         says_why: bool,

@@ -1,7 +1,8 @@
-//! Devices made ready for a loop: where a contact or a world stands in them, a Haply 2DIY opened with its guardian and
-//! let go of in the end, an Inverse3 that says how its connection was, a device that is waited for when it has gone.
+//! Ready-made devices for a loop: the position of a contact or a world in a device's workspace, a Haply 2DIY with its
+//! watchdog process and an orderly shutdown, an Inverse3 that reports connection faults, and a wrapper that
+//! reconnects a lost device.
 //!
-//! Flags, their messages, and what is said to whom are the caller's.
+//! The caller defines the flags, their messages and the recipients of reports.
 
 pub mod inverse3;
 mod placed;

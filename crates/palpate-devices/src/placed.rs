@@ -1,4 +1,4 @@
-//! Where the axis of a contact lies in a device, and where a device stands in a world.
+//! Position of a contact's axis and of a world in the frame of a device.
 
 use palpate::AlongAxis;
 use palpate_device::{Capabilities, Vector};
@@ -7,52 +7,52 @@ use palpate_rt::{FrameError, WorldAxis, WorldFrame};
 /// Origin `[m]` and direction of a contact's axis in the frame of a device.
 pub type Axis = (Vector, Vector);
 
-/// The device's first axis from its origin.
+/// Axis through the device's origin along its first axis.
 pub const FIRST_AXIS: Axis = ([0.0; 3], [1.0, 0.0, 0.0]);
 
-/// What somebody places, in as many numbers as the device has axes.
+/// Vector given by the user, with one component per axis of the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Placed {
-    /// Where the contact's coordinate is 0 `[m]`.
+    /// Position at which the contact's coordinate is 0 `[m]`.
     Origin,
-    /// The direction in which the contact's coordinate grows, of any length.
+    /// Direction in which the contact's coordinate increases, of any length.
     Normal,
 }
 
-/// Why a contact cannot lie there.
+/// Reason for rejecting the axis of a contact.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlaceError {
-    /// A device with one axis is not placed.
+    /// A device with one axis accepts neither origin nor normal.
     #[error("the device `{device}` has one axis")]
     OneAxis {
-        /// What was placed.
+        /// The rejected vector.
         what: Placed,
         /// Name of the device.
         device: String,
     },
-    /// Another number of numbers than the device has axes.
+    /// The number of components differs from the number of axes of the device.
     #[error("{given} numbers for the {axes} axes of the device `{device}`")]
     Count {
-        /// What was placed.
+        /// The rejected vector.
         what: Placed,
-        /// How many numbers came.
+        /// Number of components given.
         given: usize,
-        /// How many axes the device has.
+        /// Number of axes of the device.
         axes: usize,
         /// Name of the device.
         device: String,
     },
-    /// The normal has no length, or is not finite.
+    /// The normal has zero length or is not finite.
     #[error("no direction; allowed: any that is finite and not 0 in all axes")]
     NoDirection,
-    /// The origin is none.
+    /// The origin is invalid.
     #[error("{0}")]
     Origin(String),
 }
 
 impl PlaceError {
-    /// What was placed.
+    /// Returns the rejected vector.
     #[must_use]
     pub fn what(&self) -> Placed {
         match self {
@@ -63,11 +63,11 @@ impl PlaceError {
     }
 }
 
-/// The axis from `origin` `[m]` along `normal`, of any length; where one is `None`, that of the `usual` axis of the
-/// device.
+/// Returns the axis from `origin` `[m]` along `normal`, of any length. `None` selects the value of `usual`.
 ///
 /// # Errors
-/// Another number of numbers than the device has axes, no direction, or an origin that is not finite.
+/// A number of components that differs from the number of axes of the device, a zero or non-finite normal, or an
+/// origin that is not finite.
 pub fn axis(
     origin: Option<&[f64]>,
     normal: Option<&[f64]>,
@@ -88,7 +88,7 @@ pub fn axis(
         .map_err(|error| PlaceError::Origin(error.to_string()))
 }
 
-/// The place with as many axes as the device has.
+/// Returns `given` as a vector, if its length is the number of axes of the device.
 fn in_axes(what: Placed, given: &[f64], device: &Capabilities) -> Result<Vector, PlaceError> {
     let (axes, count) = (device.axes, given.len());
     if axes == 1 {
@@ -112,33 +112,33 @@ fn in_axes(what: Placed, given: &[f64], device: &Capabilities) -> Result<Vector,
     Ok(vector)
 }
 
-/// Why a device cannot stand there in a world.
+/// Reason for rejecting the frame of a device in a world.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum WorldPlaceError {
-    /// The origin is none.
+    /// The origin is invalid.
     #[error("{0}")]
     Origin(PlaceError),
-    /// Another number of axes of the world than the device has.
+    /// The number of world axes differs from the number of axes of the device.
     #[error("{given} for the {axes} axes of the device `{device}`")]
     Axes {
-        /// How many axes of the world came.
+        /// Number of world axes given.
         given: usize,
-        /// How many axes the device has.
+        /// Number of axes of the device.
         axes: usize,
         /// Name of the device.
         device: String,
     },
-    /// The frame cannot be.
+    /// The frame is invalid.
     #[error("{0}")]
     Frame(FrameError),
 }
 
-/// Where a device stands in a world whose tool begins at `place` `[m]`: the `origin` of the device `[m]`, or else its
-/// `usual` one, is there; where there is neither, the device's frame is the world's. `axes` says which axis of the world
-/// each axis of the device is; `None`: the same in order.
+/// Returns the frame of a device in a world whose tool begins at `place` `[m]`. The point `origin` of the device
+/// `[m]`, by default `usual`, coincides with `place`; without either, the two frames coincide. `axes` assigns a world
+/// axis to each axis of the device; `None`: in the same order.
 ///
 /// # Errors
-/// Another number of numbers or axes than the device has axes, or a frame that cannot be.
+/// A number of components or axes that differs from the number of axes of the device, or an invalid frame.
 pub fn world_frame(
     origin: Option<&[f64]>,
     axes: Option<&[WorldAxis]>,
@@ -169,7 +169,8 @@ pub fn world_frame(
     }
     let (origin, place) = match origin {
         Some(origin) => (origin, place),
-        // The device's own places are the world's; where it has no axis the tool is at its place.
+        // Device coordinates equal world coordinates; on axes that the device lacks, the tool keeps its position
+        // `place`.
         None => {
             let mut own = place;
             for axis in &axes {

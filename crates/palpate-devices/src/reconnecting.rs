@@ -1,4 +1,4 @@
-//! A device that is waited for when it has gone.
+//! A wrapper that reconnects a lost device.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,52 +11,51 @@ use palpate_device::{
     Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench, ZeroWriter,
 };
 
-/// How often it is tried to open it anew.
+/// Interval between attempts to reopen the device.
 const EVERY: Duration = Duration::from_millis(250);
 
-/// How long it is waited at the end until a device that is gone has been closed: longer than any
-/// board is tried to be told that it holds no torque.
+/// Maximum time to wait in `drop` until a lost device is closed. It exceeds the time for which any driver retries its
+/// zero-torque command.
 const CLOSES_WITHIN: Duration = Duration::from_secs(10);
 
-/// Opens a device anew, or says why it cannot. It may wait.
+/// Reopens a device, or returns the reason why it cannot. It may block.
 pub type Reopen = Box<dyn FnMut() -> Result<Box<dyn Device>, String> + Send>;
 
-/// A device in whose place nothing answers while it is gone. It is opened anew by another thread,
-/// and the loop finds it there: it comes back from the trip as from any other, softly.
+/// A device that is reopened after it was lost. Another thread reopens it; meanwhile, reads return no sample. The
+/// loop recovers as from any other safety stop, with a soft start.
 pub struct Reconnecting {
     device: Option<Box<dyn Device>>,
     capabilities: Capabilities,
     gone: SyncSender<(Box<dyn Device>, DeviceError)>,
-    /// Told when a device that is gone has been closed; awaited from when it was lost until another
-    /// one is there.
+    /// Signals that a lost device has been closed. It is awaited from the loss until a new device is open.
     closed: Receiver<()>,
     closing: bool,
     back: Receiver<Box<dyn Device>>,
     zero: Shared,
-    /// Whether the device has a way to no force while it is there.
+    /// Whether the device has a zero writer while it is connected.
     has_zero: bool,
     leaving: Arc<AtomicBool>,
 }
 
-/// The way to no force of the device that is there; none while it is gone. The loop never takes the
-/// lock, and the supervisor never waits for it.
+/// Zero writer of the connected device; `None` while it is lost. The loop never takes the lock, and the supervisor
+/// never waits for it.
 type Shared = Arc<Mutex<Option<Box<dyn ZeroWriter>>>>;
 
-/// Another way to no force, or none; the one before is let go of.
+/// Replaces the zero writer and closes the previous one.
 fn put(zero: &Shared, writer: Option<Box<dyn ZeroWriter>>) {
     let mut place = zero.lock().unwrap_or_else(PoisonError::into_inner);
     let before = std::mem::replace(&mut *place, writer);
-    // It may be the last that holds a port: closed with nobody kept out.
+    // The previous writer may be the last owner of a port, and closing may block: release the lock first.
     drop(place);
     drop(before);
 }
 
 impl Reconnecting {
-    /// A device that is there, and what to do when it is not. `tell` hears, on another thread, that the device has gone,
-    /// why it cannot be opened anew, as often as that changes, and that it is back.
+    /// Wraps an open device; `reopen` opens it again after a loss. `tell` is called on another thread: when the
+    /// device is lost, when it is back, and with each new reason why it cannot be reopened.
     ///
     /// # Errors
-    /// The system gives no thread.
+    /// The system cannot create a thread.
     pub fn new(
         mut device: Box<dyn Device>,
         mut reopen: Reopen,
@@ -74,12 +73,12 @@ impl Reconnecting {
             .name("palpate reopen".to_owned())
             .spawn(move || {
                 while let Ok((device, error)) = lost.recv() {
-                    // It shares the port with the device, and a port that is held open comes back
-                    // by another name, or not at all.
+                    // The writer shares the port with the device. A port that is still open reappears under another
+                    // name, or not at all.
                     put(&theirs, None);
-                    // Closing may wait for a board that does not answer.
+                    // Closing may wait for a board that does not respond.
                     drop(device);
-                    // There is room: what was told before has been heard.
+                    // The channel has capacity: the previous signal was received.
                     let _ = closes.try_send(());
                     tell(&format!("the device is gone: {error}; waiting for it"));
                     let mut said = String::new();
@@ -118,10 +117,10 @@ impl Reconnecting {
         })
     }
 
-    /// Hands a device that is gone to the thread that waits for it.
+    /// Passes a lost device to the thread that reopens it.
     fn lose(&mut self, error: DeviceError) {
         if let Some(device) = self.device.take() {
-            // There is room for the one device that there is.
+            // The channel has capacity for the only device.
             self.closing = self.gone.try_send((device, error)).is_ok();
         }
     }
@@ -137,7 +136,7 @@ impl Device for Reconnecting {
             && let Ok(device) = self.back.try_recv()
         {
             self.device = Some(device);
-            // The one before was closed first, and that was told.
+            // The lost device was closed before this one was opened; its signal is in the channel.
             self.closing = self.closed.try_recv().is_err();
         }
         let Some(device) = &mut self.device else {
@@ -176,7 +175,8 @@ impl Device for Reconnecting {
         struct Zero(Shared);
         impl ZeroWriter for Zero {
             fn write_zero(&mut self) {
-                // Held for a moment when a device goes, or comes back and nobody has written to it.
+                // The reopening thread holds the lock only while the device is lost or newly opened, before any force
+                // is written.
                 if let Ok(mut zero) = self.0.try_lock()
                     && let Some(zero) = zero.as_mut()
                 {
@@ -184,7 +184,7 @@ impl Device for Reconnecting {
                 }
             }
         }
-        // While the device is gone too: a loop that begins meanwhile needs its supervisor later.
+        // Also while the device is lost: a loop that starts meanwhile needs its supervisor later.
         self.has_zero
             .then(|| Box::new(Zero(Arc::clone(&self.zero))) as Box<dyn ZeroWriter>)
     }
@@ -198,8 +198,8 @@ impl Drop for Reconnecting {
     fn drop(&mut self) {
         self.leaving.store(true, Ordering::Release);
         if self.closing {
-            // The program may end next: a board that could not be told that it holds no torque is
-            // tried to be told for as long as in a program that does not reconnect.
+            // The program may end next. Wait for the driver's zero-torque retries, as in a program without
+            // reconnection.
             let _ = self.closed.recv_timeout(CLOSES_WITHIN);
         }
     }
@@ -209,7 +209,7 @@ impl Drop for Reconnecting {
 mod tests {
     use super::*;
 
-    /// A device that is gone, and takes its time to be closed.
+    /// A lost device whose closing takes time.
     struct Slow {
         capabilities: Capabilities,
         closed: Arc<AtomicBool>,
@@ -261,7 +261,7 @@ mod tests {
         let again = Arc::clone(&second);
         let back: Reopen = Box::new(move || Ok(slow(&again)));
         let mut device = Reconnecting::new(slow(&first), back, |_| {}).unwrap();
-        // The first is lost, the second comes, and is lost as well.
+        // The first device is lost, the second is opened and lost as well.
         let mut lost = 0;
         while lost < 2 {
             lost += usize::from(device.read().unwrap_err().what == "the board does not answer");

@@ -1,4 +1,4 @@
-//! How a guardian does on this machine, tried out on a port on which nobody is.
+//! Latency test of a watchdog process on this machine, on a socket in place of a port.
 
 use std::io::{self, ErrorKind, Read};
 use std::os::fd::AsFd;
@@ -9,22 +9,22 @@ use std::time::{Duration, Instant};
 
 use palpate_rt::guardian::{Guardian, GuardianAccount, Orders};
 
-/// How a guardian did on a port on which nobody is.
+/// Result of a latency test of a watchdog process.
 #[derive(Clone, Debug)]
 pub struct Tried {
-    /// Whether the machine serves it before everybody else.
+    /// Whether the watchdog process has real-time priority.
     pub is_first: bool,
-    /// From the driver's last word to no force, less the limit; sorted.
+    /// Times from the driver's last message to the zero-force command, minus the limit; sorted.
     pub late: Vec<Duration>,
 }
 
-/// For how long a guardian is waited for that does not do what it should.
+/// Maximum time to wait for the response of a watchdog process.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Starts the guardian of `command` and falls silent for longer than `limit`, `rounds` times.
+/// Starts the watchdog process of `command` and, `rounds` times, sends it no messages for longer than `limit`.
 ///
 /// # Errors
-/// The guardian cannot be started, ended, or did nothing.
+/// The watchdog process cannot be started, ended early, or did not respond.
 pub fn try_out(command: Command, limit: Duration, rounds: usize) -> Result<Tried, String> {
     let said = |error: io::Error| error.to_string();
     let (port, mut board) = UnixStream::pair().map_err(said)?;
@@ -54,7 +54,7 @@ pub fn try_out(command: Command, limit: Duration, rounds: usize) -> Result<Tried
         }
         guardian.none().map_err(gone)?;
         let _ = guardian.has_cut();
-        // It may have commanded none once more meanwhile.
+        // Discard further zero-force commands that it may have sent meanwhile.
         std::thread::sleep(limit);
         board.set_nonblocking(true).map_err(said)?;
         while board.read(&mut [0; 64]).is_ok_and(|read| read > 0) {}

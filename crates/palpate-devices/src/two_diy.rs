@@ -1,4 +1,4 @@
-//! The Haply 2DIY on a serial port: found, opened with its guardian, and let go of in the end.
+//! The Haply 2DIY on a serial port: port detection, opening with its watchdog process, and orderly shutdown.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -14,72 +14,73 @@ use palpate_rt::guardian::{GuardianAccount, GuardianError};
 
 use crate::Axis;
 
-/// The axis of the contact on a 2DIY, if nobody says otherwise: away from the base, along the middle line.
+/// Returns the default axis of a contact on a 2DIY: away from the base, along the middle line.
 #[must_use]
 pub fn usual_axis(generation: Generation) -> Axis {
     let [x, y] = generation.usual_origin();
     ([x, y, 0.0], [0.0, 1.0, 0.0])
 }
 
-/// Which 2DIY it is: one port by two names is one.
+/// Returns a name of the 2DIY that is the same for two names of one port.
 #[must_use]
 pub fn identity(port: &Path) -> String {
     let own = port.canonicalize();
     own.as_deref().unwrap_or(port).display().to_string()
 }
 
-/// Which 2DIY, and how its arm stands while it is opened.
+/// Selection of a 2DIY and the pose of its arm at opening.
 #[derive(Clone, Debug)]
 pub struct Setup {
-    /// Its serial port; `None`: the only one that looks like a 2DIY.
+    /// Serial port; `None`: the only port that looks like a 2DIY.
     pub port: Option<PathBuf>,
-    /// Its generation.
+    /// Generation of the device.
     pub generation: Generation,
-    /// Its board; `None`: found out from the first answer, where that tells.
+    /// Board; `None`: detected from the first answer, if that identifies it.
     pub board: Option<Board>,
-    /// Where the arm is.
+    /// Pose of the arm at opening.
     pub calibration: Calibration,
 }
 
-/// The guardian that a 2DIY gets: the board holds its last torque, and nobody else takes that off when the program is
-/// killed or stopped.
+/// Watchdog process of a 2DIY. The board holds its last torque, so only another process can remove it after the
+/// program is killed or stopped.
 #[derive(Debug)]
 pub struct Guard {
-    /// Starts [`palpate_rt::guardian::serve`].
+    /// Command that runs [`palpate_rt::guardian::serve`].
     pub command: Command,
-    /// How long the loop may be silent while a force is on.
+    /// Maximum time without a message from the loop while a force is on.
     pub limit: Duration,
-    /// What the guardian has done.
+    /// Record of the watchdog's actions.
     pub account: Arc<GuardianAccount>,
 }
 
-/// Why no port can be taken for that of a 2DIY. The caller says how a port is named.
+/// Reason why no port can be selected for a 2DIY. The caller adds how to name a port.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PortError {
     /// The ports cannot be listed.
     #[error("{0}")]
     System(String),
-    /// None is likely.
+    /// No port looks like a 2DIY.
     #[error("no serial port looks like a Haply board; `palpate devices` lists them")]
     NoneLikely,
-    /// Several are likely.
+    /// Several ports look like a 2DIY.
     #[error("several boards may be a 2DIY: {}", .0.join(", "))]
     SeveralLikely(Vec<String>),
 }
 
-/// Why a 2DIY is not ready. It holds no torque. The caller says how a port is named and a guardian left out.
+/// Reason why a 2DIY could not be opened. It then holds no torque. The caller adds how to name a port and how to
+/// disable the watchdog process.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
-    /// The start pose is none, or is not published.
+    /// The start pose is invalid, or no published pose exists.
     #[error("{0}")]
     StartPose(palpate_haply::two_diy::OpenError),
-    /// There is no port to take.
+    /// No port can be selected.
     #[error("{0}")]
     Port(PortError),
-    /// The port cannot be had, or what answers there is no such device.
+    /// The port cannot be opened, or the answer is not that of a 2DIY.
     #[error("{0}")]
     Device(palpate_haply::two_diy::OpenError),
-    /// It has no guardian.
+    /// The watchdog process could not be started.
     #[error(
         "no guardian: {0}. If this program is killed or stopped, only a guardian takes the force off this device, which \
          holds it"
@@ -88,10 +89,10 @@ pub enum OpenError {
 }
 
 impl Setup {
-    /// The port that is named, or the only one that looks like a 2DIY.
+    /// Returns the named port, or the only one that looks like a 2DIY.
     ///
     /// # Errors
-    /// None is named, and none or several look like one.
+    /// No port is named, and none or several look like a 2DIY.
     pub fn port(&self) -> Result<PathBuf, PortError> {
         if let Some(port) = &self.port {
             return Ok(port.clone());
@@ -109,10 +110,11 @@ impl Setup {
         }
     }
 
-    /// Opens it for a loop of `period`. **The arm has to be in its start pose, and still**: the board counts from there.
+    /// Opens the device for a loop of `period`. **The arm must be in its start pose and at rest**: the board counts
+    /// from there.
     ///
     /// # Errors
-    /// It is not there, is another one, or has no guardian where `guard` asks for one.
+    /// The device is missing, is of another kind, or its watchdog process cannot be started.
     pub fn open<C: Clock>(
         &self,
         period: Duration,
@@ -136,20 +138,20 @@ impl Setup {
     }
 }
 
-/// A 2DIY whose board has not answered in the end that it holds no torque.
+/// A failed shutdown: the board did not confirm that it holds no torque.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct NotLetGo {
-    /// Why.
+    /// Reason of the failure.
     pub error: DeviceError,
-    /// Whether its port had gone before.
+    /// Whether the port was lost before.
     pub was_gone: bool,
 }
 
-/// A 2DIY that is let go of when it is dropped, and tells where its board has not said that it holds no torque.
+/// A 2DIY whose outputs are disabled on drop. It reports a board that does not confirm zero torque.
 pub struct LetGo<C> {
     capabilities: Capabilities,
-    /// There until it is closed.
+    /// `None` after closing.
     device: Option<TwoDiy<C>>,
     tell: Option<Tell>,
     is_gone: bool,
@@ -158,7 +160,7 @@ pub struct LetGo<C> {
 type Tell = Box<dyn FnOnce(NotLetGo) + Send>;
 
 impl<C: Clock> LetGo<C> {
-    /// The same device; `tell` hears in the end of a board that has not said that it holds no torque.
+    /// Wraps `device`. On drop, `tell` receives the failure if the board does not confirm that it holds no torque.
     pub fn new(device: TwoDiy<C>, tell: impl FnOnce(NotLetGo) + Send + 'static) -> Self {
         Self {
             capabilities: device.capabilities().clone(),

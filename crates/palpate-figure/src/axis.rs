@@ -1,4 +1,4 @@
-//! How far an axis reaches and where its ticks stand.
+//! Ranges and ticks of the axes.
 
 use std::collections::BTreeMap;
 
@@ -6,26 +6,26 @@ use kuva::render::render_utils::compute_tick_step;
 
 use super::{Kind, Limits, Role, Row, Series, Sheet};
 
-/// Share of the data's range that is left free above and below it.
+/// Margin above and below the data, as a share of the data's range.
 const AIR: f64 = 0.06;
 
-/// Share of the data's range that is at least free beside a mark.
+/// Minimum margin beside a mark, as a share of the data's range.
 const BESIDE_A_MARK: f64 = 0.02;
 
-/// What is larger than this is off every scale, as infinity is `[unit of the axis]`.
+/// Largest magnitude that can be drawn; larger values count as infinite `[unit of the axis]`.
 pub(super) const LARGEST: f64 = 1e100;
 
-/// The shared range of the horizontal axes.
+/// Returns the shared range of the horizontal axes.
 pub(super) fn horizontal(sheet: &Sheet) -> (f64, f64) {
     let places = sheet.series().flat_map(|series| series.x.iter().copied());
     let (low, high) = span(places).unwrap_or((0.0, 1.0));
     if sheet.x_decades {
-        // From one power of ten to another, or few would be shown; with air, or the last number of a
-        // panel would meet the first of the next.
+        // Extend to full powers of ten, or few ticks would be shown. The margin keeps the last number of a panel
+        // clear of the first number of the next.
         let (first, last) = (low.floor(), high.ceil().max(low.floor() + 1.0));
         (first - 0.125, last + 0.125)
     } else if has_height(low, high) {
-        // A mark at the end needs room, or its half is cut off.
+        // A mark at the end needs a margin, or half of it is cut off.
         let marks = sheet
             .series()
             .filter(|series| series.role == Role::Mark && series.kind == Kind::Points);
@@ -41,7 +41,7 @@ pub(super) fn horizontal(sheet: &Sheet) -> (f64, f64) {
 /// Vertical ranges by the label of their rows.
 pub(super) type Shared<'a> = BTreeMap<&'a str, (f64, f64)>;
 
-/// The ranges that all rows of a label have; none where each row has its own.
+/// Returns the common range of all rows with the same label; empty if each row has its own range.
 pub(super) fn shared(sheet: &Sheet) -> Shared<'_> {
     let mut shared = Shared::new();
     if !sheet.same_scales {
@@ -55,7 +55,7 @@ pub(super) fn shared(sheet: &Sheet) -> Shared<'_> {
     shared
 }
 
-/// The shared range of the vertical axes of a row.
+/// Returns the shared range of the vertical axes of a row.
 pub(super) fn vertical(row: &Row) -> (f64, f64) {
     let series: Vec<&Series> = row.panels.iter().flat_map(|panel| &panel.series).collect();
     let heights = |series: &Series| span(series.y.iter().copied());
@@ -90,13 +90,13 @@ pub(super) fn vertical(row: &Row) -> (f64, f64) {
     }
 }
 
-/// Whether a plain number tells the two ends of a range and what lies between apart.
+/// Whether `f64` arithmetic resolves the two ends of a range and the values between them.
 fn has_height(low: f64, high: f64) -> bool {
     let size = low.abs().max(high.abs());
     size <= LARGEST && (high - low).abs() > (1e-12 * size).max(LARGEST.recip())
 }
 
-/// A range for one value: as high as the value is far from zero.
+/// Returns a range around one value; its half-width is half the magnitude of the value.
 fn around(value: f64) -> (f64, f64) {
     let half = if value.abs() > 1.0 / LARGEST.sqrt() {
         0.5 * value.abs()
@@ -106,7 +106,7 @@ fn around(value: f64) -> (f64, f64) {
     (value - half, value + half)
 }
 
-/// What the half of the ranges that are smallest covers together.
+/// Returns the union of the narrower half of the ranges.
 fn calmer_half(mut ranges: Vec<(f64, f64)>) -> (f64, f64) {
     ranges.sort_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)));
     let half = ranges.len().div_ceil(2);
@@ -125,11 +125,11 @@ pub(super) fn union(ranges: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f6
     ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
-/// Distance of the ticks for about one per `room` of `length` `[px]`.
+/// Returns the distance of the ticks for about one tick per `room` of `length` `[px]`.
 pub(super) fn tick_step(range: (f64, f64), length: f64, room: f64) -> f64 {
     let width = range.1 - range.0;
     let mut spaces = (length / room).round().clamp(2.0, 10.0);
-    // The rule rounds to the nearest friendly step, which may be the next smaller one.
+    // The rule rounds to the nearest round step, which may be the next smaller one.
     loop {
         #[expect(
             clippy::cast_possible_truncation,
@@ -144,17 +144,17 @@ pub(super) fn tick_step(range: (f64, f64), length: f64, room: f64) -> f64 {
     }
 }
 
-/// The largest friendly step up to `step` that has two ticks in the range: one number alone tells no scale.
+/// Returns the largest round step up to `step` that has two ticks in the range: a single number shows no scale.
 fn with_two(range: (f64, f64), mut step: f64) -> f64 {
     const LESS: f64 = 1e-9;
     let ticks = |step: f64| (range.1 / step + LESS).floor() - (range.0 / step - LESS).ceil() + 1.0;
-    // Any range has two after three of them.
+    // After three reductions any range has two ticks.
     for _ in 0..4 {
         if ticks(step) >= 2.0 {
             break;
         }
         let leading = step / 10.0_f64.powf((step.log10() + LESS).floor());
-        // From 5 to 2.5, 2, 1 and 0.5.
+        // Steps from 5 to 2.5, 2, 1 and 0.5.
         step *= if (leading - 2.5).abs() < 0.1 {
             0.8
         } else {
@@ -164,9 +164,9 @@ fn with_two(range: (f64, f64), mut step: f64) -> f64 {
     step
 }
 
-/// The label of the tick at `value`, as short as the distance of the ticks allows.
+/// Returns the label of the tick at `value`, as short as the distance of the ticks allows.
 pub(super) fn tick_label(value: f64, step: f64) -> String {
-    // A multiple of the step that is zero but for rounding.
+    // Snap to 0: a multiple of the step that differs from 0 only by rounding.
     let value = if value.abs() < 1e-6 * step {
         0.0
     } else {
@@ -196,8 +196,9 @@ pub(super) fn tick_label(value: f64, step: f64) -> String {
     text.replace('-', "\u{2212}")
 }
 
-/// The label of the tick at the logarithm `value` of what is shown. Below 0.001 and above 1000 it is a power, so
-/// that the first label of a panel stays clear of the last one of the panel beside it.
+/// Returns the label of a tick on a logarithmic axis; `value` is the decimal logarithm of the quantity. Below 0.001
+/// and above 1000 the label is a power of ten, so that the first label of a panel stays clear of the last label of
+/// the panel beside it.
 pub(super) fn decade_label(value: f64) -> String {
     let decade = value.round();
     if decade.abs() > 3.0 {
@@ -207,7 +208,7 @@ pub(super) fn decade_label(value: f64) -> String {
     tick_label(shown, shown)
 }
 
-/// How many decimals it takes to write every multiple of `step`.
+/// Returns the number of decimals needed to write every multiple of `step`.
 fn decimals(step: f64) -> usize {
     let mut scaled = step;
     for places in 0..6 {

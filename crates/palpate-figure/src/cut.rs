@@ -1,9 +1,8 @@
-//! What of a line lies between two heights.
+//! Clipping of lines to a range of heights.
 
-/// The pieces of the polyline `points` whose height lies within `low..=high`, each from where it
-/// enters to where it leaves.
+/// Returns the pieces of the polyline `points` whose height lies within `low..=high`.
 ///
-/// Coordinates far outside a picture are beyond what its readers take; they never get there.
+/// SVG and PDF readers do not accept coordinates far outside the page; clipping removes them.
 pub(super) fn cut(points: &[(f64, f64)], low: f64, high: f64) -> Vec<Vec<(f64, f64)>> {
     let inside = |point: (f64, f64)| low <= point.1 && point.1 <= high;
     let mut pieces = Vec::new();
@@ -35,7 +34,7 @@ pub(super) fn cut(points: &[(f64, f64)], low: f64, high: f64) -> Vec<Vec<(f64, f
 
 type Segment = ((f64, f64), (f64, f64));
 
-/// The part of one segment within the band, if any.
+/// Returns the part of one segment within the band, if any.
 fn segment(from: (f64, f64), to: (f64, f64), low: f64, high: f64) -> Option<Segment> {
     let (bottom, top) = (from.1.min(to.1), from.1.max(to.1));
     if top < low || bottom > high {

@@ -1,7 +1,7 @@
-//! Drawings: lines, arrows, springs and words at places of a page, for what is not a plot.
+//! Schematic drawings: lines, arrows, springs and words at positions on a page.
 //!
-//! Places are in `[px]` from the upper left corner, y down. Words may have subscripts, `f_V`: what
-//! follows an underscore, up to the next character that is neither letter nor digit, is lowered.
+//! Positions are in `[px]` from the upper left corner, y down. Words may have subscripts, `f_V`: the characters after
+//! an underscore, up to the next character that is neither letter nor digit, are lowered.
 
 use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
@@ -10,13 +10,13 @@ use crate::drawn::Drawn;
 use crate::page::Page;
 use crate::{Picture, Size, SizeError, ink, text};
 
-/// A place on the page `[px]`.
+/// A position on the page `[px]`.
 pub type PagePoint = (f64, f64);
 
-/// How a line looks.
+/// Colour, width and dashes of a line.
 #[derive(Debug, Clone, Copy)]
 pub struct Pen {
-    /// As `#rrggbb`.
+    /// Colour as `#rrggbb`.
     pub colour: &'static str,
     /// Width of the line `[px]`.
     pub width: f64,
@@ -27,16 +27,16 @@ pub struct Pen {
 impl Pen {
     /// Outlines of bodies.
     pub const BODY: Self = Self::of("#111111", 1.8);
-    /// Lines that measure, and axes.
+    /// Dimension lines and axes.
     pub const THIN: Self = Self::of("#555555", 1.0);
-    /// Lines that are only thought of.
+    /// Auxiliary lines.
     pub const THOUGHT: Self = Self {
         dashes: &[5.0, 3.5],
         ..Self::THIN
     };
     /// Forces.
     pub const FORCE: Self = Self::of("#d55e00", 2.4);
-    /// Motions and what measures them.
+    /// Motions and their dimensions.
     pub const MOTION: Self = Self::of("#0072b2", 1.4);
 
     const fn of(colour: &'static str, width: f64) -> Self {
@@ -48,25 +48,25 @@ impl Pen {
     }
 }
 
-/// Where words stand against their place.
+/// Alignment of words relative to their position.
 #[derive(Debug, Clone, Copy)]
 pub enum Beside {
-    /// They begin there.
+    /// The words begin at the position.
     Right,
-    /// They end there.
+    /// The words end at the position.
     Left,
-    /// It is their middle.
+    /// The words are centred on the position.
     Middle,
 }
 
 /// Size of words `[px]`.
 pub const WORDS: u32 = 14;
-/// Size of a head `[px]`.
+/// Size of a heading `[px]`.
 pub const HEAD: u32 = 16;
 /// Size of small print `[px]`.
 pub const SMALL: u32 = 12;
 
-/// A page that is drawn on.
+/// A page with drawn elements.
 #[derive(Debug, Clone)]
 pub struct Drawing {
     size: (f64, f64),
@@ -74,7 +74,7 @@ pub struct Drawing {
 }
 
 impl Drawing {
-    /// An empty page of a width and a height `[px]`.
+    /// Creates an empty page of a width and a height `[px]`.
     #[must_use]
     pub fn new(width: f64, height: f64) -> Self {
         Self {
@@ -83,7 +83,7 @@ impl Drawing {
         }
     }
 
-    /// A line from place to place.
+    /// Draws a polyline through the positions.
     pub fn line(&mut self, places: &[PagePoint], pen: Pen) {
         self.elements.push(Primitive::PolyLine {
             points: places.to_vec(),
@@ -93,7 +93,7 @@ impl Drawing {
         });
     }
 
-    /// A closed shape through the places, filled.
+    /// Draws a closed, filled shape through the positions.
     pub fn shape(&mut self, places: &[PagePoint], pen: Pen, fill: &str) {
         let mut path = String::new();
         for (number, (x, y)) in places.iter().enumerate() {
@@ -111,7 +111,7 @@ impl Drawing {
         })));
     }
 
-    /// A rectangle about a middle, filled.
+    /// Draws a filled rectangle around its centre.
     pub fn block(&mut self, (x, y): PagePoint, (width, height): (f64, f64), fill: &str) {
         let (w, h) = (0.5 * width, 0.5 * height);
         let corners = [
@@ -123,7 +123,7 @@ impl Drawing {
         self.shape(&corners, Pen::BODY, fill);
     }
 
-    /// A circle, filled.
+    /// Draws a filled circle.
     pub fn circle(&mut self, (cx, cy): PagePoint, r: f64, pen: Pen, fill: &str) {
         self.elements.push(Primitive::Circle {
             cx,
@@ -136,7 +136,7 @@ impl Drawing {
         });
     }
 
-    /// An arrow with its head at `to`.
+    /// Draws an arrow with its head at `to`.
     pub fn arrow(&mut self, from: PagePoint, to: PagePoint, pen: Pen) {
         let length = (to.0 - from.0).hypot(to.1 - from.1);
         if length <= 0.0 {
@@ -160,15 +160,15 @@ impl Drawing {
         self.shape(&sides, outline, pen.colour);
     }
 
-    /// A line with a head at each end: a length.
+    /// Draws a dimension line: a line with a head at each end.
     pub fn length(&mut self, from: PagePoint, to: PagePoint, pen: Pen) {
         let middle = (0.5 * (from.0 + to.0), 0.5 * (from.1 + to.1));
         self.arrow(middle, from, pen);
         self.arrow(middle, to, pen);
     }
 
-    /// A part of a circle about `middle`, from one angle to another `[rad]`, counter-clockwise as seen,
-    /// with a head at its end.
+    /// Draws an arc about `middle`, from one angle to another `[rad]`, counter-clockwise as seen, with a head at its
+    /// end.
     pub fn turn(&mut self, middle: PagePoint, radius: f64, (from, to): (f64, f64), pen: Pen) {
         const STEPS: u32 = 40;
         const HEAD_LENGTH: f64 = 10.0;
@@ -184,7 +184,7 @@ impl Drawing {
         self.arrow(at(back), at(to), pen);
     }
 
-    /// A spring from place to place with so many turns, `width` across `[px]`.
+    /// Draws a spring between two positions with `turns` turns, `width` across `[px]`.
     pub fn spring(&mut self, from: PagePoint, to: PagePoint, turns: u32, width: f64, pen: Pen) {
         let length = (to.0 - from.0).hypot(to.1 - from.1).max(f64::MIN_POSITIVE);
         let along = ((to.0 - from.0) / length, (to.1 - from.1) / length);
@@ -196,7 +196,7 @@ impl Drawing {
                 from.1 + s * along.1 + w * across.1,
             )
         };
-        // Straight at both ends.
+        // Straight segments at both ends.
         const END: f64 = 0.12;
         let corners = 2 * turns;
         let mut places = vec![from, at(END, 0.0)];
@@ -209,7 +209,7 @@ impl Drawing {
         self.line(&places, pen);
     }
 
-    /// Solid ground below a horizontal line, in strokes.
+    /// Draws hatched solid ground below a horizontal line.
     pub fn ground(&mut self, left: PagePoint, width: f64) {
         const STROKE: f64 = 9.0;
         self.line(&[left, (left.0 + width, left.1)], Pen::BODY);
@@ -220,12 +220,12 @@ impl Drawing {
         }
     }
 
-    /// Words of a size at a place, on their baseline.
+    /// Draws words of a size at a position, on their baseline.
     pub fn words(&mut self, words: &str, place: PagePoint, beside: Beside, size: u32) {
         self.coloured(words, place, beside, size, None);
     }
 
-    /// Words in a colour.
+    /// Draws words in a colour.
     pub fn coloured(
         &mut self,
         words: &str,
@@ -257,7 +257,7 @@ impl Drawing {
             });
         };
         if let [words] = &runs[..] {
-            // Whoever has the font knows best how wide they are.
+            // A single piece is anchored by the viewer, which knows the width of its font.
             let anchor = match beside {
                 Beside::Right => TextAnchor::Start,
                 Beside::Left => TextAnchor::End,
@@ -289,7 +289,7 @@ impl Drawn for Drawing {
         for element in &self.elements {
             page.add(element.clone());
         }
-        // A drawing keeps its proportions: it is as large as fits.
+        // A drawing keeps its proportions: it is scaled to the largest size that fits.
         let fits = |asked: Option<f64>, own: f64| asked.map_or(f64::INFINITY, |asked| asked / own);
         let scale = fits(size.width, self.size.0).min(fits(size.height, self.size.1));
         let scale = if scale.is_finite() { scale } else { 1.0 };
@@ -297,7 +297,8 @@ impl Drawn for Drawing {
     }
 }
 
-/// Width of a run of any length `[px]`: by itself, a short one counts as broad as a tick label.
+/// Width of a run of any length `[px]`. The padding removes a bias: the library counts a short run alone as broad as
+/// a tick label.
 fn width_of(run: &str, size: u32) -> f64 {
     const BROAD: &str = "MMMM";
     let together = format!("{BROAD}{run}{BROAD}");
@@ -308,8 +309,9 @@ fn size_of(subscript: bool, size: u32) -> u32 {
     if subscript { size * 7 / 10 } else { size }
 }
 
-/// Pieces of words that are placed by themselves, and whether each is a subscript. Words without one are one piece. Others end at
-/// each blank: a font that is narrower than was reckoned leaves its gap there, and not before the subscript.
+/// Splits words into separately placed pieces, and marks subscripts. Words without a subscript are one piece. Other
+/// words are split at each blank, so that a font narrower than estimated leaves its gap there and not before the
+/// subscript.
 fn pieces(words: &str) -> Vec<(String, bool)> {
     let runs = runs(words);
     if runs.len() == 1 {
@@ -323,7 +325,7 @@ fn pieces(words: &str) -> Vec<(String, bool)> {
     runs.iter().flat_map(parts).collect()
 }
 
-/// Runs of words, and whether each is a subscript.
+/// Splits words into runs, and marks subscripts.
 fn runs(words: &str) -> Vec<(String, bool)> {
     let mut runs = vec![(String::new(), false)];
     for c in words.chars() {
@@ -359,7 +361,7 @@ mod tests {
         );
     }
 
-    /// A reader of the PDF has Helvetica, which is narrower than the font that room is reckoned for.
+    /// PDF readers use Helvetica, which is narrower than the font of the width estimate.
     #[test]
     fn a_subscript_stands_beside_its_letter_in_a_narrow_font() {
         let mut drawing = Drawing::new(300.0, 50.0);
@@ -375,12 +377,12 @@ mod tests {
         let at = texts.iter().position(|(_, text)| *text == "V").unwrap();
         let ((letter, base), (low, _)) = (texts[at - 1], texts[at]);
         assert_eq!(base, "f");
-        // The advance of f in Helvetica, as its font metrics file says.
+        // The advance of f in Helvetica, from its font metrics file.
         let gap = low - letter - 0.278 * 14.0;
         assert!((0.0..2.0).contains(&gap), "{gap} px");
         let all: Vec<&str> = texts.iter().map(|(_, text)| *text).collect();
         assert_eq!(all, ["object:", "M", "η″", "=", "f", "V", "+", "f"]);
-        // Words without one are centred by whoever draws them.
+        // The viewer centres words without a subscript.
         drawing.words("object, M", (50.0, 40.0), Beside::Middle, 14);
         assert!(matches!(
             drawing.elements.last(),
@@ -396,7 +398,7 @@ mod tests {
             panic!("an arrow has a head");
         };
         assert!(head.d.contains("10.00 20.00"), "{}", head.d);
-        // One without a length is none.
+        // An arrow without a length draws nothing.
         let before = drawing.elements.len();
         drawing.arrow((1.0, 1.0), (1.0, 1.0), Pen::FORCE);
         assert_eq!(drawing.elements.len(), before);

@@ -1,4 +1,4 @@
-//! Lines, marks and words of a page, in the form that the drawing library takes.
+//! Lines, marks and words of a page, as elements of the drawing library.
 
 use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, TextAnchor};
@@ -24,7 +24,7 @@ pub(super) fn line(
     }
 }
 
-/// Words on their baseline.
+/// Words on a baseline.
 pub(super) fn words(
     content: &str,
     at: PagePoint,
@@ -44,7 +44,7 @@ pub(super) fn words(
     }
 }
 
-/// A disc, or a ring where its inside is the paper's.
+/// A disc, or a ring if it is not filled.
 pub(super) fn disc((cx, cy): PagePoint, r: f64, colour: &str, filled: bool) -> Primitive {
     Primitive::Circle {
         cx,
@@ -57,7 +57,7 @@ pub(super) fn disc((cx, cy): PagePoint, r: f64, colour: &str, filled: bool) -> P
     }
 }
 
-/// A closed outline through the places, filled.
+/// A closed, filled outline through the positions.
 pub(super) fn shape(places: &[PagePoint], colour: &str) -> Primitive {
     let mut d = String::new();
     for (number, (x, y)) in places.iter().enumerate() {

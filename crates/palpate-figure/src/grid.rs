@@ -1,4 +1,4 @@
-//! A grid of panels with its axes, heads and notes.
+//! A grid of panels with its axes, headings and notes.
 
 use kuva::render::figure::Figure as Panels;
 use kuva::render::layout::{ComputedLayout, Layout};
@@ -10,60 +10,60 @@ use super::stroke::Window;
 use super::{Grid, Panel, axis, ink, text};
 
 const HEAD_SIZE: u32 = 12;
-/// Right of each panel, half of the last number on its axis included `[px]`.
+/// Width right of each panel, half of the last number on its axis included `[px]`.
 const RIGHT: f64 = 16.0;
-/// Above the frames of a row `[px]`.
+/// Height above the frames of a row `[px]`.
 const ABOVE: f64 = 7.0;
-/// Above the frames of a row where a note or a head stands there `[px]`.
+/// Height above the frames of a row with a note or a heading `[px]`.
 const ABOVE_NOTED: f64 = 17.0;
-/// Above the frames of the first row, for the heads of the columns `[px]`.
+/// Height above the frames of the first row, for the headings of the columns `[px]`.
 const HEAD: f64 = 20.0;
-/// Between the head of a row and a note `[px]`.
+/// Gap between the heading of a row and a note `[px]`.
 const BETWEEN: f64 = 12.0;
-/// Left of the frames of every column but the first `[px]`.
+/// Width left of the frames of every column but the first `[px]`.
 const LEFT: f64 = 4.0;
-/// Below the frames of a row without numbers `[px]`.
+/// Height below the frames of a row without numbers `[px]`.
 const BELOW: f64 = 4.0;
-/// Below the frames of the last row, for numbers and label `[px]`.
+/// Height below the frames of the last row, for numbers and label `[px]`.
 const BELOW_LAST: f64 = 42.0;
 
-/// What the grids of a figure have in common.
+/// Layout parameters common to all grids of a figure.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Common<'a> {
     /// Range of the horizontal axes.
     pub x: (f64, f64),
     /// Label of the horizontal axes.
     pub x_label: &'a str,
-    /// Whether they show powers of ten.
+    /// Whether the horizontal axes show powers of ten.
     pub x_decades: bool,
     /// Height of a frame `[px]`.
     pub height: f64,
 }
 
-/// Room that grids side by side keep together, so that their frames stay level.
+/// Space that grids side by side reserve together, so that their frames stay level.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Level {
-    /// Heads of columns above the first row.
+    /// Headings of columns above the first row.
     pub heads: bool,
     /// A line of words above every row.
     pub words: bool,
 }
 
-/// A grid that knows its vertical axes and the room they need, but not yet its width.
+/// A grid with known vertical axes and their widths, but unknown frame width.
 pub(super) struct Planned<'a> {
     grid: &'a Grid,
     common: Common<'a>,
     columns: usize,
     /// Range of each row.
     ranges: Vec<(f64, f64)>,
-    /// Width of the numbers of each row, and of the widest `[px]`.
+    /// Width of the numbers of each row, and the largest of these widths `[px]`.
     numbers: (Vec<f64>, f64),
-    /// Room left of the first frame `[px]`.
+    /// Width left of the first frame `[px]`.
     pub left: f64,
 }
 
 impl<'a> Planned<'a> {
-    /// None if there is no panel. Rows with a label of `shared` have the range that stands there.
+    /// Returns `None` if there is no panel. A row whose label is in `shared` gets the range of that entry.
     pub fn new(grid: &'a Grid, common: Common<'a>, shared: &axis::Shared) -> Option<Self> {
         let columns = grid.rows.iter().map(|row| row.panels.len()).max()?;
         if columns == 0 {
@@ -99,22 +99,22 @@ impl<'a> Planned<'a> {
         Some(planned)
     }
 
-    /// Number of frames side by side.
+    /// Returns the number of frames side by side.
     pub fn columns(&self) -> f64 {
         self.columns as f64
     }
 
-    /// Number of frames below each other.
+    /// Returns the number of frames below each other.
     pub fn rows(&self) -> f64 {
         self.grid.rows.len() as f64
     }
 
-    /// Width of the grid without its frames and what is left of the first `[px]`.
+    /// Returns the width of the margins between and right of the frames `[px]`.
     pub fn between(&self) -> f64 {
         self.columns() * RIGHT + (self.columns() - 1.0) * LEFT
     }
 
-    /// What this grid wants of the [`Level`].
+    /// Returns the space that this grid requires in the [`Level`].
     pub fn level(&self) -> Level {
         Level {
             heads: !self.grid.columns.is_empty(),
@@ -144,7 +144,7 @@ impl<'a> Planned<'a> {
         layout
     }
 
-    /// The grid with frames of a `width`, the first of them `left` of its edge `[px]`.
+    /// Draws the grid with frames of a `width`; the first frame is `left` of the grid's edge `[px]`.
     pub fn draw(&self, left: f64, width: f64, level: Level) -> Scene {
         let height = self.common.height;
         let empty = Panel::default();
@@ -185,7 +185,7 @@ impl<'a> Planned<'a> {
             tops.push(above);
         }
 
-        // A row's head stands above its first frame, too.
+        // The heading of a row is above its first frame, like the note.
         let taken = |row: usize, column: usize| match self.grid.heads.get(row) {
             Some(head) if column == 0 => text::width(&text::clean(head), HEAD_SIZE) + BETWEEN,
             _ => 0.0,
@@ -220,7 +220,7 @@ impl<'a> Planned<'a> {
         scene
     }
 
-    /// Writes the heads of columns and rows, and the notes.
+    /// Draws the headings of columns and rows, and the notes.
     fn write(
         &self,
         scene: &mut Scene,
@@ -255,7 +255,7 @@ impl<'a> Planned<'a> {
     }
 }
 
-/// The note above a frame that some series leave, no wider than `room` `[px]`.
+/// Returns the note above a frame that some series leave, at most `room` wide `[px]`.
 fn note(drawn: &Drawn, room: f64) -> Option<String> {
     let arrow = |above: bool, below: bool| match (above, below) {
         (true, false) => "\u{25b2}",

@@ -1,4 +1,4 @@
-//! How each role looks.
+//! Colours, dashes and markers of the roles.
 
 use kuva::plot::scatter::MarkerShape;
 
@@ -16,7 +16,7 @@ pub(super) const NOTE: &str = "#555555";
 /// Colour, dashes and marker of one role.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ink {
-    /// As `#rrggbb`.
+    /// Colour as `#rrggbb`.
     pub colour: &'static str,
     /// Lengths of dashes and gaps `[px]`; empty for a line without gaps.
     pub dashes: &'static [f64],
@@ -58,11 +58,11 @@ const MARK: Ink = Ink {
     ..DEVICE
 };
 
-/// Width of a line beside one of those that are compared `[px]`.
+/// Width of a line with the role `Beside` `[px]`.
 const BESIDE: f64 = 0.8;
 
-/// Okabe and Ito; their yellow, the last, is darkened so that it is not lost on white paper.
-/// Neighbours differ in lightness.
+/// Colours of Okabe and Ito. The yellow, the last, is darkened for contrast with white paper. Neighbours differ in
+/// lightness.
 const COLOURS: [&str; 8] = [
     "#0072b2", "#e69f00", "#000000", "#cc79a7", "#d55e00", "#56b4e9", "#009e73", "#c4b400",
 ];
@@ -101,7 +101,7 @@ pub(super) fn ink(role: Role) -> Ink {
         },
         Role::Compared(number) => Ink {
             colour: COLOURS[number % COLOURS.len()],
-            // One further each time the colours come round, so that the pair is new.
+            // Each repetition of the colours shifts the dashes by one, so that the combination is new.
             dashes: DASHES[(number + number / COLOURS.len()) % DASHES.len()],
             width: 1.7,
             marker: MARKERS[number % MARKERS.len()],
@@ -109,7 +109,7 @@ pub(super) fn ink(role: Role) -> Ink {
     }
 }
 
-/// Dashes in the form of `stroke-dasharray`; none for a line without gaps.
+/// Returns the dashes in the form of `stroke-dasharray`; `None` for a line without gaps.
 pub(super) fn dash_array(dashes: &[f64]) -> Option<String> {
     let lengths: Vec<String> = dashes.iter().map(f64::to_string).collect();
     (!lengths.is_empty()).then(|| lengths.join(" "))
@@ -119,7 +119,7 @@ pub(super) fn dash_array(dashes: &[f64]) -> Option<String> {
 mod tests {
     use super::*;
 
-    /// Relative luminance of a colour, 0 for black and 1 for white.
+    /// Returns the relative luminance of a colour, 0 for black and 1 for white.
     fn luminance(colour: &str) -> f64 {
         let part = |at: usize| {
             let value = f64::from(u8::from_str_radix(&colour[at..at + 2], 16).unwrap()) / 255.0;

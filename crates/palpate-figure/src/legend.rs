@@ -1,4 +1,4 @@
-//! The legend: one line of swatches above all panels, more where they do not fit.
+//! The legend: one line of swatches above all panels, or more lines if they do not fit.
 
 use kuva::plot::legend::{LegendEntry, LegendShape};
 use kuva::render::render::{Primitive, Scene, TextAnchor, render_legend_at};
@@ -9,13 +9,13 @@ use super::ink::{Ink, dash_array, ink};
 use super::{Kind, Role, Sheet, text};
 
 const SIZE: u32 = 12;
-/// Long enough to show the longest dashes once `[px]`.
+/// Length of a swatch: it shows the longest dashes once `[px]`.
 const SWATCH: f64 = 34.0;
 const GAP: f64 = 6.0;
 const BETWEEN: f64 = 20.0;
 const LINE: f64 = 19.0;
 
-/// The entries of a figure's legend, placed.
+/// The entries of a figure's legend with their positions.
 pub(super) struct Legend {
     entries: Vec<Entry>,
     lines: usize,
@@ -31,7 +31,7 @@ struct Entry {
 }
 
 impl Legend {
-    /// One entry per name, in the order of their first appearance, within `room` `[px]`.
+    /// Creates one entry per name, in the order of first appearance, within `room` `[px]`.
     pub fn new(sheet: &Sheet, room: f64) -> Self {
         let mut entries: Vec<Entry> = Vec::new();
         let (mut x, mut line) = (0.0, 0);
@@ -59,7 +59,7 @@ impl Legend {
         Self { entries, lines }
     }
 
-    /// Height of the whole legend `[px]`.
+    /// Returns the height of the whole legend `[px]`.
     pub fn height(&self) -> f64 {
         LINE * self.lines as f64
     }
@@ -99,8 +99,8 @@ impl Legend {
     }
 }
 
-/// Draws the entry of a series of points, which the library's own legend does well; its lines are
-/// too short for our dashes.
+/// Draws the entry of a series of points with the library's legend. Its lines are too short for the dashes of this
+/// crate.
 fn marker(scene: &mut Scene, entry: &Entry, x: f64, y: f64) {
     let shown = LegendEntry {
         label: entry.name.clone(),
@@ -108,7 +108,7 @@ fn marker(scene: &mut Scene, entry: &Entry, x: f64, y: f64) {
         shape: LegendShape::Marker(entry.ink.marker),
         dasharray: None,
     };
-    // It sets the name 25 px right of its corner and the marker's middle 5 px below.
+    // The library draws the name 25 px right of its corner and the marker's centre 5 px below it.
     let (x, y) = (x + SWATCH + GAP - 25.0, y - 5.0);
     let theme = Theme::light();
     render_legend_at(&[shown], None, None, false, scene, x, y, 0.0, SIZE, &theme);

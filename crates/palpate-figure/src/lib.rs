@@ -1,9 +1,9 @@
-//! Figures for a paper: panels in a grid over one time axis, [fields](FieldFigure), [dots](DotFigure) and
-//! [drawings](drawing) of what is no plot; as SVG or PDF, and as PNG with the feature `png`.
+//! Figures for a paper: panels in a grid over one time axis, [fields](FieldFigure), [dots](DotFigure) and schematic
+//! [drawings](drawing); as SVG or PDF, and as PNG with the feature `png`.
 //!
-//! The panels of a column stand on the same time axis, the panels of a row share their vertical
-//! range, so that columns can be compared by eye. Colours are those of Okabe and Ito, told apart
-//! by their dashes where colour is lost. The same figure gives the same bytes.
+//! The panels of a column share their time axis and the panels of a row share their vertical range, so that columns
+//! can be compared by eye. Colours are those of Okabe and Ito; dashes distinguish curves in greyscale. The same
+//! figure gives the same bytes.
 
 mod axis;
 mod cut;
@@ -42,7 +42,7 @@ pub use svg::svg;
 #[doc = include_str!("../README.md")]
 struct ReadmeExamples;
 
-/// What can be drawn: a [`Figure`], a [`Sheet`], a [`FieldFigure`], a [`DotFigure`] or a [`Drawing`].
+/// A drawable figure: a [`Figure`], a [`Sheet`], a [`FieldFigure`], a [`DotFigure`] or a [`Drawing`].
 pub trait Picture: drawn::Drawn {}
 
 impl Picture for Figure {}
@@ -53,14 +53,14 @@ impl Picture for FieldFigure {}
 
 impl Picture for DotFigure {}
 
-/// Keeps the drawing library out of what users of this crate see.
+/// Hides the types of the drawing library from the public API.
 mod drawn {
     use super::page::Page;
     use super::{DotFigure, FieldFigure, Figure, Sheet, Size, SizeError, dots, field, page};
 
-    /// What has a page.
+    /// A figure that can be laid out on a page.
     pub trait Drawn {
-        /// The page.
+        /// Returns the page.
         fn page(&self, size: Size) -> Result<Page, SizeError>;
     }
 
@@ -92,26 +92,26 @@ mod drawn {
 /// A figure: rows of panels over one time axis.
 #[derive(Debug, Clone, Default)]
 pub struct Figure {
-    /// Line above everything, what the figure shows; none where empty.
+    /// Title: the content of the figure; empty for no title.
     pub title: String,
-    /// Line below the title, what it is a figure of; none where empty.
+    /// Subtitle: the subject of the figure; empty for no subtitle.
     pub subtitle: String,
-    /// Small print below everything.
+    /// Small print at the bottom.
     pub footnote: Option<String>,
     /// Quantity and unit of the horizontal axis, `time [s]`.
     pub x_label: String,
-    /// Whether the horizontal positions are logarithms to the base 10 of what the axis shows.
+    /// Whether the horizontal positions are decimal logarithms of the shown quantity.
     pub x_decades: bool,
-    /// Heads of the columns; may be empty where there is one column.
+    /// Headings of the columns; may be empty for a single column.
     pub columns: Vec<String>,
     /// The rows, from top to bottom.
     pub rows: Vec<Row>,
 }
 
-/// A figure of several grids: those of a line stand side by side, the lines below each other.
+/// A figure of several grids: a line contains grids side by side, and the lines are below each other.
 ///
-/// All panels show the same time. The frames of a line with fewer grids are as much wider as it takes
-/// to reach from edge to edge.
+/// All panels share the time axis. In a line with fewer grids the frames are wider, so that the line spans the full
+/// width.
 #[derive(Debug, Clone, Default)]
 pub struct Sheet {
     /// As of a [`Figure`].
@@ -124,18 +124,18 @@ pub struct Sheet {
     pub x_label: String,
     /// As of a [`Figure`].
     pub x_decades: bool,
-    /// Whether all rows with the same label, in whatever grid, have the same vertical axis.
+    /// Whether all rows with the same label, in any grid, have the same vertical axis.
     pub same_scales: bool,
     /// The lines of grids.
     pub lines: Vec<Vec<Grid>>,
 }
 
-/// Rows of panels with their heads.
+/// Rows of panels with their headings.
 #[derive(Debug, Clone, Default)]
 pub struct Grid {
-    /// Heads of the columns; may be empty where there is one column.
+    /// Headings of the columns; may be empty for a single column.
     pub columns: Vec<String>,
-    /// Words above each row, at its left; may be empty.
+    /// Headings of the rows, above each row at its left; may be empty.
     pub heads: Vec<String>,
     /// Whether all rows have the same vertical axis, the union of their own.
     pub same_scale: bool,
@@ -177,32 +177,31 @@ impl Sheet {
 pub struct Row {
     /// Quantity and unit of the vertical axis, `force [N]`.
     pub y_label: String,
-    /// Whether the vertical positions are logarithms to the base 10 of what the axis shows.
+    /// Whether the vertical positions are decimal logarithms of the shown quantity.
     pub y_decades: bool,
-    /// How far the vertical axis reaches.
+    /// Range of the vertical axis.
     pub limits: Limits,
     /// One panel per column, from left to right.
     pub panels: Vec<Panel>,
 }
 
-/// One plot: the series that are laid over each other. Without a series it is an empty frame.
+/// One plot of superimposed series. Without a series it is an empty frame.
 #[derive(Debug, Clone, Default)]
 pub struct Panel {
-    /// The series, the one to be drawn lowest first; references are drawn below them all.
+    /// The series, from the lowest drawn; references are drawn below all others.
     pub series: Vec<Series>,
 }
 
 /// One curve.
 ///
-/// Samples that are not finite interrupt it. Where `x` and `y` differ in length, the longer is
-/// cut.
+/// Non-finite samples interrupt it. If `x` and `y` differ in length, the longer is truncated.
 #[derive(Debug, Clone)]
 pub struct Series {
     /// Name in the legend; a series without a name has no entry there.
     pub name: String,
-    /// How the samples are connected.
+    /// Interpolation between the samples.
     pub kind: Kind,
-    /// What the series is to the reader, which decides how it looks.
+    /// Role of the series, which determines its colour, dashes and width.
     pub role: Role,
     /// Horizontal positions, not decreasing.
     pub x: Vec<f64>,
@@ -210,53 +209,53 @@ pub struct Series {
     pub y: Vec<f64>,
 }
 
-/// How the samples of a series are connected.
+/// Interpolation between the samples of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// By straight lines.
     Line,
     /// Each value holds until the next sample, a zero-order hold; the last sample ends the curve.
     Step,
-    /// Not at all.
+    /// No connection.
     Points,
 }
 
-/// What a series is to the reader. The same role looks the same in every figure.
+/// Role of a series. The same role looks the same in every figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// What the others are measured against, the ideal: a broad grey line behind them.
+    /// Reference for the other series: a broad grey line behind them.
     Reference,
-    /// What moves with the reference, as the ideal's device: a narrower, darker grey line.
+    /// Companion of the reference, for example its device: a narrower, darker grey line.
     BesideReference,
-    /// One of those that are compared, counted from 0.
+    /// Compared series, counted from 0.
     Compared(usize),
-    /// What moves with one of those that are compared: a thin line that looks the same otherwise.
+    /// Companion of a compared series: a thin line in its colour and dashes.
     Beside(usize),
-    /// The device where there is one for all: a thin black line with long dashes.
+    /// The device, if all series share one: a thin black line with long dashes.
     Device,
-    /// What was measured: a thin black line without gaps.
+    /// Measured series: a thin black line without gaps.
     Recorded,
-    /// What the figure points at: a black ring, or a thin black line of dots.
+    /// Highlighted samples: a black ring, or a thin black dotted line.
     Mark,
 }
 
 impl Role {
-    /// Whether it is what the others are measured against.
+    /// Whether the series is a reference or its companion.
     fn is_reference(self) -> bool {
         matches!(self, Self::Reference | Self::BesideReference)
     }
 }
 
-/// How far the vertical axis of a row reaches.
+/// Range of the vertical axis of a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Limits {
-    /// Over all data.
+    /// Range of all data.
     Data,
-    /// Over all data, but no further than `times` the range of the reference (or, where there is
-    /// none or it stays at one value, of the calmer half of the series), so that one series that
-    /// diverges does not flatten the others. What leaves the panel is marked and named.
+    /// Range of all data, limited to `times` the range of the reference, so that one diverging series does not
+    /// flatten the others. Without a reference, or if it is constant, the narrower half of the series replaces it.
+    /// Series that leave the panel are marked and named.
     Calm {
-        /// Height of the axis in ranges of the reference.
+        /// Height of the axis as a multiple of the range of the reference.
         times: f64,
     },
 }

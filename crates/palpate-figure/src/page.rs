@@ -8,21 +8,21 @@ use super::{Sheet, Size, SizeError, axis, element, ink, text};
 
 const TITLE_SIZE: u32 = 14;
 const SUBTITLE_SIZE: u32 = 12;
-/// How much broader bold letters are.
+/// Width of bold letters relative to plain ones.
 const BOLD: f64 = 1.17;
 pub(super) const NOTE_SIZE: u32 = 10;
 
-/// Free space around everything `[px]`.
+/// Margin around the page `[px]`.
 const EDGE: f64 = 10.0;
 
-/// Least size of a frame `[px]`.
+/// Minimum size of a frame `[px]`.
 const LEAST_FRAME: (f64, f64) = (70.0, 36.0);
 
-/// What is drawn of a picture.
+/// The laid-out page of a figure.
 pub struct Page {
     /// Everything on the page.
     pub scene: Scene,
-    /// What a pixel of the scene is on the page `[px]`.
+    /// Page size of a scene pixel `[px]`.
     pub scale: f64,
 }
 
@@ -32,7 +32,7 @@ impl From<Scene> for Page {
     }
 }
 
-/// Size of a frame `[px]` where so many stand side by side.
+/// Returns the size of a frame if `columns` frames are side by side `[px]`.
 fn frame(columns: f64) -> (f64, f64) {
     match columns {
         ..2.0 => (600.0, 130.0),
@@ -119,14 +119,14 @@ fn scene(sheet: &Sheet, planned: &Lines, frame_width: f64) -> Scene {
 pub(super) struct Head<'a> {
     pub title: &'a str,
     pub subtitle: &'a str,
-    /// Middle of both `[px]`.
+    /// Centre of both `[px]`.
     pub middle: f64,
-    /// Room for a line `[px]`.
+    /// Available width of a line `[px]`.
     pub room: f64,
 }
 
 impl Head<'_> {
-    /// Draws both from `top` on; where they end.
+    /// Draws both from `top` down. Returns the lower end.
     pub fn draw(&self, page: &mut Scene, mut top: f64) -> f64 {
         let title = text::balanced(&text::clean(self.title), self.room / BOLD, TITLE_SIZE);
         let subtitle = text::lines(&text::clean(self.subtitle), self.room, SUBTITLE_SIZE);
@@ -145,7 +145,7 @@ impl Head<'_> {
     }
 }
 
-/// Draws small print below `top`, within `room` `[px]`; where it ends.
+/// Draws small print below `top`, within `room` `[px]`. Returns its lower end.
 pub(super) fn foot(page: &mut Scene, note: &str, left: f64, mut top: f64, room: f64) -> f64 {
     for line in text::lines(&text::clean(note), room, NOTE_SIZE) {
         top += 1.3 * f64::from(NOTE_SIZE);
@@ -155,7 +155,7 @@ pub(super) fn foot(page: &mut Scene, note: &str, left: f64, mut top: f64, room: 
     top
 }
 
-/// The lines of grids, which know the height of their frames but not yet the width.
+/// The lines of grids, with known frame height but unknown width.
 struct Lines<'a> {
     lines: Vec<Vec<Planned<'a>>>,
     /// Height of each frame `[px]`.
@@ -182,19 +182,19 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// Number of frames side by side in the widest line.
+    /// Returns the number of frames side by side in the widest line.
     fn most(sheet: &'a Sheet) -> f64 {
         let planned = Self::plan(sheet, 100.0);
         let columns = planned.lines.iter().map(side_by_side);
         columns.fold(0.0, f64::max)
     }
 
-    /// Width of the frames where none is asked for `[px]`.
+    /// Returns the default width of the frames `[px]`.
     fn natural_frame(&self) -> f64 {
         frame(self.lines.iter().map(side_by_side).fold(0.0, f64::max)).0
     }
 
-    /// Width of the frames of the widest line on a page of a `width` `[px]`.
+    /// Returns the width of the frames of the widest line on a page of a `width` `[px]`.
     fn frame_within(&self, width: f64) -> Result<f64, SizeError> {
         let frame = self
             .lines
@@ -215,7 +215,7 @@ impl<'a> Lines<'a> {
         self.lines.iter().map(of_line).sum()
     }
 
-    /// Left of the frames; grids below each other begin theirs together.
+    /// Returns the width left of the frames; grids below each other start at the same position.
     fn left(&self, place: usize) -> f64 {
         let grids = self.lines.iter().filter_map(|line| line.get(place));
         grids.map(|grid| grid.left).fold(0.0, f64::max)
@@ -227,8 +227,8 @@ impl<'a> Lines<'a> {
             .sum()
     }
 
-    /// The lines with frames of a width, the widest of them, and how far right of its edge the first
-    /// frame begins.
+    /// Draws the lines with `frame_width` for the widest of them. Also returns the distance of the first frame from
+    /// its left edge.
     fn draw(&self, frame_width: f64) -> (Vec<Vec<Scene>>, f64) {
         let width_of = |line: &Vec<Planned>| self.margins(line) + side_by_side(line) * frame_width;
         let width = self.lines.iter().map(width_of).fold(0.0, f64::max);
@@ -255,14 +255,14 @@ fn side_by_side(line: &Vec<Planned>) -> f64 {
     line.iter().map(Planned::columns).sum::<f64>()
 }
 
-/// Width of each line `[px]`.
+/// Returns the width of each line `[px]`.
 fn widths(lines: &[Vec<Scene>]) -> impl Iterator<Item = f64> {
     lines
         .iter()
         .map(|line| line.iter().map(|grid| grid.width).sum())
 }
 
-/// Words, in bold letters where they are as large as a title.
+/// Words, bold if they have the size of a title.
 pub(super) fn words(
     content: &str,
     x: f64,

@@ -17,10 +17,10 @@ pub(super) const TICK_SIZE: u32 = 11;
 /// Size of the labels of the axes `[px]`.
 pub(super) const LABEL_SIZE: u32 = 12;
 
-/// Half the height of the mark of a series that leaves the panel `[px]`.
+/// Half the height of the marker of a series that leaves the panel `[px]`.
 const MARK: f64 = 4.0;
 
-/// What a panel shows, ready to be drawn.
+/// The content of a panel, ready to be drawn.
 pub(super) struct Drawn {
     /// The curves, lowest first.
     pub plots: Vec<Plot>,
@@ -30,7 +30,7 @@ pub(super) struct Drawn {
     pub series: usize,
 }
 
-/// The curves of a panel of `height` `[px]`.
+/// Prepares the curves of a panel of `height` `[px]`.
 pub(super) fn draw(panel: &Panel, window: &Window, height: f64) -> Drawn {
     let mut plots = Vec::new();
     let (low, high) = window.y;
@@ -38,7 +38,7 @@ pub(super) fn draw(panel: &Panel, window: &Window, height: f64) -> Drawn {
         let zero = LinePlot::new().with_data([(window.x.0, 0.0), (window.x.1, 0.0)]);
         plots.push(zero.with_color(ink::ZERO).with_stroke_width(0.9).into());
     } else {
-        // The library draws no axes around nothing.
+        // The library draws no axes for an empty plot.
         plots.push(LinePlot::new().into());
     }
     let is_reference = |series: &&Series| series.role.is_reference();
@@ -97,8 +97,8 @@ fn curve(series: &Series, points: Vec<(f64, f64)>) -> Plot {
         .into()
 }
 
-/// The axes of a panel of the given size `[px]`, without their labels. The horizontal and the vertical
-/// one show powers of ten where their `decades` say so.
+/// Returns the axes of a panel of the given size `[px]`, without their labels. `decades` selects powers of ten for
+/// the horizontal and the vertical axis.
 pub(super) fn axes(window: &Window, width: f64, height: f64, decades: (bool, bool)) -> Layout {
     let step = |range: (f64, f64), length: f64, room: f64, decades: bool| {
         let step = axis::tick_step(range, length, room);

@@ -11,7 +11,7 @@ use crate::{Picture, Size, SizeError};
 ///
 /// # Errors
 ///
-/// The figure does not fit into `size`; what the drawing library says where it cannot encode the image.
+/// The figure does not fit into `size`, or the drawing library cannot encode the image.
 pub fn png(figure: &(impl Picture + ?Sized), size: Size, scale: f32) -> Result<Vec<u8>, PngError> {
     let Page {
         mut scene,
@@ -25,17 +25,17 @@ pub fn png(figure: &(impl Picture + ?Sized), size: Size, scale: f32) -> Result<V
     image.map_err(PngError::Image)
 }
 
-/// Why there is no image.
+/// Reason for a failed PNG image.
 #[derive(Debug)]
 pub enum PngError {
     /// The figure does not fit.
     Size(SizeError),
-    /// The image cannot be encoded; what the drawing library says.
+    /// The image cannot be encoded; the message is that of the drawing library.
     Image(String),
 }
 
-/// The dashes of a dashed line as lines of their own. The library begins its dashes anew at every
-/// point of a line, which makes a line of many points solid.
+/// Splits a dashed line into separate lines. The library restarts its dashes at every point of a line, so a line of
+/// many points would be solid.
 fn solid(element: Primitive) -> Vec<Primitive> {
     match element {
         Primitive::PolyLine {
@@ -61,7 +61,7 @@ fn dashed(points: &[(f64, f64)], dashes: &str, stroke: &Color, width: f64) -> Ve
     let lengths = dashes
         .split(' ')
         .filter_map(|length| length.parse::<f64>().ok());
-    // The library rounds the ends of a line, which adds half a width to each.
+    // The library rounds the ends of a line, which adds half a width at each end.
     let between_ends = |(index, length): (usize, f64)| match index % 2 {
         0 => (length - width).max(0.1),
         _ => length + width,
@@ -78,7 +78,7 @@ fn dashed(points: &[(f64, f64)], dashes: &str, stroke: &Color, width: f64) -> Ve
         .collect()
 }
 
-/// The parts of a polyline that its dashes cover.
+/// Returns the parts of a polyline that its dashes cover.
 fn dash(points: &[(f64, f64)], lengths: &[f64]) -> Vec<Vec<(f64, f64)>> {
     let mut lengths = lengths
         .iter()

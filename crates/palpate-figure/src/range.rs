@@ -1,16 +1,16 @@
-//! A part of a figure along its horizontal axis.
+//! Restriction of a figure to a part of its horizontal axis.
 
 use super::{Figure, Kind, Row, Series, Sheet};
 
 impl Figure {
-    /// Keeps what lies between two places of the horizontal axis, both included.
+    /// Keeps the data between two positions of the horizontal axis, both included.
     pub fn keep(&mut self, from: f64, to: f64) {
         self.rows.iter_mut().for_each(|row| keep(row, from, to));
     }
 }
 
 impl Sheet {
-    /// Keeps what lies between two places of the horizontal axis, both included.
+    /// Keeps the data between two positions of the horizontal axis, both included.
     pub fn keep(&mut self, from: f64, to: f64) {
         let grids = self.lines.iter_mut().flatten();
         grids
@@ -18,7 +18,7 @@ impl Sheet {
             .for_each(|row| keep(row, from, to));
     }
 
-    /// The horizontal range of all samples; none where there are none.
+    /// Returns the horizontal range of all samples; `None` without samples.
     #[must_use]
     pub fn reach(&self) -> Option<(f64, f64)> {
         let places = self.series().flat_map(|series| &series.x).copied();
@@ -34,7 +34,7 @@ fn keep(row: &mut Row, from: f64, to: f64) {
     }
 }
 
-/// The samples of a series from a place to a place, with what it is at both.
+/// Returns the samples of a series between two positions; lines and steps also get their values at both ends.
 fn cut(series: &Series, from: f64, to: f64) -> Vec<(f64, f64)> {
     let samples = series.x.iter().copied().zip(series.y.iter().copied());
     let samples: Vec<(f64, f64)> = samples.collect();

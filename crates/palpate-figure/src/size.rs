@@ -1,4 +1,4 @@
-//! How large a figure is on paper or on a slide.
+//! Size of a figure on paper or on a slide.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,13 +6,13 @@ use std::str::FromStr;
 /// Pixels of a figure per millimetre: 96 to the inch, as in SVG.
 const PER_MILLIMETRE: f64 = 96.0 / 25.4;
 
-/// Least and greatest side of a figure that is asked for `[mm]`.
+/// Minimum and maximum side of a requested size `[mm]`.
 const SIDES: (f64, f64) = (20.0, 2000.0);
 
-/// How large a figure is; what is not given follows from what the figure shows.
+/// Size of a figure. Unset sides follow from the content of the figure.
 ///
-/// Words keep their size, 11 to 14 px (8 to 10.5 pt), whatever the size of the figure; frames take what
-/// is left. A [`Drawing`](crate::Drawing) is scaled as a whole.
+/// Words keep their size, 11 to 14 px (8 to 10.5 pt), at any figure size; frames take the remaining space. A
+/// [`Drawing`](crate::Drawing) is scaled as a whole.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Size {
     pub(crate) width: Option<f64>,
@@ -20,13 +20,13 @@ pub struct Size {
 }
 
 impl Size {
-    /// As large as the figure is by itself.
+    /// The natural size of the figure.
     pub const NATURAL: Self = Self {
         width: None,
         height: None,
     };
 
-    /// Names of sizes, and their width and height `[mm]`.
+    /// Named sizes with width and height `[mm]`.
     pub const NAMED: [(&'static str, f64, Option<f64>); 3] = [
         ("column", 85.0, None),
         ("page", 170.0, None),
@@ -44,7 +44,7 @@ impl Size {
 impl FromStr for Size {
     type Err = SizeError;
 
-    /// `column` (85 mm wide), `page` (170 mm wide), `slide` (254 x 142.9 mm), or width and height in mm,
+    /// Parses `column` (85 mm wide), `page` (170 mm wide), `slide` (254 x 142.9 mm), or width and height in mm,
     /// `120x80`.
     fn from_str(text: &str) -> Result<Self, SizeError> {
         if let Some((_, width, height)) = Self::NAMED.into_iter().find(|(name, ..)| *name == text) {
@@ -62,25 +62,25 @@ impl FromStr for Size {
     }
 }
 
-/// A size that no figure has, or not this one.
+/// Reason for rejecting a size.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum SizeError {
-    /// It is not understood.
+    /// The text is not a size.
     Unknown(String),
     /// The figure does not fit.
     TooSmall {
         /// `width` or `height`.
         side: &'static str,
-        /// What was asked for `[mm]`.
+        /// Requested length `[mm]`.
         asked: f64,
-        /// The least that this figure takes `[mm]`.
+        /// Minimum length of this figure `[mm]`.
         least: f64,
     },
 }
 
 impl SizeError {
-    /// A side that is too small, from lengths in pixels.
+    /// Creates the error for a side that is too small, from lengths in pixels.
     pub(crate) fn too_small(side: &'static str, asked: f64, least: f64) -> Self {
         Self::TooSmall {
             side,

@@ -1,11 +1,11 @@
-//! From samples to the lines that are drawn for them.
+//! Conversion of samples to drawn lines.
 
 use super::axis::LARGEST;
 use super::cut::cut;
 use super::thin::thin;
 use super::{Kind, Series};
 
-/// The part of the plane a panel shows, and how finely.
+/// The visible part of the plane of a panel, and its resolution.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Window {
     /// Range of the horizontal axis.
@@ -16,14 +16,14 @@ pub(super) struct Window {
     pub pixel: f64,
 }
 
-/// What a panel draws for a series.
+/// The drawn elements of a series.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Strokes {
     /// Polylines, or groups of single points.
     pub pieces: Vec<Vec<(f64, f64)>>,
-    /// Where the series rises above the window.
+    /// First horizontal position at which the series rises above the window.
     pub above: Option<f64>,
-    /// Where the series falls below the window.
+    /// First horizontal position at which the series falls below the window.
     pub below: Option<f64>,
 }
 
@@ -44,7 +44,7 @@ pub(super) fn strokes(series: &Series, window: &Window) -> Strokes {
         }
     }
     pieces.retain(|piece: &Vec<_>| !piece.is_empty());
-    // The mark of a series that leaves stands where its line meets the edge.
+    // The marker of a series that leaves the window is at the intersection of its line and the edge.
     let leaves = |outside: &dyn Fn(f64) -> bool, edge: f64| {
         let (x, _) = samples().find(|&(x, y)| x.abs() <= LARGEST && outside(y))?;
         let lines = pieces.iter().filter(|_| series.kind != Kind::Points);
@@ -60,8 +60,8 @@ pub(super) fn strokes(series: &Series, window: &Window) -> Strokes {
     }
 }
 
-/// The stretches of finite samples. A value that holds reaches the next sample's time even where
-/// that sample has no value.
+/// Returns the runs of finite samples. A held value extends to the next sample's time even if that sample has no
+/// value.
 fn runs(samples: &[(f64, f64)], holds: bool) -> Vec<Vec<(f64, f64)>> {
     let finite = |sample: &(f64, f64)| sample.0.abs() <= LARGEST && sample.1.abs() <= LARGEST;
     let mut runs = Vec::new();
@@ -81,7 +81,7 @@ fn runs(samples: &[(f64, f64)], holds: bool) -> Vec<Vec<(f64, f64)>> {
     runs
 }
 
-/// The corners of a zero-order hold.
+/// Returns the corners of a zero-order hold.
 fn stairs(samples: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut corners = Vec::with_capacity(2 * samples.len());
     for &(x, y) in samples {
@@ -95,7 +95,7 @@ fn stairs(samples: &[(f64, f64)]) -> Vec<(f64, f64)> {
     corners
 }
 
-/// A lone sample drawn as a short line, since a line of no length is not seen.
+/// Draws a single sample as a short line, since a line without length is invisible.
 fn visible(mut points: Vec<(f64, f64)>, window: &Window) -> Vec<(f64, f64)> {
     if let [(x, y)] = points[..] {
         points = vec![(x - window.pixel, y), (x + window.pixel, y)];

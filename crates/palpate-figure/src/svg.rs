@@ -8,7 +8,7 @@ use kuva::render::render::{PathData, Primitive, Scene};
 use crate::page::Page;
 use crate::{Picture, Size, SizeError};
 
-/// Draws `figure` as an SVG document; the same figure gives the same bytes.
+/// Draws `figure` as an SVG document. The same figure gives the same bytes.
 ///
 /// # Errors
 ///
@@ -27,7 +27,7 @@ pub fn svg(figure: &(impl Picture + ?Sized), size: Size) -> Result<String, SizeE
         hundredths(scale * scene.height)
     );
     let mut document = SvgBackend::new().render_scene(&scene);
-    // Without it, a document that embeds the figure cannot scale it.
+    // Without this attribute, a document that embeds the figure cannot scale it.
     if let Some(at) = document.find("width=") {
         document.insert_str(at, &size);
     }
@@ -38,7 +38,7 @@ pub fn svg(figure: &(impl Picture + ?Sized), size: Size) -> Result<String, SizeE
     Ok(document)
 }
 
-/// Numbers the clipped regions from 0; the library counts over the whole process.
+/// Numbers the clipping regions from 0; the library counts over the whole process.
 fn number_clips(scene: &mut Scene) {
     let mut count = 0;
     for element in &mut scene.elements {
@@ -52,7 +52,7 @@ fn number_clips(scene: &mut Scene) {
     }
 }
 
-/// Writes a polyline to a hundredth of a pixel, which takes half of the library's digits.
+/// Rounds a polyline to a hundredth of a pixel, which halves the number of digits.
 fn shorten(element: &mut Primitive) {
     if let Primitive::PolyLine {
         points,

@@ -1,8 +1,8 @@
-//! Whole figures: what a reader of the file relies on.
+//! Properties of complete figures that readers of the file rely on.
 
 use super::*;
 
-/// A figure as large as it is by itself.
+/// Draws a figure in its natural size.
 fn svg(figure: &impl Picture) -> String {
     super::svg(figure, Size::NATURAL).unwrap()
 }
@@ -45,7 +45,7 @@ fn figure(columns: usize, rows: usize, series: &[Series]) -> Figure {
     }
 }
 
-/// A series that shakes by turns, so that no sample can be left out without being seen.
+/// Returns a series that alternates at every sample, so that thinning may not drop any sample unnoticed.
 fn noise(number: usize, kind: Kind, count: u32) -> Series {
     let wave = move |x: f64| (1e6 * x * (number as f64 + 1.3)).sin() * (1.0 + x);
     series(
@@ -61,7 +61,7 @@ fn parse(document: &str) -> roxmltree::Document<'_> {
     roxmltree::Document::parse(document).unwrap()
 }
 
-/// Every number of every coordinate in the document is finite and near the page.
+/// Asserts that every number of every coordinate in the document is finite and near the page.
 fn assert_on_page(document: &str) {
     for word in ["NaN", "nan", "inf"] {
         assert!(
@@ -343,18 +343,18 @@ fn grids_side_by_side_keep_level_and_end_where_a_wide_one_does() {
             .collect()
     };
     assert_eq!(place("first").len(), 1);
-    // Six panels, six notes: where a head takes the room, a short one.
+    // Six panels, six notes: a short one if the heading takes the space.
     let (full, short) = (
         place("off scale: far \u{25b2}"),
         place("\u{25b2} off scale: 1 of 2 series"),
     );
     assert_eq!((full.len(), short.len()), (5, 1), "{full:?} {short:?}");
-    // Notes end where their frames do. In each line of grids the first rows are level.
+    // Notes end at the right end of their frames. In each line of grids the first rows are level.
     let head = place("first")[0];
     assert_eq!(full[0].1, head.1);
     let (left, right, wide) = (full[0], full[1], full[3]);
     assert_eq!(left.1, right.1, "{full:?}");
-    // Each in the frame of its own grid; 16 px stand right of each frame.
+    // Each note is within the frame of its own grid; the margin right of each frame is 16 px.
     let end = left.0 + 16.0 + right.0;
     assert!((wide.0 - end).abs() < 0.1, "{full:?}");
 }

@@ -1,28 +1,28 @@
-//! Text that fits: its width, its lines, its characters.
+//! Text layout: width, line breaks, allowed characters.
 
 use kuva::render::layout::{ComputedLayout, Layout};
 use kuva::render::render_utils;
 
-/// Families that look alike and of which every system has one.
+/// Similar font families; every system has one of them.
 pub(super) const FAMILY: &str = "Helvetica, Arial, Liberation Sans, DejaVu Sans, sans-serif";
 
-/// Width of `text` `[px]` in the broadest of the families.
+/// Returns the width of `text` in the broadest of the families `[px]`.
 pub(super) fn width(text: &str, size: u32) -> f64 {
-    // The only door to the library's font metrics is the room it reserves for tick labels.
+    // The library exposes its font metrics only through the space that it reserves for tick labels.
     let layout = Layout::new((0.0, 1.0), (0.0, 1.0))
         .with_y_categories(vec![text.to_owned()])
         .with_tick_size(size);
     ComputedLayout::from_layout(&layout).y_tick_label_px
 }
 
-/// What stays with the number before it.
+/// Units that stay on the line of their number.
 const UNITS: [&str; 16] = [
     "%", "Hz", "kHz", "N", "mN", "N/m", "s/m", "kg", "g", "s", "ms", "m", "mm", "um", "J", "mJ",
 ];
 
-/// `text` in lines of at most `characters`; a unit stays with its number.
+/// Breaks `text` into lines of at most `characters`; a unit stays with its number.
 fn wrap_text(text: &str, characters: usize) -> Vec<String> {
-    // A character that is no white space, and that no text has after `clean`.
+    // A character that is not white space and that `clean` removes from every text.
     const GLUE: &str = "\u{fffe}";
     let mut glued = String::with_capacity(text.len());
     for (number, word) in text.split(' ').enumerate() {
@@ -37,7 +37,7 @@ fn wrap_text(text: &str, characters: usize) -> Vec<String> {
     lines.map(|line| line.replace(GLUE, " ")).collect()
 }
 
-/// How many characters a line may have for `text` to fit into `room` `[px]`.
+/// Returns the number of characters per line for which `text` fits into `room` `[px]`.
 pub(super) fn characters(text: &str, room: f64, size: u32) -> usize {
     let fits = |count: &usize| {
         wrap_text(text, *count)
@@ -47,7 +47,7 @@ pub(super) fn characters(text: &str, room: f64, size: u32) -> usize {
     (8..=text.chars().count()).rev().find(fits).unwrap_or(8)
 }
 
-/// `text` in lines of at most `room` `[px]`.
+/// Breaks `text` into lines of at most `room` `[px]`.
 pub(super) fn lines(text: &str, room: f64, size: u32) -> Vec<String> {
     if text.is_empty() {
         return Vec::new();
@@ -55,7 +55,7 @@ pub(super) fn lines(text: &str, room: f64, size: u32) -> Vec<String> {
     wrap_text(text, characters(text, room, size))
 }
 
-/// `text` in as few lines as fit into `room` `[px]`, none much shorter than the others.
+/// Breaks `text` into the minimum number of lines that fit into `room` `[px]`, of similar length.
 pub(super) fn balanced(text: &str, room: f64, size: u32) -> Vec<String> {
     let lines = lines(text, room, size);
     let least = (8..text.chars().count())
@@ -64,7 +64,7 @@ pub(super) fn balanced(text: &str, room: f64, size: u32) -> Vec<String> {
     least.unwrap_or(lines)
 }
 
-/// `text` without the characters that XML does not allow.
+/// Returns `text` without the characters that XML does not allow.
 pub(super) fn clean(text: &str) -> String {
     let allowed = |&c: &char| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}');
     text.chars()

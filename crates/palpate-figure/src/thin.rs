@@ -1,7 +1,7 @@
-//! Fewer samples for the same picture.
+//! Reduction of samples without visible change.
 
-/// Keeps of each run of points that fall into one column of width `cell` the first, the lowest,
-/// the highest and the last, in their order. What the eye sees of a line stays, peaks included.
+/// Reduces each run of points within one column of width `cell` to its first, lowest, highest and last point, in
+/// their order. The visible line stays the same, peaks included.
 pub(super) fn thin(points: &[(f64, f64)], cell: f64) -> Vec<(f64, f64)> {
     let mut kept = Vec::new();
     let column = |point: &(f64, f64)| (point.0 / cell).floor();

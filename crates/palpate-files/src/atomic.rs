@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all.
+//! Atomic file output: a file appears complete or not at all.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
@@ -6,81 +6,80 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// Links that are followed before a path counts as a ring.
+/// Maximum number of symbolic links followed before the path is rejected as a cycle.
 const MAX_LINKS: usize = 40;
 
-/// Why a file could not be written. What stood at the path before still stands there.
+/// Failure to write a file. A file that existed at the path is unchanged.
 #[derive(Debug, Error)]
 #[error("cannot write `{}`: {fault}", path.display())]
 pub struct WriteError {
     /// The path the caller gave.
     pub path: PathBuf,
-    /// What stood in the way.
+    /// Kind of the failure.
     pub fault: WriteFault,
-    /// What the system said.
+    /// Error of the operating system.
     pub source: io::Error,
 }
 
-/// What stood in the way of a file.
+/// Kinds of write failures.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum WriteFault {
-    /// The directory of the file is not there.
+    /// The file's directory does not exist.
     #[error("there is no directory `{}`", directory.display())]
     DirectoryMissing {
-        /// The directory that is missing.
+        /// The missing directory.
         directory: PathBuf,
     },
-    /// There is a directory of that name.
+    /// The path is a directory.
     #[error("it is a directory")]
     IsDirectory,
-    /// The file or its directory may not be changed.
+    /// No permission to change the file or its directory.
     #[error("permission denied")]
     PermissionDenied,
     /// The disk or the quota is full.
     #[error("no space left on the device")]
     DiskFull,
-    /// There is a file of that name, and it was not to be replaced.
+    /// The file exists and must not be replaced.
     #[error("there is a file of that name")]
     Exists,
-    /// Anything else, in the system's words.
+    /// Any other failure, with the message of the system.
     #[error("{0}")]
     Other(String),
 }
 
-/// What becomes of a file that is there already.
+/// Treatment of an existing file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Existing {
-    /// It stays, and the write is refused.
+    /// The file is kept, and the write fails.
     #[default]
     Keep,
-    /// The new file takes its place.
+    /// The new file replaces it.
     Replace,
 }
 
 /// Checks, before any work is done, that a file can be written at `path`.
 ///
-/// A byte is written into a temporary file in the same directory, which is then removed. What is
-/// not a regular file is opened, but for a pipe, and nothing is written into it.
+/// The check writes a byte into a temporary file in the same directory and removes it. It opens non-regular files
+/// except pipes, and writes nothing into them.
 ///
 /// # Errors
 ///
-/// What [`write`](fn@write) would say: a directory that is missing or may not be changed, a full disk, a path
-/// that is a directory. With [`Existing::Keep`] also a file of that name.
+/// Those of [`write`](fn@write): a missing or read-only directory, a full disk, a path that is a directory. With
+/// [`Existing::Keep`] also an existing file.
 pub fn check(path: &Path, existing: Existing) -> Result<(), WriteError> {
     check_target(path, existing).map_err(|source| WriteError::new(path, source))
 }
 
 /// Writes the file at `path` through `write`.
 ///
-/// The bytes go to a temporary file in the same directory, reach the disk, and then take the
-/// file's name in one step: a reader sees the old file or the new one, never a part. Where
-/// anything fails, `write` included, the old file is untouched and no temporary file is left.
+/// The bytes go to a temporary file in the same directory, are synchronised to disk, and the file is then renamed
+/// atomically: a reader sees the old file or the new one, never a part. If any step fails, including `write`, the old
+/// file is unchanged and the temporary file is removed.
 ///
-/// A new file gets the permissions that the process gives to any new file; a file that is
-/// replaced keeps its own. A symbolic link stays, and the file it points to is replaced. What is
-/// not a regular file (a pipe, a terminal, `/dev/null`) is written straight through, and so is the
-/// program's own output (`/dev/stdout`, `/dev/fd/1`) wherever it goes.
+/// A new file gets the default permissions of the process; a replaced file keeps its permissions. A symbolic link is
+/// kept, and its target is replaced. Non-regular files (a pipe, a terminal, `/dev/null`) are written directly, and so
+/// is the program's own output (`/dev/stdout`, `/dev/fd/1`), wherever it is redirected.
 ///
 /// # Errors
 ///
@@ -92,13 +91,13 @@ pub fn write<T>(
     write_over(path, Existing::Replace, write)
 }
 
-/// Writes the file at `path` through `write`, as [`write`](fn@write) does; `existing` says what becomes of a
-/// regular file that is there.
+/// Writes the file at `path` through `write`, as [`write`](fn@write) does; `existing` selects the treatment of an
+/// existing regular file.
 ///
 /// # Errors
 ///
-/// [`WriteError`], which names the path. With [`Existing::Keep`] a file that has appeared while
-/// `write` was at work is kept, too.
+/// [`WriteError`], which names the path. With [`Existing::Keep`], a file that appears while `write` runs is also
+/// kept.
 pub fn write_over<T>(
     path: &Path,
     existing: Existing,
@@ -113,7 +112,7 @@ pub fn write_over<T>(
 }
 
 impl WriteError {
-    /// What the system said when the file at `path` was to be written.
+    /// Creates the error for a failed write at `path` from the error of the system.
     #[must_use]
     pub fn new(path: &Path, source: io::Error) -> Self {
         Self {
@@ -124,21 +123,21 @@ impl WriteError {
     }
 }
 
-/// Whether `path` leads to something that bytes go into but that cannot be replaced: a pipe, a
-/// terminal, `/dev/null`, or the program's own output.
+/// Returns whether `path` accepts bytes but cannot be replaced: a pipe, a terminal, `/dev/null`, or the program's own
+/// output.
 #[must_use]
 pub fn is_stream(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|found| is_inherited(path) || !(found.is_file() || found.is_dir()))
 }
 
-/// Whether `path` names something that this program was given open. A redirected standard output is a regular file, but it is the
-/// shell's, not ours to replace.
+/// Returns whether `path` names a file descriptor inherited by this program. Redirected standard output is a regular
+/// file, but it belongs to the shell and must not be replaced.
 fn is_inherited(path: &Path) -> bool {
     let named = ["/dev/stdout", "/dev/stderr"].map(Path::new);
     if named.contains(&path) || path.parent() == Some(Path::new("/dev/fd")) {
         return true;
     }
-    // Other names below /proc, such as /proc/self/cwd, lead to any file.
+    // Other paths below /proc, such as /proc/self/cwd, can lead to any file.
     let descriptors = path.parent().filter(|parent| parent.ends_with("fd"));
     path.starts_with("/proc") && descriptors.is_some_and(|parent| parent.components().count() == 4)
 }
@@ -150,23 +149,23 @@ fn buffered<T>(file: &File, write: impl FnOnce(&mut dyn Write) -> io::Result<T>)
     Ok(value)
 }
 
-/// Appending leaves alone what a shell's `>>` has already put there.
+/// Opens for appending, which preserves the content that a shell's `>>` keeps.
 fn open_stream(path: &Path) -> io::Result<File> {
     OpenOptions::new().append(true).open(path)
 }
 
 fn check_target(path: &Path, existing: Existing) -> io::Result<()> {
     if is_stream(path) {
-        // Opening a pipe waits for its reader, who would take the closing for the end.
+        // Opening a pipe waits for its reader, and the reader would take the closing for the end of the data.
         if is_pipe(path) {
             return Ok(());
         }
-        // A device that takes nothing says so even of no bytes.
+        // A device that accepts no data fails even for zero bytes.
         return open_stream(path)?.write(&[]).map(|_| ());
     }
     let target = follow_links(path)?;
     permissions_of_old(&target, existing)?;
-    // A byte: a full disk lets an empty file be made.
+    // Write one byte: on a full disk an empty file can still be created.
     temporary_in(directory_of(&target))?
         .as_file_mut()
         .write_all(&[0])
@@ -183,12 +182,12 @@ fn is_pipe(_: &Path) -> bool {
     false
 }
 
-/// The permissions of the file at `target`, if there is one and it may be replaced.
+/// Returns the permissions of the file at `target`, if it exists and may be replaced.
 fn permissions_of_old(target: &Path, existing: Existing) -> io::Result<Option<fs::Permissions>> {
     if existing == Existing::Keep && fs::symlink_metadata(target).is_ok_and(|old| !old.is_dir()) {
         return Err(io::ErrorKind::AlreadyExists.into());
     }
-    // A path that ends in a separator is that of a directory, whether it is there or not.
+    // A path that ends in a separator denotes a directory, even if it does not exist.
     if target
         .as_os_str()
         .to_string_lossy()
@@ -229,7 +228,7 @@ fn temporary_in(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        // What open(2) is asked for when a program creates a file; the umask takes its share.
+        // The default mode of open(2) for a new file; the umask reduces it.
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     builder.tempfile_in(directory)
@@ -242,7 +241,7 @@ pub(crate) fn directory_of(path: &Path) -> &Path {
     }
 }
 
-/// The path behind all symbolic links, whether or not a file is there yet.
+/// Resolves all symbolic links; the target need not exist.
 pub(crate) fn follow_links(path: &Path) -> io::Result<PathBuf> {
     let mut target = path.to_owned();
     for _ in 0..MAX_LINKS {
@@ -262,7 +261,7 @@ fn fault(path: &Path, error: &io::Error) -> WriteFault {
             directory: directory.to_owned(),
         },
         io::ErrorKind::IsADirectory => WriteFault::IsDirectory,
-        // Where somebody has put it in words, these are better.
+        // An error with a message of its own is reported by that message.
         io::ErrorKind::AlreadyExists if error.get_ref().is_none() => WriteFault::Exists,
         io::ErrorKind::PermissionDenied => WriteFault::PermissionDenied,
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => WriteFault::DiskFull,
@@ -339,7 +338,7 @@ mod tests {
         check(&path, Existing::Keep).unwrap();
         assert!(names(directory.path()).is_empty(), "a check leaves nothing");
         let error = write_over(&path, Existing::Keep, |out| {
-            // Somebody was faster.
+            // Another program creates the file first.
             fs::write(&path, "theirs")?;
             out.write_all(b"ours")
         })
@@ -552,7 +551,7 @@ mod tests {
                 Ok(status) if status.success() => {}
                 _ => return,
             }
-            // A check that opened it would wait for ever.
+            // Opening the pipe in the check would block forever.
             check(&pipe, Existing::Keep).unwrap();
             let reader = std::thread::spawn({
                 let pipe = pipe.clone();

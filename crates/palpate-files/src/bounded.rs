@@ -1,4 +1,4 @@
-//! Files that are read whole, up to a stated length: a device file such as `/dev/zero` and a pipe may never end.
+//! Reading of whole files up to a maximum length. A device file such as `/dev/zero` or a pipe may never end.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -6,24 +6,24 @@ use std::path::Path;
 
 use crate::inputs;
 
-/// A kind of file, and the most that is read of one.
+/// A kind of file and its maximum length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limit {
-    /// What the file is, for messages.
+    /// Kind of the file, for messages.
     kind: &'static str,
-    /// The most that is read `[bytes]`.
+    /// Maximum length `[bytes]`.
     bytes: u64,
 }
 
 const MEBIBYTE: u64 = 1 << 20;
 
-/// Scene files, lists of columns, and other settings that people write.
+/// Scene files, lists of columns and other settings files.
 pub const SCENE: Limit = Limit::of("a scene or a list of settings", 16 * MEBIBYTE);
-/// Device files and reports of calibrations.
+/// Device files and calibration reports.
 pub const DEVICE: Limit = Limit::of("a device file or a calibration", 64 * MEBIBYTE);
-/// Files of triangles.
+/// Triangle meshes.
 pub const MESH: Limit = Limit::of("a mesh", 256 * MEBIBYTE);
-/// Grids of distances from a mesh.
+/// Distance grids of meshes.
 pub const DISTANCE_GRID: Limit = Limit::of("a distance grid", 64 * MEBIBYTE);
 /// Tables: traces, runs, maps.
 pub const TABLE: Limit = Limit::of("a table", 256 * MEBIBYTE);
@@ -31,16 +31,16 @@ pub const TABLE: Limit = Limit::of("a table", 256 * MEBIBYTE);
 pub const JOURNAL: Limit = Limit::of("a journal", 512 * MEBIBYTE);
 
 impl Limit {
-    /// At most `bytes` `[bytes]` of files of a kind.
+    /// Creates a limit of `bytes` `[bytes]` for files of a kind.
     #[must_use]
     pub const fn of(kind: &'static str, bytes: u64) -> Self {
         Self { kind, bytes }
     }
 
-    /// The whole of the file at `path`.
+    /// Reads the whole file at `path`.
     ///
     /// # Errors
-    /// What the system says; a file that is longer than the limit, as [`io::ErrorKind::FileTooLarge`].
+    /// The error of the system; a file longer than the limit, as [`io::ErrorKind::FileTooLarge`].
     pub fn bytes(self, path: &Path) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
         self.reader(File::open(path)?).read_to_end(&mut bytes)?;
@@ -48,7 +48,7 @@ impl Limit {
         Ok(bytes)
     }
 
-    /// The whole of the file at `path`, which is text.
+    /// Reads the whole text file at `path`.
     ///
     /// # Errors
     /// Those of [`bytes`](Self::bytes); bytes that are not UTF-8, as [`io::ErrorKind::InvalidData`].
@@ -59,7 +59,7 @@ impl Limit {
         Ok(text)
     }
 
-    /// `source`, with an error of kind [`io::ErrorKind::FileTooLarge`] in place of what is beyond the limit.
+    /// Wraps `source`; reading beyond the limit fails with [`io::ErrorKind::FileTooLarge`].
     pub fn reader<R: Read>(self, source: R) -> Bounded<R> {
         Bounded {
             source,
@@ -81,18 +81,18 @@ impl Limit {
     }
 }
 
-/// A source that is read up to a limit.
+/// A reader with a maximum length.
 #[derive(Debug)]
 pub struct Bounded<R> {
     source: R,
     limit: Limit,
-    /// What may still be read `[bytes]`.
+    /// Remaining length `[bytes]`.
     rest: u64,
 }
 
 impl<R: Read> Read for Bounded<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        // One byte beyond the limit tells a source that ends there from one that goes on.
+        // Read one byte beyond the limit to detect a source that does not end there.
         let room = self.rest.saturating_add(1);
         let room = usize::try_from(room).map_or(buffer.len(), |room| room.min(buffer.len()));
         let length = self.source.read(&mut buffer[..room])?;
@@ -125,7 +125,7 @@ mod tests {
             error.to_string().contains("4 bytes") && error.to_string().contains("a test"),
             "{error}"
         );
-        // An empty buffer reads nothing and fails for nothing.
+        // Reading into an empty buffer returns 0 without an error.
         assert_eq!(FOUR.reader(&b"abcde"[..]).read(&mut []).unwrap(), 0);
     }
 

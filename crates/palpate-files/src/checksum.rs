@@ -1,6 +1,6 @@
-//! A checksum that tells a whole text from a torn one.
+//! A checksum that detects incomplete text.
 
-/// FNV-1a, 64 bits: short, and enough against accidents; it protects from nobody.
+/// FNV-1a, 64 bits. It detects accidental damage, not tampering.
 #[derive(Clone, Debug)]
 pub struct Checksum(u64);
 
@@ -11,26 +11,26 @@ impl Default for Checksum {
 }
 
 impl Checksum {
-    /// That of no bytes.
+    /// Creates the checksum of an empty text.
     #[must_use]
     pub fn new() -> Self {
         Self(0xcbf2_9ce4_8422_2325)
     }
 
-    /// Adds bytes after those before.
+    /// Appends bytes.
     pub fn add(&mut self, bytes: &[u8]) {
         for byte in bytes {
             self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
         }
     }
 
-    /// Sixteen hexadecimal digits.
+    /// Returns the checksum as 16 hexadecimal digits.
     #[must_use]
     pub fn text(&self) -> String {
         format!("{:016x}", self.0)
     }
 
-    /// The digits of a whole text.
+    /// Returns the digits of a whole text.
     #[must_use]
     pub fn of(text: &str) -> String {
         let mut checksum = Self::new();

@@ -1,17 +1,17 @@
-//! Which files this process has read, so that none of them becomes an [output](crate::outputs).
+//! Registry of the files read by this process, which prevents an [output](crate::outputs) from overwriting them.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The names of the files that were read, by the place where each really is.
+/// Names of the files that were read, by canonical path.
 static READ: Mutex<BTreeMap<PathBuf, PathBuf>> = Mutex::new(BTreeMap::new());
 
 fn read() -> MutexGuard<'static, BTreeMap<PathBuf, PathBuf>> {
     READ.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The file at `path` is read. Files that [`bounded`](crate::bounded) reads are noted there.
+/// Registers the file at `path` as read. [`bounded`](crate::bounded) registers the files that it reads.
 pub fn note(path: &Path) {
     if let Ok(place) = path.canonicalize()
         && place.is_file()
@@ -20,7 +20,7 @@ pub fn note(path: &Path) {
     }
 }
 
-/// The name under which the file at a `place` was read, if it was.
+/// Returns the name under which the file at the canonical path `place` was read, if it was.
 pub(crate) fn name_of(place: &Path) -> Option<PathBuf> {
     read().get(place).cloned()
 }

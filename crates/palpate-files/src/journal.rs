@@ -1,11 +1,11 @@
-//! A journal of work in progress: lines that are kept whatever happens to the program.
+//! A journal of work in progress, whose lines survive a crash of the program.
 //!
-//! Each line carries a checksum, so what was being written when the program or the machine went
-//! down is told from what was written. A journal is not a result: a result appears whole, by
-//! [`atomic::write`](crate::atomic::write), and its journal is then removed.
+//! Each line carries a checksum, so an incomplete last line is detected after a crash of the program or the machine.
+//! A result file is not a journal: it appears complete, by [`atomic::write`](crate::atomic::write), and its journal
+//! is then removed.
 //!
-//! One program at a time has a journal: it holds a lock on it from opening it until it ends, and
-//! leaves a line that says who it is. Nothing that was written whole is ever written over.
+//! One program at a time uses a journal. It locks the journal from opening until the program ends, and writes a line
+//! that identifies it. Complete lines are never overwritten.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Write};
@@ -20,14 +20,14 @@ use crate::checksum::Checksum;
 pub use crate::lock::Holder;
 use crate::lock::{Locked, is_at, try_lock};
 
-/// Lines reach the disk itself at least this often while they come.
+/// Maximum time between synchronisations to disk while lines are appended.
 const SYNC_EVERY: Duration = Duration::from_secs(2);
 
-/// What a line begins with that says who has the journal.
+/// Prefix of a line that identifies the holder of the journal.
 const HOLDER: &str = "#";
 
-/// How often, and how often at most, a journal that is held is looked at for its holder: a program
-/// that has just locked it has its name still to write.
+/// Interval and maximum number of attempts to read the holder of a locked journal: a program that has just locked it
+/// has not yet written its line.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 const LOOKS: usize = 50;
 
@@ -37,32 +37,32 @@ pub struct Journal {
     path: PathBuf,
     file: File,
     synced: Instant,
-    /// Whether it has a first line; a journal without one is of nothing.
+    /// Whether the journal has a first line; without one, its subject is undefined.
     begun: bool,
 }
 
-/// A journal that was opened, and what earlier programs left in it.
+/// An opened journal and the content left by earlier programs.
 #[derive(Debug)]
 pub struct Found {
-    /// Its first line: what it is a journal of. None if it was not there, or was torn before that
-    /// line was complete; [`Journal::begin`] then writes one.
+    /// First line: the subject of the journal. `None` for a new journal, or if the line is incomplete;
+    /// [`Journal::begin`] then writes one.
     pub head: Option<String>,
-    /// The lines after it, in the order they were written.
+    /// The lines after it, in the order of writing.
     pub lines: Vec<String>,
-    /// The journal, ready for more. What was torn at its end is gone.
+    /// The journal, ready for appending. An incomplete last line has been removed.
     pub journal: Journal,
-    /// What the system said where it has no locks, as on some network disks: nothing keeps another
-    /// program from the same journal.
+    /// Error of a file system without locks, as on some network disks: another program can then open the same
+    /// journal.
     pub unlocked: Option<io::Error>,
 }
 
-/// Why a journal cannot be gone on with.
+/// Reason why a journal cannot be continued.
 #[derive(Debug, Error)]
 pub enum JournalError {
-    /// The system does not let it be read or written.
+    /// The system cannot read or write the journal.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// Another program has it.
+    /// Another program holds the journal.
     #[error(
         "`{}` is held by {}",
         path.display(),
@@ -71,10 +71,10 @@ pub enum JournalError {
     Held {
         /// The journal.
         path: PathBuf,
-        /// Who has it, if it has said so.
+        /// The holder, if it has identified itself.
         holder: Option<Holder>,
     },
-    /// A line is not as it was written, and others follow it.
+    /// A line has a wrong checksum, and other lines follow it.
     #[error(
         "`{}`, line {line}: not what was written there; delete the file and begin anew",
         path.display()
@@ -87,7 +87,7 @@ pub enum JournalError {
     },
 }
 
-/// The whole lines of a journal.
+/// The complete lines of a journal.
 struct Lines {
     texts: Vec<String>,
     /// Length of all of them `[bytes]`.
@@ -95,13 +95,12 @@ struct Lines {
 }
 
 impl Journal {
-    /// Opens the journal at `path` for this program alone, with what earlier programs left in it; it
-    /// is made if it is not there. A journal that is dropped before it is [begun](Self::begin) is
-    /// removed.
+    /// Opens the journal at `path` with exclusive access and returns the content left by earlier programs. A missing
+    /// journal is created. A journal that is dropped before [`begin`](Self::begin) is removed.
     ///
     /// # Errors
-    /// Another program has it; what the system says; a line in the middle that is not what was
-    /// written. It is then as it was.
+    /// Another program holds it; an error of the system; a damaged line that is not the last one. The journal is then
+    /// unchanged.
     pub fn open(path: &Path) -> Result<Found, JournalError> {
         let failed = |source| JournalError::from(WriteError::new(path, source));
         let (mut file, unlocked) = lock(path)?;
@@ -123,7 +122,7 @@ impl Journal {
             begun: !texts.is_empty(),
         };
         if lines.length < bytes.len() {
-            // The last thing that was being written.
+            // Remove the incomplete last line.
             journal.file.set_len(lines.length as u64).map_err(failed)?;
         }
         journal.append(&format!("{HOLDER}{}", Holder::this()))?;
@@ -136,10 +135,10 @@ impl Journal {
         })
     }
 
-    /// Writes the first line of a journal that has none: what it is a journal of.
+    /// Writes the first line, the subject of the journal. The journal must not have one.
     ///
     /// # Errors
-    /// What the system says.
+    /// An error of the system.
     pub fn begin(&mut self, head: &str) -> Result<(), JournalError> {
         debug_assert!(!self.begun, "it has a first line");
         self.append(head)?;
@@ -147,11 +146,11 @@ impl Journal {
         Ok(())
     }
 
-    /// Adds a line, which must not hold a line end nor begin with `#`. It is with the system when
-    /// this returns, and so outlives the program.
+    /// Appends a line, which must not contain a line end or begin with `#`. On return the system holds the line, so
+    /// it survives a crash of the program.
     ///
     /// # Errors
-    /// What the system says: a full disk, above all.
+    /// An error of the system, such as a full disk.
     pub fn append(&mut self, line: &str) -> Result<(), JournalError> {
         debug_assert!(!line.contains('\n'), "one line");
         let written = format!("{line}\t{}\n", Checksum::of(line));
@@ -165,12 +164,12 @@ impl Journal {
         outcome.map_err(|source| WriteError::new(&self.path, source).into())
     }
 
-    /// Removes the journal: its result is complete.
+    /// Removes the journal because its result is complete.
     ///
     /// # Errors
-    /// What the system says, with the path.
+    /// An error of the system, with the path.
     pub fn remove(mut self) -> Result<(), JournalError> {
-        // Else it would be tried again.
+        // Prevents `drop` from removing it a second time.
         self.begun = true;
         fs::remove_file(&self.path).map_err(|source| WriteError::new(&self.path, source).into())
     }
@@ -184,7 +183,7 @@ impl Drop for Journal {
     }
 }
 
-/// Opens the journal at `path` and locks it; what the system said where it cannot be locked.
+/// Opens and locks the journal at `path`. Also returns the error of a system without locks.
 fn lock(path: &Path) -> Result<(File, Option<io::Error>), JournalError> {
     let failed = |source| JournalError::from(WriteError::new(path, source));
     for _ in 0..LOOKS {
@@ -195,7 +194,8 @@ fn lock(path: &Path) -> Result<(File, Option<io::Error>), JournalError> {
             return Err(failed(io::Error::other("it is not a regular file")));
         }
         match try_lock(&file).map_err(failed)? {
-            // Its holder may have removed it between the two: then there is another, or none.
+            // Its holder may have removed the file between opening and locking. Another file, or none, is then at the
+            // path.
             Locked::Held if is_at(&file, path).map_err(failed)? => return Ok((file, None)),
             Locked::Held => continue,
             Locked::Unsupported(why) => return Ok((file, Some(why))),
@@ -215,7 +215,7 @@ fn lock(path: &Path) -> Result<(File, Option<io::Error>), JournalError> {
     })
 }
 
-/// Who last opened the journal at `path`, as far as it says.
+/// Returns the program that last opened the journal at `path`, if it has identified itself.
 fn last_holder(path: &Path) -> io::Result<Option<Holder>> {
     let bytes = match JOURNAL.bytes(path) {
         Ok(bytes) => bytes,
@@ -228,8 +228,7 @@ fn last_holder(path: &Path) -> io::Result<Option<Holder>> {
         .find_map(|line| Holder::parse(line.strip_prefix(HOLDER)?)))
 }
 
-/// The lines of a journal, without what was torn at its end; or the number, from 1, of one that is
-/// not what was written.
+/// Returns the complete lines of a journal without an incomplete last line, or the number, from 1, of a damaged line.
 fn whole_lines(bytes: &[u8]) -> Result<Lines, usize> {
     let mut lines = Lines {
         texts: Vec::new(),
@@ -253,7 +252,7 @@ fn whole_lines(bytes: &[u8]) -> Result<Lines, usize> {
     Ok(lines)
 }
 
-/// The text of a line whose checksum is right.
+/// Returns the text of a line whose checksum is correct.
 fn verified(line: &[u8]) -> Option<String> {
     let (text, checksum) = std::str::from_utf8(line).ok()?.rsplit_once('\t')?;
     (Checksum::of(text) == checksum).then(|| text.to_owned())
@@ -296,7 +295,7 @@ mod tests {
         let ends: Vec<usize> = (0..bytes.len()).filter(|i| bytes[*i] == b'\n').collect();
         for length in 0..bytes.len() {
             fs::write(&path, &bytes[..length]).unwrap();
-            // The first says who wrote it, the second what it is a journal of.
+            // The first line identifies the writer, the second the subject.
             let whole = ends.iter().filter(|end| **end < length).count();
             let mut found = Journal::open(&path).unwrap();
             if found.head.is_none() {
@@ -328,7 +327,7 @@ mod tests {
     fn a_second_opener_is_told_who_has_it_and_changes_nothing() {
         let (_folder, path, _) = written();
         let mut found = Journal::open(&path).unwrap();
-        // Half of what the first has just begun to write.
+        // An incomplete line that the first program is writing.
         found.journal.file.write_all(b"fou").unwrap();
         let before = fs::read(&path).unwrap();
         let error = Journal::open(&path).unwrap_err();
@@ -351,7 +350,7 @@ mod tests {
             ..Holder::this()
         };
         child.wait().unwrap();
-        // Locked by somebody who has not said so; the last who has is no more.
+        // The lock is held by a program that has not identified itself; the last identified holder has ended.
         let text = String::from_utf8(bytes).unwrap();
         let line = format!("{HOLDER}{ended}");
         let line = format!("{line}\t{}\n", Checksum::of(&line));

@@ -1,10 +1,10 @@
-//! How files are put on disk, whatever stands in them.
+//! File output and input, independent of the content.
 //!
-//! - [`atomic`] puts a file on disk whole or not at all; [`outputs`] checks the files of a command
-//!   together, before its work starts.
-//! - [`journal`] keeps work in progress, one program at a time, and knows which of its lines are whole.
-//! - [`bounded`] reads a file up to a stated length; [`inputs`] knows which files were read.
-//! - [`checksum`] tells a file that was changed from one that was not.
+//! - [`atomic`] writes a file completely or not at all; [`outputs`] checks all output files of a command before its
+//!   work starts.
+//! - [`journal`] keeps work in progress for one program at a time and detects incomplete lines.
+//! - [`bounded`] reads a file up to a maximum length; [`inputs`] registers the files that were read.
+//! - [`checksum`] detects changed files.
 
 pub mod atomic;
 pub mod bounded;

@@ -1,37 +1,37 @@
-//! One program at a time on a file, and who it is.
+//! Exclusive access of a program to a file, and identification of the holder.
 //!
-//! The lock is the system's: it goes with the program that holds it, however that ends.
+//! The lock belongs to the system, which releases it when the holder ends for any reason.
 
 use std::fmt;
 use std::fs::File;
 use std::io;
 
-/// What came of asking for a lock.
+/// Result of a lock request.
 #[derive(Debug)]
 #[cfg_attr(
     not(unix),
     expect(dead_code, reason = "only asked for where the system is a Unix")
 )]
 pub(crate) enum Locked {
-    /// It is held until the file is closed.
+    /// The lock is held until the file is closed.
     Held,
-    /// Another open file holds it.
+    /// Another open file holds the lock.
     ByAnother,
-    /// There are no locks here.
+    /// The file system has no locks.
     Unsupported(io::Error),
 }
 
-/// The program that has a file to itself.
+/// The program that holds a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Holder {
-    /// Its process number.
+    /// Process id.
     pub process: u32,
-    /// The machine it runs on.
+    /// Name of its machine.
     pub machine: String,
 }
 
 impl Holder {
-    /// This program.
+    /// Identifies this program.
     pub(crate) fn this() -> Self {
         Self {
             process: std::process::id(),
@@ -39,12 +39,12 @@ impl Holder {
         }
     }
 
-    /// Whether it may still run: nobody knows of a process on another machine.
+    /// Returns whether the program may still run. The state of a process on another machine is unknown.
     pub(crate) fn may_run(&self) -> bool {
         self.machine != machine() || is_running(self.process)
     }
 
-    /// Reads what [`Display`](fmt::Display) writes.
+    /// Parses the output of [`Display`](fmt::Display).
     pub(crate) fn parse(text: &str) -> Option<Self> {
         let (process, machine) = text.strip_prefix("process ")?.split_once(" on ")?;
         Some(Self {
@@ -60,7 +60,7 @@ impl fmt::Display for Holder {
     }
 }
 
-/// Asks for the lock of an open file, without waiting.
+/// Requests the lock of an open file without waiting.
 #[cfg(unix)]
 pub(crate) fn try_lock(file: &File) -> io::Result<Locked> {
     use rustix::fs::{FlockOperation, flock};
@@ -84,7 +84,7 @@ pub(crate) fn try_lock(_: &File) -> io::Result<Locked> {
     Ok(Locked::Unsupported(io::ErrorKind::Unsupported.into()))
 }
 
-/// Whether the file of that name is still the one that was opened.
+/// Returns whether `path` still denotes the opened file.
 #[cfg(unix)]
 pub(crate) fn is_at(file: &File, path: &std::path::Path) -> io::Result<bool> {
     use std::os::unix::fs::MetadataExt;

@@ -1,4 +1,4 @@
-//! The files that a command writes: checked together before its work starts, written after it.
+//! The output files of a command: checked together before its work starts, written after it.
 //!
 //! ```
 //! use palpate_files::atomic::Existing;
@@ -27,59 +27,59 @@ use thiserror::Error;
 use crate::atomic::{self, Existing, WriteError, directory_of, follow_links, is_stream};
 use crate::inputs;
 
-/// The files that a command is going to write.
+/// The planned output files of a command.
 #[derive(Debug)]
 pub struct Outputs {
     existing: Existing,
     kept: Option<Kept>,
     inputs: BTreeMap<PathBuf, PathBuf>,
-    /// What names a file, by the place where it really is.
+    /// Flag or other name of each file, by canonical path.
     named: BTreeMap<PathBuf, String>,
     planned: BTreeMap<PathBuf, Existing>,
-    /// Directories in which files can be made.
+    /// Directories in which files can be created.
     usable: BTreeSet<PathBuf>,
 }
 
-/// Why a command cannot write its files.
+/// Reason why a command cannot write its files.
 #[derive(Debug, Error)]
 pub enum OutputError {
-    /// The file cannot be written, or is there already.
+    /// The file cannot be written, or exists already.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// The file is read by the same command.
+    /// The same command reads the file.
     #[error("{name} would overwrite the input {}", input.display())]
     IsInput {
-        /// What names the file.
+        /// Flag or other name of the file.
         name: String,
-        /// The input.
+        /// The input file.
         input: PathBuf,
     },
-    /// The file is there, and is of a kind that is never replaced.
+    /// The file exists and is of a kind that is never replaced.
     #[error("{name}: {} is {kind}, which is never replaced; name another file, or remove it first", path.display())]
     IsKept {
-        /// What names the file.
+        /// Flag or other name of the file.
         name: String,
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What it is.
+        /// Kind of the file.
         kind: &'static str,
     },
-    /// Two outputs are one file.
+    /// Two outputs name one file.
     #[error("{first} and {second} name the same file; each needs a file of its own")]
     Twice {
-        /// What named it first.
+        /// First name.
         first: String,
-        /// What named it again.
+        /// Second name.
         second: String,
     },
 }
 
-/// A kind of file that no output replaces, told by how it begins.
+/// A kind of file that no output replaces, recognised by its first bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Kept {
-    /// What a file of this kind is, with an article.
+    /// Description of the kind, with an article.
     pub kind: &'static str,
-    /// The bytes with which every file of this kind begins.
+    /// First bytes of every file of this kind.
     pub begins: &'static [u8],
 }
 
@@ -93,7 +93,7 @@ impl Kept {
 }
 
 impl Outputs {
-    /// No file yet; `existing` says what becomes of files that are there already.
+    /// Creates an empty plan; `existing` selects the treatment of existing files.
     #[must_use]
     pub fn new(existing: Existing) -> Self {
         Self {
@@ -106,7 +106,7 @@ impl Outputs {
         }
     }
 
-    /// The same, which keeps files of a kind whatever becomes of others.
+    /// Keeps files of a kind, whatever the treatment of other files.
     #[must_use]
     pub fn keeping(self, kept: Kept) -> Self {
         Self {
@@ -115,13 +115,13 @@ impl Outputs {
         }
     }
 
-    /// What becomes of files that are there already.
+    /// Returns the treatment of existing files.
     #[must_use]
     pub fn existing(&self) -> Existing {
         self.existing
     }
 
-    /// A file that the command reads, which no output may replace.
+    /// Protects a file that the command reads from being replaced by an output.
     pub fn protect(&mut self, input: &Path) {
         if let Ok(place) = input.canonicalize()
             && place.is_file()
@@ -130,19 +130,18 @@ impl Outputs {
         }
     }
 
-    /// Plans to write the file at `path`, which `name` names in errors: the flag that gave it.
+    /// Plans to write the file at `path`. `name` identifies it in errors, for example the flag that names it.
     ///
     /// # Errors
-    /// It cannot be written there, is there already and to be kept, is an input, or is planned
-    /// already.
+    /// The file cannot be written there, exists and must be kept, is an input, or is already planned.
     pub fn plan(&mut self, name: &str, path: &Path) -> Result<(), OutputError> {
         self.plan_over(name, path, self.existing)
     }
 
-    /// As [`plan`](Self::plan), with a rule of its own for this file.
+    /// Plans a file as [`plan`](Self::plan) does, with its own treatment of an existing file.
     ///
     /// # Errors
-    /// As those of `plan`.
+    /// Those of `plan`.
     pub fn plan_over(
         &mut self,
         name: &str,
@@ -171,7 +170,7 @@ impl Outputs {
             }
             let directory = directory_of(&place).to_owned();
             let is_new = fs::symlink_metadata(&place).is_err();
-            // Thousands of new files in one directory are checked once.
+            // Check a directory once, even for thousands of new files.
             if !(is_new && self.usable.contains(&directory)) {
                 atomic::check(path, existing)?;
             }
@@ -195,20 +194,19 @@ impl Outputs {
         }
     }
 
-    /// Checks the planned files against all files that were read since.
+    /// Checks the planned files against all files read since.
     ///
     /// # Errors
-    /// One of them was read.
+    /// One of the files was read.
     pub fn spare_inputs(&self) -> Result<(), OutputError> {
         let mut named = self.named.iter();
         named.try_for_each(|(place, name)| self.refuse_input(place, name))
     }
 
-    /// Writes the file at `path` through `write`, whole or not at all.
+    /// Writes the file at `path` through `write`, completely or not at all.
     ///
     /// # Errors
-    /// What the system says; a file that has appeared since it was planned and is to be kept; a file
-    /// that was never planned.
+    /// An error of the system; a file that has appeared since the plan and must be kept; a file that was not planned.
     pub fn write<T>(
         &self,
         path: &Path,
@@ -227,8 +225,8 @@ impl Outputs {
     }
 }
 
-/// Where a file really is, or will be; none where its directory is missing. Of a stream, the regular file into which a shell
-/// redirects it, if it does.
+/// Returns the canonical path of a present or future file; `None` if its directory is missing. For a stream, returns
+/// the regular file to which the shell redirects it, if any.
 fn place_of(path: &Path) -> Option<PathBuf> {
     if is_stream(path) {
         return path.canonicalize().ok().filter(|place| place.is_file());
@@ -305,7 +303,7 @@ mod tests {
         );
     }
 
-    /// By names that lead to any file, and by one that is open.
+    /// Covers names that can lead to any file, and an open descriptor.
     #[cfg(target_os = "linux")]
     #[test]
     fn no_other_name_of_an_input_is_an_output() {

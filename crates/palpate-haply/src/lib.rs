@@ -1,4 +1,4 @@
-//! Haply's devices, as devices of a palpate loop. The crate `palpate-haply-emulator` has an emulator of each.
+//! Drivers of Haply's devices for a palpate loop. The crate `palpate-haply-emulator` contains an emulator of each.
 
 pub mod inverse3;
 pub mod two_diy;

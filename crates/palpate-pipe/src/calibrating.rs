@@ -15,7 +15,7 @@ use crate::line::{Format, Line, Refusal};
 
 /// Longest line that is read `[bytes]`.
 const LONGEST_LINE: u64 = 4096;
-/// How often it is looked whether the command is to end.
+/// Polling interval of the stop flag.
 const LOOK_EVERY: Duration = Duration::from_millis(10);
 
 /// An excitation between two streams.
@@ -23,18 +23,18 @@ struct Stream {
     motion: ExcitedMotion,
     format: Format,
     output: Box<dyn Write + Send>,
-    /// Whether a line was answered with a force that is not 0, and none with 0 after it.
+    /// Whether the last answer was a nonzero force.
     is_on: bool,
     is_ended: bool,
 }
 
-/// Why a device that is excited through two streams could not be calibrated.
+/// Failure to calibrate a device that is excited through two streams.
 #[derive(Debug, thiserror::Error)]
 pub enum CalibratingError {
     /// A parameter out of its range.
     #[error(transparent)]
     Params(#[from] ExcitationError),
-    /// The system gives no thread.
+    /// The system cannot create a thread.
     #[error("no thread for the stream: {0}")]
     Thread(io::Error),
     /// The input cannot be read.
@@ -43,26 +43,26 @@ pub enum CalibratingError {
     /// An answer cannot be written.
     #[error("standard output cannot be written: {0}")]
     Unwritten(io::Error),
-    /// A line is no sample.
+    /// A line is not a sample.
     #[error("standard input, line {number}: {why}")]
     Line {
         /// The line, counted from 1.
         number: u64,
-        /// Why.
+        /// The reason.
         why: String,
     },
     /// The input ended before the excitation did.
     #[error("standard input ended after {taken} of {whole} samples: no calibration")]
     Ended {
-        /// Samples that came.
+        /// Samples received.
         taken: usize,
-        /// Samples of the whole.
+        /// Samples of the whole excitation.
         whole: usize,
     },
-    /// The device went where the excitation may not take it, or the hand did.
+    /// The device left the box of the excitation, or the hand moved too much.
     #[error("stopped: {0}")]
     Stopped(Stop),
-    /// Somebody ended it.
+    /// A signal ended the calibration.
     #[error(
         "stopped by a signal before the end: no calibration; the last line takes the force off"
     )]
@@ -72,17 +72,17 @@ pub enum CalibratingError {
         "a line could not be answered for a fault of the program; the last line takes the force off"
     )]
     Panicked,
-    /// Nobody reads.
+    /// The reader did not read the last line.
     #[error(transparent)]
     LastLine(#[from] LastLineUnread),
 }
 
-/// Excites a device whose positions come in on `input`, in lines of `format`, until the excitation is complete. `input`
-/// is opened in the thread that reads it.
+/// Excites a device until the excitation is complete. The positions arrive on `input`, in lines of `format`. `input` is
+/// opened in the thread that reads it.
 ///
 /// # Errors
-/// The excitation stopped, the input ended or is no motion, `stop` was raised, or nobody reads. The last line
-/// is a force of 0 in each case.
+/// The excitation stopped, the input ended or is not a motion, `stop` was raised, or the reader did not read. In each
+/// case the last line is a force of 0.
 pub fn calibrate<I: BufRead>(
     params: ExcitationParams,
     format: Format,
@@ -107,7 +107,7 @@ fn locked(stream: &Mutex<Stream>) -> MutexGuard<'_, Stream> {
     stream.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Serves in a thread of its own: a thread that waits for a line cannot look at signals.
+/// Serves in a separate thread, because a thread that waits for a line cannot check signals.
 fn serve_until<I: BufRead>(
     stream: &Arc<Mutex<Stream>>,
     input: impl FnOnce() -> I + Send + 'static,
@@ -139,8 +139,7 @@ fn serve_until<I: BufRead>(
     }
 }
 
-/// Takes the force off from beside the thread that answers, which may wait for a reader that does not
-/// read.
+/// Sets the force to 0 from another thread than the answering one, which may wait for a stalled reader.
 fn let_go(stream: &Arc<Mutex<Stream>>) -> Result<(), LastLineUnread> {
     let ending = Arc::clone(stream);
     last_line::write_beside(move || {
@@ -183,7 +182,7 @@ fn serve(stream: &Mutex<Stream>, input: &mut impl BufRead) -> Result<(), Calibra
 }
 
 impl Stream {
-    /// Answers the line with this number with a force.
+    /// Answers the line of this number with a force.
     fn answer(&mut self, number: u64, text: &str) -> Result<(), CalibratingError> {
         if number == 1
             && let Some(format) = self
@@ -202,7 +201,7 @@ impl Stream {
                     "nothing can be changed during a calibration",
                 ));
             }
-            // A sample that is lost is a period that the fit would take for a motion.
+            // The fit would take a lost sample for a motion of one period.
             Err(Refusal::Line(why) | Refusal::Stream(why)) => return Err(refused(number, &why)),
         };
         if let (Some(time), Some(last)) = (time, self.motion.times.last())
@@ -220,7 +219,7 @@ impl Stream {
         self.output.flush()
     }
 
-    /// Takes the force off with a last line, if the last answer was a force.
+    /// Writes a last line with a force of 0, if the last answer was a force.
     fn end(&mut self) -> io::Result<()> {
         self.is_ended = true;
         if self.is_on { self.write(0.0) } else { Ok(()) }

@@ -1,4 +1,4 @@
-//! `set NAME=VALUE ...`: what a line can change while the pipe runs.
+//! `set NAME=VALUE ...`: changes while the pipe runs.
 
 use std::fmt;
 
@@ -10,10 +10,10 @@ use palpate_sim::replay::ReplaySetup;
 
 use palpate_study::text::exactly;
 
-/// Names of what can be set.
+/// Names of the parameters that can be set.
 const NAMES: [&str; 3] = ["stiffness_n_per_m", "mass_kg", "virtual_force_n"];
 
-/// New values, as far as a line has some.
+/// New values; `None` for unchanged parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Change {
     /// Stiffness `[N/m]`.
@@ -39,7 +39,7 @@ impl fmt::Display for Change {
 impl TryFrom<&[&str]> for Change {
     type Error = String;
 
-    /// What the words behind `set` say.
+    /// Parses the words after `set`.
     fn try_from(words: &[&str]) -> Result<Self, String> {
         if words.is_empty() {
             return Err(format!("nothing is set; {}", allowed()));
@@ -83,24 +83,24 @@ fn allowed() -> String {
     format!("a change is `set NAME=VALUE ...` of {}", NAMES.join(", "))
 }
 
-/// What the pipe renders now, so that it can be changed.
+/// Current rendering of the pipe, for changing it.
 #[derive(Debug)]
 pub struct Changeable {
-    /// The other end of the renderer's parameters.
+    /// Sending end of the renderer's parameters.
     pub parameters: Parameters,
-    /// Contact, loop and object as they are now.
+    /// Current contact, loop and object.
     pub setup: ReplaySetup,
-    /// The method, which stays.
+    /// The method, which does not change.
     pub method: MethodName,
-    /// Its settings, which stay.
+    /// Its settings, which do not change.
     pub settings: Settings,
 }
 
 impl Changeable {
-    /// Renders with the new values from the next sample on; they come in over a tenth of a second.
+    /// Renders with the new values from the next sample on. They are reached over a tenth of a second.
     ///
     /// # Errors
-    /// A value outside its range, by its name; nothing is changed then.
+    /// A value is outside its range, reported by its name. Nothing changes.
     pub fn make(&mut self, change: &Change) -> Result<(), String> {
         let mut setup = self.setup;
         let contact = &mut setup.contact;
@@ -127,10 +127,10 @@ impl Changeable {
     }
 }
 
-/// What is rendered by `method`.
+/// Creates a rendering by `method`.
 ///
 /// # Errors
-/// A setting that the method cannot use.
+/// A setting is invalid for the method.
 pub fn rendering(
     setup: &ReplaySetup,
     method: MethodName,
@@ -139,7 +139,7 @@ pub fn rendering(
     Ok(Rendering {
         contact: setup.contact,
         loop_params: setup.known_loop(),
-        // The first line says where the device is; until then the object is taken as untouched.
+        // The first line contains the position of the device; until then the object is untouched.
         params: setup.params(method, settings, setup.object.position, false)?,
         virtual_force: setup.virtual_force,
         object: setup.object,
@@ -153,7 +153,7 @@ fn in_words(error: &SetupError) -> String {
     }
 }
 
-/// A parameter out of range, by the name that sets it.
+/// Formats a parameter error with the name that sets the parameter.
 fn named(error: &SceneParameterError) -> String {
     match error.parameter {
         SceneParameter::Rendered(Parameter::Stiffness) => error.called(NAMES[0]).to_string(),

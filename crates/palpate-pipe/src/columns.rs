@@ -1,23 +1,23 @@
-//! What a line of the output says, and what its columns are called.
+//! Contents and columns of an output line.
 
 use palpate_record::recording::{self, Flags, Value};
 use palpate_scene::method::nearest;
 
 use crate::number;
 
-/// A quantity that a line can say.
+/// Column of an output line.
 #[derive(Clone, Copy, Debug)]
 pub enum AnswerColumn {
-    /// A column of a row of a recording, by what it may be called without the unit.
+    /// A column of a recording, with its short name (without the unit).
     OfRow(&'static recording::Column, &'static str),
-    /// Limits that changed the force.
+    /// Names of the limits that changed the force.
     Limited,
-    /// What was wrong with the line.
+    /// Fault of the line.
     Fault,
 }
 
-/// The columns of a row of a recording that a pipe has, in the order in which it tells of them. Beside each stands the
-/// pipe's own name of it, where that is another one than the column's name without its unit.
+/// Columns of a recording that a pipe can print, in their order. The second value is the pipe's short name, if it
+/// differs from the column's name without its unit.
 const OF_ROW: [(&str, Option<&str>); 15] = [
     ("force_on_device_n", Some("force")),
     ("force_on_object_n", None),
@@ -37,7 +37,7 @@ const OF_ROW: [(&str, Option<&str>); 15] = [
 ];
 
 impl AnswerColumn {
-    /// Every column.
+    /// Returns every column.
     pub fn all() -> impl Iterator<Item = Self> {
         let named = |(name, own): (_, Option<_>)| {
             let column = recording::Column::named(name)?;
@@ -47,7 +47,7 @@ impl AnswerColumn {
         OF_ROW.into_iter().filter_map(named).chain(own)
     }
 
-    /// Its name with the unit, which is that of recordings and run files.
+    /// Returns the name with the unit, as in recordings and run files.
     fn header(self) -> &'static str {
         match self {
             Self::OfRow(column, _) => column.name,
@@ -56,7 +56,7 @@ impl AnswerColumn {
         }
     }
 
-    /// What whoever asks for it may call it, without the unit.
+    /// Returns the short name for selecting the column, without the unit.
     #[must_use]
     pub fn short_name(self) -> &'static str {
         match self {
@@ -66,14 +66,14 @@ impl AnswerColumn {
     }
 }
 
-/// Columns in the order in which they are printed.
+/// Columns in print order.
 #[derive(Clone, Debug)]
 pub struct Columns(Vec<AnswerColumn>);
 
-/// Names separated by commas, with or without their units.
+/// Parses names separated by commas, with or without their units.
 ///
 /// # Errors
-/// A name that no column has, or one that is there twice.
+/// A name is unknown or occurs twice.
 pub fn columns(text: &str) -> Result<Columns, String> {
     let mut columns: Vec<AnswerColumn> = Vec::new();
     for name in text.split(',').map(str::trim) {
@@ -100,23 +100,23 @@ pub fn columns(text: &str) -> Result<Columns, String> {
     Ok(Columns(columns))
 }
 
-/// What there is to say of a line that was answered.
+/// Answer to a line.
 #[derive(Clone, Debug)]
 pub struct Answer {
-    /// What the renderer made of it; the force on the device is the one that is to be commanded.
+    /// Rendered values; the force on the device is the one to command.
     pub values: recording::Row,
-    /// Whether the force was still coming in.
+    /// Whether the soft start reduced the force.
     pub softened: bool,
     /// Whether a safety stop holds the force at 0.
     pub stopped: bool,
-    /// Name of what was wrong with the line, if anything was.
+    /// Name of the line's fault; empty if there is none.
     pub fault: &'static str,
-    /// Whether this is the end, which answers no line.
+    /// Whether this is the last line, which answers no input line.
     pub ended: bool,
 }
 
 impl Answer {
-    /// The last line of the output: the same without a force.
+    /// Returns the last line of the output: this answer without a force.
     #[must_use]
     pub fn end(mut self) -> Self {
         self.values.contact.force_on_device = 0.0;
@@ -129,7 +129,7 @@ impl Answer {
         self
     }
 
-    /// Limits that changed the force, separated by spaces.
+    /// Returns the names of the limits that changed the force, separated by spaces.
     fn limits(&self) -> String {
         let soft_start = self.softened.then_some("soft-start");
         let stop = self.stopped.then_some("safety-stop");
@@ -146,14 +146,14 @@ impl Answer {
 }
 
 impl Columns {
-    /// The first line of the output, if it is asked for.
+    /// Returns the header line of the output.
     #[must_use]
     pub fn header(&self) -> String {
         let names: Vec<_> = self.0.iter().map(|column| column.header()).collect();
         names.join(",") + "\n"
     }
 
-    /// Puts a line in place of what `line` holds. A number that is not known is `nan`.
+    /// Replaces the contents of `line` by an answer. An unknown number is `nan`.
     pub fn write(&self, row: &Answer, line: &mut String) {
         line.clear();
         for (at, &column) in self.0.iter().enumerate() {

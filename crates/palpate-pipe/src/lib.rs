@@ -1,13 +1,13 @@
 //! A renderer between two streams of lines: positions in, forces on the device out.
 //!
-//! A program in any language that owns a device writes a line for each sample and reads a line with the force that it
-//! commands until the next. [`Stream`] renders one contact, [`world::WorldStream`] a world, and [`calibrate()`] excites a
-//! device to be calibrated. [`answer_all`] serves a stream on a thread of its own until the input ends or a signal comes.
-//! The last line always takes the force off.
+//! A program in any language that owns a device writes a line for each sample and reads a line with the force to
+//! command until the next sample. [`Stream`] renders one contact, [`world::WorldStream`] renders a world, and
+//! [`calibrate()`] excites a device for calibration. [`answer_all`] serves a stream on a separate thread until the
+//! input ends or a signal arrives. The last line always sets the force to 0.
 //!
-//! What a line is and what is said of one that is none stands in [`Format`] and [`world::WorldFormat`]. Flags, exit codes, and
-//! how messages reach a person are the caller's: [`Messages`] takes a function that writes them, [`Mistakes`] the
-//! caller's words.
+//! [`Format`] and [`world::WorldFormat`] define the input lines and the errors for invalid ones. The caller owns flags,
+//! exit codes and the output of messages: [`Messages`] takes a function that writes them, and [`Mistakes`] takes the
+//! caller's wording.
 
 mod calibrating;
 mod change;

@@ -1,22 +1,22 @@
-//! What a line of the input is: a sample, a header, a change, or nothing of these.
+//! Parser of an input line: a sample, a header or a change.
 
 use palpate_record::unit::LengthUnit;
 
 use crate::change::Change;
 
-/// What the lines hold, as the flags or the header say it. The text of a line decides nothing:
-/// `0,001` is a time and a position or a decimal comma, and a guess would move a motor.
+/// Format of the lines, from the flags or the header. It is never guessed from the text: `0,001` can be a time and a
+/// position or a decimal comma, and a wrong guess would move a motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Format {
-    /// Whether a time stands before the position.
+    /// Whether a time precedes the position.
     pub time: bool,
     /// Unit of the positions.
     pub unit: LengthUnit,
-    /// Whether the unit was said by a flag.
+    /// Whether a flag set the unit.
     pub is_unit_given: bool,
 }
 
-/// A line that was understood.
+/// A valid line.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Line {
     /// A sample.
@@ -26,21 +26,21 @@ pub enum Line {
         /// Device position `[m]`.
         position: f64,
     },
-    /// `set NAME=VALUE ...`: a change, or why it cannot be made.
+    /// `set NAME=VALUE ...`: a change, or the reason for rejecting it.
     Set(Result<Change, String>),
 }
 
-/// Why a line is no sample.
+/// Reason for rejecting a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Refusal {
-    /// This line cannot be read; the next one may be.
+    /// This line is invalid; the next one may be valid.
     Line(String),
-    /// The lines are not what was asked for, and none that follows can be trusted.
+    /// The lines do not have the requested format, so all following lines are invalid too.
     Stream(String),
 }
 
 impl Format {
-    /// A line, as it is called in messages.
+    /// Returns the expected line for messages.
     #[must_use]
     pub fn shape(&self) -> String {
         let position = self.unit.position_column();
@@ -51,10 +51,10 @@ impl Format {
         }
     }
 
-    /// What the header in the first line says; none if the line is no header.
+    /// Parses the header in the first line. Returns `None` if the line is not a header.
     ///
     /// # Errors
-    /// A header of other columns, or of others than the flags ask for.
+    /// The header has unexpected columns.
     pub fn with_header(self, text: &str) -> Result<Option<Self>, String> {
         let names: Vec<&str> = text.split(',').map(str::trim).collect();
         let unit_of = |name: &str| {
@@ -83,7 +83,7 @@ impl Format {
                 "the header names a position alone, and --time asks for `t_s,position_m`".into(),
             );
         }
-        // A column called position_m may hold another unit, and then the flag says so.
+        // A column called position_m may hold another unit, set by the flag.
         let unit = match named {
             LengthUnit::Metre => self.unit,
             _ if !self.is_unit_given || named == self.unit => named,
@@ -97,10 +97,10 @@ impl Format {
         Ok(Some(Self { time, unit, ..self }))
     }
 
-    /// What a line says.
+    /// Parses a line.
     ///
     /// # Errors
-    /// It is no sample and no change.
+    /// The line is neither a sample nor a change.
     pub fn parse(&self, text: &str) -> Result<Line, Refusal> {
         if text.is_empty() {
             return Err(Refusal::Line(format!(
@@ -139,7 +139,7 @@ impl Format {
         ))
     }
 
-    /// A line of numbers, but of another count of them.
+    /// Describes a line with another count of numbers.
     fn other_columns(&self, text: &str, count: usize) -> String {
         let shape = self.shape();
         match (self.time, count) {
@@ -159,8 +159,8 @@ impl Format {
     }
 }
 
-/// Whether a field of the first line is the name of a column: it begins with a letter or a quote, and is neither a number, as `nan`
-/// is, nor a change.
+/// Whether a field of the first line is a column name: it begins with a letter or a quote, and is neither a number
+/// (such as `nan`) nor a change.
 pub(crate) fn is_named(field: &str) -> bool {
     field.starts_with(|first: char| first.is_alphabetic() || first == '"')
         && field.parse::<f64>().is_err()
@@ -235,7 +235,7 @@ mod tests {
         assert_eq!(millimetres.parse("12"), Ok(in_metres.clone()));
         let named = POSITIONS.with_header("position_mm").unwrap().unwrap();
         assert_eq!(named.parse("12"), Ok(in_metres));
-        // The name of a column is not believed against the flag, if it is the usual one.
+        // The flag overrides the unit of the default column name.
         let usual = millimetres.with_header("position_m").unwrap().unwrap();
         assert_eq!(usual.unit, LengthUnit::Millimetre);
         let other = millimetres.with_header("position_cm").unwrap_err();
@@ -251,7 +251,7 @@ mod tests {
         assert_eq!(POSITIONS.with_header("t_s,position_m"), Ok(Some(TIMES)));
         assert_eq!(TIMES.with_header("t_s, position_m"), Ok(Some(TIMES)));
         assert!(TIMES.with_header("position_m").is_err());
-        // Another unit or another quantity would be taken for metres.
+        // Columns of another unit or quantity would be taken for metres.
         for text in [
             "position_m,t_s",
             "t_s,position_m,force_n",
@@ -262,7 +262,7 @@ mod tests {
         ] {
             assert!(POSITIONS.with_header(text).is_err(), "{text}");
         }
-        // What a board says when it wakes up, and lines that were cut off, are no headers.
+        // Start-up messages of a board and cut-off lines are not headers.
         for text in ["ready", "nan", "inf,0", "", "1,x_m", "set mass_kg=1"] {
             assert_eq!(POSITIONS.with_header(text), Ok(None), "{text}");
         }

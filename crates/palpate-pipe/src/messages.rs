@@ -1,4 +1,4 @@
-//! What is said while a motor is held.
+//! Messages of a pipe that do not delay its forces.
 
 use std::fmt;
 use std::io;
@@ -6,13 +6,13 @@ use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::thread::Builder;
 use std::time::Duration;
 
-/// Messages that wait to be written; more are left out.
+/// Capacity of the message queue; further messages are dropped.
 const MOST_WAITING: usize = 1024;
-/// How long the end waits for messages that nobody takes.
+/// Longest wait at the end for a reader of the messages.
 const LONGEST_WAIT: Duration = Duration::from_secs(1);
 
-/// Messages to standard error, written by a thread of their own: a program that starts the pipe as
-/// a child and does not read its standard error must not stop the forces.
+/// Messages to standard error, written by a separate thread. A program that starts the pipe as a child and does not
+/// read its standard error must not stop the forces.
 #[derive(Debug)]
 pub struct Messages {
     sender: SyncSender<String>,
@@ -24,7 +24,7 @@ impl Messages {
     /// Starts the thread, which writes each message by `tell`.
     ///
     /// # Errors
-    /// The system gives no thread.
+    /// The system cannot create a thread.
     pub fn start(tell: impl Fn(String) + Send + 'static) -> io::Result<Self> {
         let (sender, messages) = sync_channel::<String>(MOST_WAITING);
         let (done, written) = channel();
@@ -43,14 +43,14 @@ impl Messages {
         })
     }
 
-    /// Says something, unless too much already waits to be written.
+    /// Queues a message, or drops it if the queue is full.
     pub fn tell(&mut self, message: impl fmt::Display) {
         if self.sender.try_send(message.to_string()).is_err() {
             self.left_out += 1;
         }
     }
 
-    /// Says the last thing and waits until all is written, but not for ever.
+    /// Queues the last message and waits a limited time until all messages are written.
     pub fn finish(mut self, last: impl fmt::Display) {
         if self.left_out > 0 {
             let left_out = self.left_out;

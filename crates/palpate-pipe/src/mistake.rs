@@ -1,18 +1,17 @@
-//! What is likely to be a mistake of whoever began the stream.
+//! Likely mistakes of the caller of a stream.
 
 use std::fmt;
 
 use palpate_record::unit::Excess;
 use palpate_sim::replay::ReplaySetup;
 
-/// How the caller calls what is likely to be a mistake: what mends it stands in the words, and only the caller knows its
-/// flags.
+/// Wording of likely mistakes. It contains the remedy, and only the caller knows its flags.
 #[derive(Clone, Copy)]
 pub struct Mistakes {
-    /// What is said of a device that starts at this position `[m]` inside the object; none if it does not. The flag
-    /// says whether the unit of the positions was given.
+    /// Message for a device that starts at this position `[m]` inside the object; `None` if it starts outside. The flag
+    /// is whether the unit of the positions was given.
     pub inside: fn(&ReplaySetup, f64, bool) -> Option<String>,
-    /// What is said of a motion that no hand makes.
+    /// Message for an implausible motion.
     pub not_a_hand: fn(&Excess) -> String,
 }
 

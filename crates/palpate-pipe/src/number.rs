@@ -1,19 +1,19 @@
-//! Numbers of an answer and of a summary.
+//! Numbers in answers and summaries.
 
 use std::fmt::Write;
 
 use palpate_study::text::digits;
 
-/// Below it a number has an exponent: its decimals would be hundreds of zeros.
+/// Magnitude below which a number has an exponent: its decimals would be hundreds of zeros.
 const LEAST_DECIMAL: f64 = 1e-5;
-/// From it on a number has an exponent.
+/// Magnitude from which a number has an exponent.
 const LEAST_POWER: f64 = 1e16;
 
-/// Appends a finite `number` to a line, so that it reads back as the same one: as a decimal, or with an exponent where it is very
-/// small or very large. It takes at most 24 characters, and 0 has no sign.
+/// Appends a finite `number` to a line so that it reads back unchanged: as a decimal, or with an exponent if it is very
+/// small or very large. It takes at most 24 characters. Zero has no sign.
 pub(crate) fn push(line: &mut String, number: f64) {
     let size = number.abs();
-    // A string takes whatever is written into it. Adding 0 turns -0 into 0.
+    // Writing to a string cannot fail. Adding 0 normalises -0.
     let _ = if size == 0.0 || (LEAST_DECIMAL..LEAST_POWER).contains(&size) {
         write!(line, "{}", number + 0.0)
     } else {
@@ -21,8 +21,8 @@ pub(crate) fn push(line: &mut String, number: f64) {
     };
 }
 
-/// An energy `[J]` in mJ, for a person. What is below a picojoule, which no hand feels and round-off may be all of, is called
-/// that.
+/// Formats an energy `[J]` in mJ. Energies below a picojoule, which are imperceptible and may be round-off, print as
+/// such.
 pub(crate) fn millijoules(energy: f64) -> String {
     const LEAST: f64 = 1e-12;
     if energy != 0.0 && energy.abs() < LEAST {

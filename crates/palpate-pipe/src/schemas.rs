@@ -1,4 +1,4 @@
-//! The JSON schema of every summary, as `docs/schema` has it.
+//! The JSON schemas of all summaries, as in `docs/schema`.
 
 #[path = "../../palpate-study/src/schemas/files.rs"]
 mod files;

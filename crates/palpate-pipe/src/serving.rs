@@ -1,4 +1,4 @@
-//! Lines in, lines out: what every kind of pipe does, whatever it renders.
+//! The line-by-line protocol common to all pipes.
 
 use std::fmt;
 use std::io::{self, BufRead, Read};
@@ -14,63 +14,62 @@ use serde::Serialize;
 use crate::last_line::{self, LastLineUnread};
 use crate::messages::Messages;
 
-/// Longest line that is read as a sample `[bytes]`; the rest of a longer one is skipped.
+/// Longest line that can be a sample `[bytes]`; the rest of a longer line is skipped.
 const LONGEST_LINE: u64 = 4096;
-/// How often it is looked whether the pipe is to end.
+/// Polling interval of the stop flag.
 const LOOK_EVERY: Duration = Duration::from_millis(10);
 
-/// What answers lines.
+/// Handler that answers lines.
 pub trait Answering: Send + 'static {
-    /// What it did, for the end.
+    /// Summary at the end.
     type Summary: Serialize + fmt::Display;
 
-    /// Prints the names of the columns, if they are asked for.
+    /// Prints the names of the columns, if requested.
     ///
     /// # Errors
     /// They cannot be written.
     fn write_header(&mut self) -> io::Result<()>;
-    /// Answers the line with this number, if it is to be answered; `Err` as its text says why it
-    /// could not be read.
+    /// Answers the line of this number, if it needs an answer. If the line could not be read, `text` is an `Err` with
+    /// the reason.
     ///
     /// # Errors
     /// No further line is answered.
     fn take(&mut self, number: u64, text: Result<&str, String>) -> Result<(), Stopped>;
-    /// Whether nothing is answered any more.
+    /// Whether the stream has ended.
     fn is_ended(&self) -> bool;
-    /// Takes the force off with a last line, if a line was answered: whoever reads holds the force of
-    /// the line that came last.
+    /// Writes a last line with a force of 0, if a line was answered: the reader holds the force of the last line.
     ///
     /// # Errors
     /// It cannot be written.
     fn end(&mut self) -> io::Result<()>;
-    /// Whether lines were answered, and each of them was refused: no force was ever answered.
+    /// Whether lines were answered and all of them were rejected, so that no force was rendered.
     fn has_refused_all(&self) -> bool;
-    /// The safety stop that has held all forces at 0 until the end, if one has.
+    /// Returns the safety stop that held all forces at 0 until the end, if there is one.
     fn safety_stop(&self) -> Option<Trip>;
-    /// What was done, and the messages, which are not to be used any more.
+    /// Returns the summary and the messages. The stream must not be used afterwards.
     fn finish(&mut self) -> (Self::Summary, Option<Messages>);
 }
 
-/// What a stream did.
+/// Outcome of a stream.
 #[derive(Debug)]
 pub struct Served<Summary> {
-    /// For the end.
+    /// Summary at the end.
     pub summary: Summary,
-    /// Where the end is to be told; none if it has been.
+    /// Queue for the last message; `None` if the end has been reported.
     pub messages: Option<Messages>,
     /// How it ended.
     pub ended: Ended,
-    /// Whether lines were answered, and each of them was refused.
+    /// Whether lines were answered and all of them were rejected.
     pub has_refused_all: bool,
-    /// The safety stop that has held all forces at 0 until the end, if one has.
+    /// The safety stop that held all forces at 0 until the end, if there is one.
     pub safety_stop: Option<Trip>,
 }
 
-/// A stream could not be served, or not ended as it should.
+/// Failure to serve or to end a stream.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ServeError {
-    /// The system gives no thread.
+    /// The system cannot create a thread.
     #[error("no thread for the pipe: {0}")]
     Thread(io::Error),
     /// The thread that answered panicked; the force is off.
@@ -78,7 +77,7 @@ pub enum ServeError {
         "a line could not be answered for a fault of the program; the last line takes the force off"
     )]
     Panicked,
-    /// Nobody reads.
+    /// The reader did not read the last line.
     #[error(transparent)]
     LastLine(#[from] LastLineUnread),
 }
@@ -86,7 +85,7 @@ pub enum ServeError {
 /// Answers every line of `input`, which is opened in the thread that reads it, until it ends or `stop` is raised.
 ///
 /// # Errors
-/// There is no thread, it panicked, or nobody read the last line.
+/// The thread could not be created or panicked, or the reader did not read the last line.
 pub fn answer_all<S: Answering, I: BufRead>(
     stream: S,
     input: impl FnOnce() -> I + Send + 'static,
@@ -106,43 +105,43 @@ pub fn answer_all<S: Answering, I: BufRead>(
     })
 }
 
-/// Why no further line is answered.
+/// Reason for answering no further line.
 #[derive(Debug)]
 pub enum Stopped {
-    /// The lines are not what was asked for, or no hand makes the motion.
+    /// The lines do not have the requested format, or the motion is implausible.
     Refused(String),
     /// The answer could not be written.
     Unwritten(io::Error),
 }
 
 impl Stopped {
-    /// Refused for what stands in a line.
+    /// Creates a rejection because of the contents of a line.
     #[must_use]
     pub fn at_line(number: u64, why: &str) -> Self {
         Self::Refused(format!("standard input, line {number}: {why}"))
     }
 }
 
-/// How a stream ended.
+/// End of a stream.
 #[derive(Debug)]
 pub enum Ended {
-    /// The input did.
+    /// The input ended.
     Done,
     /// A line or the output stopped it.
     Stopped(Stopped),
-    /// The input cannot be read any more.
+    /// The input cannot be read.
     Unread(io::Error),
-    /// Somebody ended it by a signal.
+    /// A signal ended the stream.
     Signalled,
 }
 
-/// The stream, for this thread. What a thread that panicked has left can still be ended.
+/// Locks the stream. A poisoned lock is ignored, so that the stream of a thread that panicked can be ended.
 fn locked<S>(stream: &Mutex<S>) -> MutexGuard<'_, S> {
     stream.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Answers lines in a thread of its own until the input ends or `stop` is raised: a thread that waits
-/// for a line cannot look at signals.
+/// Answers lines in a separate thread until the input ends or `stop` is raised. A thread that waits for a line cannot
+/// check signals.
 fn serve_until<S: Answering, I: BufRead>(
     stream: &Arc<Mutex<S>>,
     input: impl FnOnce() -> I + Send + 'static,
@@ -177,8 +176,7 @@ fn serve_until<S: Answering, I: BufRead>(
     }
 }
 
-/// Takes the force off from beside the thread that answers. That one may wait for ever for a reader
-/// that does not read.
+/// Sets the force to 0 from another thread than the answering one, which may wait forever for a stalled reader.
 fn let_go<S: Answering>(stream: &Arc<Mutex<S>>) -> Result<(), LastLineUnread> {
     let ending = Arc::clone(stream);
     last_line::write_beside(move || {

@@ -1,4 +1,4 @@
-//! From a line to its answer: renderer, limits, books and messages, in the order of the lines.
+//! From a line to its answer: renderer, limits, energy ledger and messages, in the order of the lines.
 
 use std::io::{self, Write};
 
@@ -17,61 +17,61 @@ use crate::mistake::Mistakes;
 use crate::serving::{Answering, Stopped};
 use crate::summary::{PipeSummary, stop_in_words};
 
-/// Refused lines that are told one by one; of more, each doubling is: a dead sensor at 1 kHz would
-/// bury whatever else standard error has to say.
+/// Number of rejected lines that are reported one by one; beyond it each doubling is reported. A dead sensor at 1 kHz
+/// would flood standard error.
 const TOLD_EACH: u64 = 8;
 
-/// A renderer between two streams, and what it needs between two lines.
+/// A renderer between two streams, with its state between two lines.
 pub struct Stream {
-    /// What a line can change.
+    /// Parameters that a line can change.
     pub changeable: Changeable,
-    /// The renderer, its object and its books.
+    /// The renderer, its object and its energy ledger.
     pub rendered: Rendered,
-    /// What bounds the forces.
+    /// Limits of the forces.
     pub safety: Safety,
-    /// What the lines hold.
+    /// Format of the input lines.
     pub format: Format,
-    /// What is answered.
+    /// Columns of the output.
     pub columns: Columns,
-    /// Whether the names of the columns come first.
+    /// Whether the output begins with a header.
     pub is_header_asked: bool,
-    /// Where the answers go; flushed after each.
+    /// Output of the answers, flushed after each.
     pub output: Box<dyn Write + Send>,
-    /// None once the end has been told.
+    /// `None` once the end has been reported.
     pub messages: Option<Messages>,
-    /// How the caller calls what is likely to be a mistake.
+    /// Wording of likely mistakes.
     pub mistakes: Mistakes,
-    /// What was done so far.
+    /// Summary so far.
     pub summary: PipeSummary,
-    /// What is known from the lines before.
+    /// State from the previous lines.
     pub memory: Memory,
 }
 
-/// What is known from the lines before.
+/// State from the previous lines.
 #[derive(Default)]
 pub struct Memory {
     /// Time of the last line that had one `[s]`.
     last_time: Option<f64>,
-    /// Number of samples, lost ones too.
+    /// Number of samples, including lost ones.
     samples: u64,
     /// Sum of the times between samples that were used `[s]`.
     followed: f64,
-    /// How far they went.
+    /// Range and path of the motion.
     motion: HandMotion,
     /// Whether a sample has been used.
     is_begun: bool,
     /// Whether a force has been limited.
     is_limited: bool,
-    /// What was answered last.
+    /// The last answer.
     last: Option<Answer>,
-    /// The line of the output that is being made.
+    /// Buffer of the output line.
     text: String,
     /// Whether the last line of the output has been written.
     is_ended: bool,
 }
 
 impl Stream {
-    /// Says something on standard error.
+    /// Writes a message to standard error.
     pub fn tell(&mut self, message: impl std::fmt::Display) {
         if let Some(messages) = &mut self.messages {
             messages.tell(message);
@@ -92,7 +92,7 @@ impl Stream {
         }
     }
 
-    /// What there is to say of a sample, or of a line without one.
+    /// Renders a sample, or a line without one.
     fn render(
         &mut self,
         number: u64,
@@ -100,7 +100,7 @@ impl Stream {
         unread: Option<String>,
     ) -> Result<Answer, Stopped> {
         let period = self.changeable.setup.loop_params.period;
-        // The renderer is told that a sample came and is lost.
+        // NaN informs the renderer of a lost sample.
         let (time, position) = sample.unwrap_or((None, f64::NAN));
         let elapsed = match (time, self.memory.last_time) {
             (Some(now), Some(last)) => Some(now - last),
@@ -114,7 +114,7 @@ impl Stream {
         }
         let verdict = self.safety.judge(&safety::Rendered {
             elapsed,
-            // A position that the renderer has refused is not looked at.
+            // A position that the renderer rejected is not checked.
             position: [if is_used { position } else { 0.0 }, 0.0, 0.0],
             coordinate: if is_used { position } else { 0.0 },
             wrench: Wrench::of_force([output.force_on_device, 0.0, 0.0]),
@@ -126,8 +126,8 @@ impl Stream {
         output.limited.slew |= verdict.bounded.slew;
         let [force, ..] = verdict.wrench.force;
         self.rendered.report_sent(-force);
-        // A time that was refused is kept all the same: if it is wrong, the next line is refused
-        // too; if it were not kept and the clock was set, all lines to come would be.
+        // Keep the time of a rejected line. If it is wrong, only the next line is rejected too; otherwise a clock that
+        // was set would cause all following lines to be rejected.
         self.memory.last_time = time.or(self.memory.last_time);
         let counted = self.memory.samples as f64 * period;
         self.memory.samples += 1;
@@ -184,7 +184,7 @@ impl Stream {
         })
     }
 
-    /// Refuses a motion that no hand makes, unless a flag said the unit.
+    /// Rejects an implausible motion, unless a flag set the unit.
     fn follow(&mut self, number: u64, position: f64, elapsed: f64) -> Result<(), Stopped> {
         self.memory.followed += elapsed;
         if self.format.is_unit_given {
@@ -264,7 +264,7 @@ impl Answering for Stream {
         if number == 1
             && let Ok(first) = &mut text
         {
-            // What spreadsheets write before the first line.
+            // Spreadsheets write a byte order mark before the first line.
             *first = first.trim_start_matches('\u{feff}');
             let header = self.format.with_header(first);
             if let Some(format) = header.map_err(|why| Stopped::at_line(number, &why))? {

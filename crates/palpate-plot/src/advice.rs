@@ -1,4 +1,4 @@
-//! The figure of an advice: how stiff a contact can be over the object's mass, and what is asked for.
+//! Figure of an advice: the highest renderable contact stiffness over the object's mass, and the requested contact.
 
 use palpate_figure::{Grid, Kind, Limits, Panel, Role, Row, Series, Sheet};
 use palpate_scene::method::MethodName;
@@ -8,7 +8,7 @@ use crate::SHOWN;
 use palpate_study::advise::{Advice, FAITHFUL_PERCENT, Verdict};
 use palpate_study::text::digits;
 
-/// The methods that the figure shows.
+/// Returns the methods that the figure shows.
 #[must_use]
 pub fn shown_of(methods: &[MethodName]) -> Vec<MethodName> {
     if methods.len() <= SHOWN.len() {
@@ -20,13 +20,13 @@ pub fn shown_of(methods: &[MethodName]) -> Vec<MethodName> {
         .collect()
 }
 
-/// A panel for each method.
+/// Returns the figure of an advice, with one panel per method.
 #[must_use]
 pub fn advice(advice: &Advice, reach: &Reach) -> Sheet {
     let masses: Vec<f64> = reach.masses.iter().map(|mass| mass.log10()).collect();
     let device = &advice.device;
     let asked = advice.contact.as_ref().map(|contact| {
-        // A wall stands at the heavy end.
+        // A wall is drawn at the largest mass.
         let mass = device
             .object_mass_kg
             .map_or(masses[masses.len() - 1], f64::log10);
@@ -86,7 +86,7 @@ pub fn advice(advice: &Advice, reach: &Reach) -> Sheet {
     }
 }
 
-/// Logarithm of a limit; no number where there is none.
+/// Returns the logarithm of a limit; NaN without a limit.
 fn height(limit: Option<Limit>) -> f64 {
     match limit {
         Some(Limit::At(value) | Limit::Beyond(value)) => value.log10(),
@@ -100,7 +100,7 @@ fn wish(advice: &Advice) -> String {
     })
 }
 
-/// Name of a method, and what it does by itself with what is asked for.
+/// Returns the name of a method and its result for the requested contact.
 fn head(advice: &Advice, of: &MethodReach) -> String {
     let name = of.method.name();
     let found = advice.methods.iter().find(|one| one.method == name);
@@ -109,7 +109,7 @@ fn head(advice: &Advice, of: &MethodReach) -> String {
         .map_or_else(|| name.into(), |judged| format!("{name}: {}", judged.class))
 }
 
-/// The answer in a line.
+/// Returns the answer as one line.
 fn finding(advice: &Advice) -> String {
     let wish = wish(advice);
     match advice.verdict {

@@ -1,10 +1,10 @@
-//! The motion of a calibration: measured against fitted, what is left, and what was found.
+//! Figure of a calibration: measured and fitted motion, residual, and results.
 
 use palpate_calibrate::{Calibration, Quantity};
 use palpate_figure::{Figure, Kind, Panel, Role, Row, Series};
 use palpate_study::card::MotionCard;
 
-/// Positions, what the fit left of them, and commands; without a title.
+/// Returns the figure of positions, fit residual and commands, without a title.
 #[must_use]
 pub fn motion(motion: &MotionCard) -> Figure {
     let curve = |name: &str, kind, role, y: Vec<f64>| Series {
@@ -64,7 +64,7 @@ pub fn motion(motion: &MotionCard) -> Figure {
     }
 }
 
-/// Positions, forces and what the fit left of the positions.
+/// Returns the figure of positions, forces and fit residual, with the results in its title.
 #[must_use]
 pub fn calibration(shown: &MotionCard, calibration: &Calibration) -> Figure {
     Figure {
@@ -76,7 +76,7 @@ pub fn calibration(shown: &MotionCard, calibration: &Calibration) -> Figure {
     }
 }
 
-/// What was found, in a line.
+/// Returns the results as one line.
 fn finding(calibration: &Calibration) -> String {
     let said = |quantity, unit: f64, name: &str, symbol: &str| {
         let value = calibration.value(quantity)? * unit;
@@ -95,7 +95,7 @@ fn finding(calibration: &Calibration) -> String {
     found.join(", ")
 }
 
-/// Decimals with which a value and its `deviation` are written: two digits of the deviation.
+/// Returns the decimals for a value and its `deviation`: two digits of the deviation.
 fn decimals(deviation: f64) -> usize {
     let two_digits = (0..9).find(|decimals| deviation >= 0.1_f64.powi(*decimals) * 9.5);
     two_digits.map_or(9, |decimals| decimals.unsigned_abs() as usize)

@@ -1,33 +1,33 @@
-//! Force errors of many scenes and methods as dots.
+//! Force errors of many scenes and methods as dot plots.
 
 use palpate_figure::{Dot, DotFigure, DotPanel};
 use palpate_study::compare::{Comparison, MethodRow, Outcome, SceneRows};
 use palpate_study::world::compare::{WorldComparison, WorldOutcome, WorldRow, WorldRows};
 
-/// FRE above which a dot stands at the edge `[%]`: the force is lost in any case.
+/// FRE above which a dot is drawn at the edge `[%]`: the force is unusable in any case.
 const LARGEST: f64 = 1000.0;
 
-/// What methods did on a scene.
+/// Results of the methods on one scene.
 #[derive(Debug, Clone)]
 struct ComparedScene<'a> {
-    /// Line that names it.
+    /// Title of the scene.
     title: &'a str,
-    /// Least FRE that a held force can have `[%]`.
+    /// Zero-order-hold bound: minimum FRE of any held force `[%]`.
     hold_floor: Option<f64>,
-    /// What each method did.
+    /// Results of each method.
     methods: Vec<ComparedMethod>,
 }
 
-/// What a method did on a scene.
+/// Result of a method on one scene.
 #[derive(Debug, Clone)]
 struct ComparedMethod {
-    /// Its name.
+    /// Name of the method.
     name: &'static str,
     /// FRE `[%]`.
     error: Option<f64>,
-    /// Whether it neither ran away nor ran out of a safety box or into the end of a mechanism.
+    /// Whether the run stayed bounded, inside the safety box and off the end stops of the mechanism.
     holds_together: bool,
-    /// Whether it can be set up.
+    /// Whether the method can be set up.
     ran: bool,
 }
 
@@ -53,13 +53,13 @@ impl<'a> ComparedScene<'a> {
     }
 }
 
-/// The force errors of a comparison.
+/// Returns the figure of the force errors of a comparison.
 pub fn compared(comparison: &Comparison) -> DotFigure {
     let scenes: Vec<_> = comparison.scenes.iter().map(ComparedScene::of).collect();
     figure(&scenes)
 }
 
-/// The force errors of a comparison of worlds.
+/// Returns the figure of the force errors of a comparison of worlds.
 #[must_use]
 pub fn compared_worlds(comparison: &WorldComparison) -> DotFigure {
     let of_scene = |scene| {
@@ -90,7 +90,7 @@ fn of_world(method: &WorldRow) -> ComparedMethod {
     }
 }
 
-/// A panel for each scene, a line of it for each method.
+/// Returns a figure with one panel per scene and one line per method.
 fn figure(scenes: &[ComparedScene]) -> DotFigure {
     let dot = |method: &ComparedMethod| Dot {
         name: method.name.into(),
@@ -123,11 +123,11 @@ fn figure(scenes: &[ComparedScene]) -> DotFigure {
     }
 }
 
-/// Which method is nearest to the ideal on most of the scenes.
+/// Names the method that is nearest to the ideal on most of the scenes.
 fn finding(scenes: &[ComparedScene]) -> String {
     let nearest: Vec<&str> = scenes.iter().filter_map(nearest).collect();
     let wins = |name: &str| nearest.iter().filter(|winner| **winner == name).count();
-    // The first of those with as many, in the order of the methods.
+    // Ties go to the first method in the usual order.
     let names = scenes.first().into_iter().flat_map(|scene| &scene.methods);
     let Some(best) = names.rev().max_by_key(|method| wins(method.name)) else {
         return String::new();
@@ -142,7 +142,7 @@ fn finding(scenes: &[ComparedScene]) -> String {
     }
 }
 
-/// The method with the least error of those that held together.
+/// Returns the method with the lowest error among the runs that stayed bounded.
 fn nearest(scene: &ComparedScene) -> Option<&'static str> {
     let whole = scene.methods.iter().filter(|method| method.holds_together);
     let errors = whole.filter_map(|method| Some((method.name, method.error?)));

@@ -1,4 +1,4 @@
-//! The paper's Figs. 4 and 5: methods below each other.
+//! The paper's Figs. 4 and 5: one row per method.
 
 use palpate_figure::{Grid, Kind, Limits, Panel, Role, Row, Series, Sheet};
 use palpate_scene::Scene;
@@ -11,8 +11,8 @@ use crate::series::{
 };
 use crate::{finding, role};
 
-/// The paper's Figs. 4 and 5: a row for each method, with positions beside the force, and the leaks
-/// of all of them below. `fine` is the loop that the paper takes for the truth.
+/// Returns the paper's Figs. 4 and 5: a row per method with positions and force, and the leaks of all methods below.
+/// `fine` is the paper's own reference loop.
 #[must_use]
 pub fn method_by_method(
     scene: &Scene,
@@ -21,7 +21,7 @@ pub fn method_by_method(
     fine: (&str, &Run),
 ) -> Sheet {
     let centre = scene.centre_offset();
-    // What follows the end of the motors is the hand alone.
+    // After the motors are switched off, only the hand moves the device.
     let seen = |run: &Run| -> Vec<Tick> {
         let end = run.left_box_at.unwrap_or(f64::INFINITY);
         let before = |tick: &&Tick| tick.time <= end;

@@ -1,13 +1,13 @@
-//! What runs show, in a sentence for the title of their figure: always computed from them.
+//! One-sentence results of runs for the titles of figures, computed from the runs.
 
 use palpate_sim::run::Run;
 use palpate_study::text::{digits, percent};
 
-/// Names that a sentence lists; more are counted.
+/// Maximum number of names in a sentence; above it the sentence gives their number.
 const MOST_NAMES: usize = 3;
 
-/// The finding of some runs, each with the name that the figure gives it; none where the ideal has no
-/// contact, so that there is no error.
+/// Returns the result of some runs, each with its name in the figure. Returns `None` if the ideal has no contact,
+/// since the error is then undefined.
 pub fn of_runs(runs: &[&Run], names: &[&str]) -> Option<String> {
     let errors: Vec<Option<f64>> = runs.iter().map(|run| error(run)).collect();
     let floor = runs.iter().find_map(|run| run.force.fidelity)?.hold_floor;
@@ -47,7 +47,7 @@ pub fn of_runs(runs: &[&Run], names: &[&str]) -> Option<String> {
         };
         text += &format!("; diverged or stopped: {what}");
     }
-    // The error of a run that ended early may be larger still; it is no worst of what holds together.
+    // A run that ended early is not the worst of the bounded runs, although its error may be larger.
     if let Some((far, most)) = farthest.filter(|(far, _)| *far != near) {
         let of_whom = if broken.is_empty() {
             ""
@@ -59,13 +59,13 @@ pub fn of_runs(runs: &[&Run], names: &[&str]) -> Option<String> {
     Some(text)
 }
 
-/// FRE of a run `[%]`.
+/// Returns the FRE of a run `[%]`.
 pub fn error(run: &Run) -> Option<f64> {
     let error = run.force.fidelity?.force_rendering_error;
     error.is_finite().then_some(error)
 }
 
-/// How a run came to an early end; none where it did not.
+/// Returns the reason for an early end of a run; `None` for a complete run.
 pub fn end(run: &Run) -> Option<&'static str> {
     if run.diverged == Some(true) {
         Some("diverges")

@@ -32,8 +32,8 @@ use palpate_figure::Role;
 use palpate_scene::method::MethodName;
 use palpate_sim::run::RunMethod;
 
-/// Those that a figure shows of many methods where nobody has named any: the plain spring, the usual
-/// remedy, the paper's method, and the default here.
+/// Default methods of a figure of many methods: the plain spring, the usual remedy, the paper's method, and palpate's
+/// default.
 pub const SHOWN: [MethodName; 4] = [
     MethodName::Basic,
     MethodName::VirtualDamper,
@@ -41,7 +41,7 @@ pub const SHOWN: [MethodName; 4] = [
     MethodName::Coupled,
 ];
 
-/// A method looks the same in every figure.
+/// Returns the role of a method, so that it looks the same in every figure.
 #[must_use]
 pub fn role(method: impl Into<RunMethod>) -> Role {
     let method = match method.into() {

@@ -1,4 +1,4 @@
-//! A map as a figure: a column for each method, a row for each quantity and plant.
+//! Map figures: a column per method, a row per quantity and plant.
 
 use palpate_record::map::{Format, Map, Row};
 use palpate_scene::method::MethodName;
@@ -16,16 +16,16 @@ pub enum Quantity {
     Growth,
     /// Mean-force error E.
     Error,
-    /// Force rendering error over the hold floor.
+    /// Force rendering error relative to the zero-order-hold bound.
     OverFloor,
-    /// How far the force swings of an object that lies on the device by its weight.
+    /// Force oscillation of an object that rests on the device under its weight.
     Resting,
-    /// How far the force swings of a contact that is pressed.
+    /// Force oscillation of a pressed contact.
     Pressed,
 }
 
 impl Quantity {
-    /// All, in the order in which they are listed.
+    /// All quantities, in listing order.
     pub const ALL: [Self; 5] = [
         Self::Growth,
         Self::Error,
@@ -34,7 +34,7 @@ impl Quantity {
         Self::Pressed,
     ];
 
-    /// Its name in a command line.
+    /// Returns the name on the command line.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -46,7 +46,7 @@ impl Quantity {
         }
     }
 
-    /// What it is, in a line.
+    /// Returns a one-line description.
     #[must_use]
     pub fn meaning(self) -> &'static str {
         match self {
@@ -61,10 +61,10 @@ impl Quantity {
     }
 }
 
-/// What a figure of a map asks for and the map does not have.
+/// Requested content of a map figure that the map does not contain.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NotInTheMap {
-    /// A quantity of contacts that stay, of a map that has bounces alone.
+    /// A quantity of sustained contacts, for a map that contains only bounces.
     #[error("{}: the map is by an older version and has bounces alone; compute it again", .0.name())]
     Quantity(Quantity),
     /// A method.
@@ -75,18 +75,19 @@ pub enum NotInTheMap {
         /// The methods that the map has, separated by commas.
         has: String,
     },
-    /// A number of the receipt.
+    /// A number of the metadata.
     #[error(transparent)]
     Number(#[from] NoNumber),
 }
 
-/// How far on the axis of Kc the bounds of walls are drawn.
+/// Length of the bounds of walls on the axis of Kc.
 const NEARLY_A_WALL: f64 = 0.03;
 
-/// What a figure of this map shows where `asked` is asked for; where nothing is, what fits on a page.
+/// Returns the quantities that a figure of this map shows: the `asked` ones, or by default growth and error, which
+/// fit on a page.
 ///
 /// # Errors
-/// The map does not have what is asked for.
+/// The map does not contain a requested quantity.
 pub fn quantities(map: &Map, asked: &[Quantity]) -> Result<Vec<Quantity>, NotInTheMap> {
     let has_stays = map.format() == Some(Format::BouncesAndStays);
     let is_there = |quantity: &Quantity| {
@@ -101,11 +102,11 @@ pub fn quantities(map: &Map, asked: &[Quantity]) -> Result<Vec<Quantity>, NotInT
     }
 }
 
-/// The methods that a figure of this map shows: those that are `asked` for, or the ones that figures show
-/// of many.
+/// Returns the methods that a figure of this map shows: the `asked` ones, or the default methods of a figure of many
+/// methods.
 ///
 /// # Errors
-/// The map does not have what is asked for.
+/// The map does not contain a requested method.
 pub fn columns<'a>(
     map: &'a Map,
     asked: Option<&[MethodName]>,
@@ -124,7 +125,7 @@ pub fn columns<'a>(
             all
         });
     };
-    // `all` is all that the map has.
+    // `all` selects all methods of the map.
     if asked.len() == MethodName::ALL.len() {
         return Ok(all);
     }
@@ -134,13 +135,13 @@ pub fn columns<'a>(
             has: all.join(", "),
         });
     }
-    // In the order of the map, so that the same methods make the same figure.
+    // The order of the map makes the figure independent of the order of the request.
     let is_asked = |name: &&str| asked.iter().any(|method| method.name() == *name);
     Ok(all.into_iter().filter(is_asked).collect())
 }
 
-/// On how much of the map each method keeps bounces stable from the worst start, on the damped device. Contacts that
-/// stay are not counted.
+/// States the share of the map on which each method keeps bounces stable from the worst start, on the damped device.
+/// Sustained contacts are not counted.
 fn finding(map: &Map, columns: &[&str]) -> String {
     let share = |method: &str| {
         let of_method = |row: &&Row| row.plant == Plant::Damped.name() && row.method == method;
@@ -161,7 +162,7 @@ fn finding(map: &Map, columns: &[&str]) -> String {
     )
 }
 
-/// The figure of a whole map.
+/// Returns the figure of a whole map.
 pub fn figure(
     map: &Map,
     show: &[Quantity],
@@ -196,7 +197,7 @@ pub fn figure(
     })
 }
 
-/// What the bounds depend on.
+/// Parameters of the bounds.
 struct LoopNumbers {
     /// b T/m of the damped plant.
     damping: f64,
@@ -251,7 +252,7 @@ fn panel(
                 Quantity::Growth => row.growth[0],
                 Quantity::Error => row.error[0],
                 Quantity::OverFloor => row.error_over_floor[0],
-                // Walls do not rest: their strip stays blank.
+                // Walls cannot rest on the device, so their strip stays blank.
                 Quantity::Resting => stay(row).and_then(|stay| stay.resting).unwrap_or(f64::NAN),
                 Quantity::Pressed => stay(row).map_or(f64::NAN, |stay| stay.pressed),
             })
@@ -265,7 +266,7 @@ fn panel(
     }
 }
 
-/// The classical bounds of walls, each where it says something.
+/// Returns the classical bounds of walls that apply to `method` on `plant`.
 fn bounds_on(plant: Plant, method: &str, numbers: &LoopNumbers) -> Vec<Bound> {
     let bound = |name: &str, at: f64, look| Bound {
         name: name.into(),
@@ -274,14 +275,14 @@ fn bounds_on(plant: Plant, method: &str, numbers: &LoopNumbers) -> Vec<Bound> {
         look,
     };
     if plant == Plant::Undamped {
-        // Of any virtual damper, whatever its B; the methods are beside it.
+        // The bound holds for the best virtual damper, whatever its B; the methods are drawn beside it.
         let name = "undamped wall with the best virtual damper: κ = 0.686";
         return vec![bound(name, bounds::stiffest_undamped_wall(), 0)];
     }
     let mut drawn = Vec::new();
     let without_dissipation = [MethodName::HfcrMod, MethodName::HfcrModSt];
     if numbers.delay == 0.0 && without_dissipation.iter().any(|of| method == of.name()) {
-        // The one bound here that is about objects as well: it reaches over all of them.
+        // This is the only bound that also applies to objects, so it spans all of them.
         let name = "HFCR while contact is sustained, any mass: κ = b T/m";
         drawn.push(Bound {
             to: f64::INFINITY,
@@ -394,7 +395,7 @@ fn steps(steps: &[(&'static str, &str)]) -> Vec<(&'static str, String)> {
         .collect()
 }
 
-/// What is said of the bounds that the figure draws.
+/// Returns the note on the drawn bounds.
 fn about_bounds(rows: &[FieldRow]) -> &'static str {
     let mut drawn = rows
         .iter()

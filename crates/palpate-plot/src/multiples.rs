@@ -1,4 +1,4 @@
-//! Many runs: a panel for each, with the ideal behind, all on the same axes.
+//! Figures of many runs: one panel per run, with the ideal behind, all on the same axes.
 
 use palpate_figure::{Grid, Limits, Panel, Role, Row, Series};
 use palpate_sim::run::Run;
@@ -12,10 +12,10 @@ use crate::series::{
 
 /// Panels side by side.
 const COLUMNS: usize = 3;
-/// How every run looks: a panel has one.
+/// Role of every run, since each panel has only one.
 const RENDERED: Role = Role::Compared(0);
 
-/// The panels of a figure, and what its small print says of them.
+/// Returns the panels of a figure and their small print.
 pub(super) fn lines(figure: &RunsFigure) -> (Vec<Vec<Grid>>, String) {
     let lines = figure.runs.chunks(COLUMNS).map(|runs| {
         let row = |y_label: &str, panel: &dyn Fn(&Run) -> Vec<Series>| {
@@ -23,7 +23,7 @@ pub(super) fn lines(figure: &RunsFigure) -> (Vec<Vec<Grid>>, String) {
                 .iter()
                 .map(|run| Panel { series: panel(run) })
                 .collect();
-            // Panels of the last line are as wide as those above.
+            // Empty panels keep the last line as wide as the lines above.
             panels.resize_with(COLUMNS, Panel::default);
             Row {
                 y_label: y_label.into(),
@@ -47,7 +47,7 @@ pub(super) fn lines(figure: &RunsFigure) -> (Vec<Vec<Grid>>, String) {
     (lines.collect(), note)
 }
 
-/// Name, error and leak of a run; of one that came to an early end, that it did in place of the leak.
+/// Returns name, error and leak of a run. For a run that ended early, the reason replaces the leak.
 fn head(run: &Run) -> String {
     let error = run.force.fidelity.map_or_else(String::new, |fidelity| {
         format!("FRE {} %, ", percent(fidelity.force_rendering_error))

@@ -1,4 +1,4 @@
-//! A few runs over each other: positions, force, and the energy that the held force created.
+//! Figures of a few superimposed runs: positions, force, and generated energy of the held force.
 
 use palpate_figure::{Grid, Limits, Panel, Role, Row, Series};
 
@@ -8,7 +8,7 @@ use crate::series::{
     device_position, end_of_motors, held_force, held_leak, ideal_force, object_position,
 };
 
-/// The panels of a figure, and what its small print says of them.
+/// Returns the panels of a figure and their small print.
 pub(super) fn lines(figure: &RunsFigure) -> (Vec<Vec<Grid>>, String) {
     let runs = figure.runs;
     let named = || {
@@ -21,7 +21,7 @@ pub(super) fn lines(figure: &RunsFigure) -> (Vec<Vec<Grid>>, String) {
         (Devices::Recorded, _) => {}
         (_, [run]) => {
             positions.push(device_position(run, "device", Role::Device));
-            // One device is shown beside the recorded one.
+            // Only one device is shown beside the recorded one.
             positions.extend(figure.recorded_device());
         }
         _ => {
@@ -32,7 +32,7 @@ pub(super) fn lines(figure: &RunsFigure) -> (Vec<Vec<Grid>>, String) {
             }));
         }
     }
-    // What was recorded is behind: the method that recorded it has the same lines.
+    // Recorded curves are drawn behind: the run of the recorded method coincides with them.
     positions.extend(figure.recorded_object());
     positions.extend(named().map(|(run, name, role)| object_position(run, name, role)));
     positions.extend(beside);
@@ -44,8 +44,8 @@ pub(super) fn lines(figure: &RunsFigure) -> (Vec<Vec<Grid>>, String) {
 
     let mut leaks: Vec<Series> = figure.recorded_leak().into_iter().collect();
     leaks.extend(named().map(|(run, name, role)| held_leak(run, name, role)));
-    // What a loop that ran away leaked is no measure of the others. Where none did, the largest leak is what there is to
-    // see: the least may be round-off.
+    // A diverged loop's leak must not set the scale of the others. Without a diverged loop the axis shows the largest
+    // leak: the smallest may be round-off.
     let leak_limits = if runs.iter().any(|run| run.diverged == Some(true)) {
         Limits::Calm { times: 3.0 }
     } else {
@@ -70,7 +70,7 @@ pub(super) fn lines(figure: &RunsFigure) -> (Vec<Vec<Grid>>, String) {
     (vec![vec![grid]], note)
 }
 
-/// What moves with a method: the same look, thinner.
+/// Returns the role of the companion of a method: the same look, thinner.
 fn thin(role: Role) -> Role {
     match role {
         Role::Compared(number) => Role::Beside(number),

@@ -1,4 +1,4 @@
-//! The figure of some runs, and of what was recorded beside them.
+//! Figure of runs, with recorded curves beside them.
 
 use palpate_figure::{Kind, Role, Series};
 use palpate_sim::run::{Reference, Run};
@@ -7,34 +7,34 @@ use palpate_study::report::Replayed;
 use crate::series::{JOULE_TO_MILLIJOULE, METRE_TO_MILLIMETRE, ideal_device, ideal_object};
 use palpate_study::recording::RecordedCurves;
 
-/// Whose motion the device's is.
+/// Source of the device motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Devices {
-    /// Recorded: the same for all runs, and for the ideal.
+    /// Recorded motion: the same for all runs, and for the ideal.
     Recorded,
-    /// Of each run, under its own force and that of a recorded hand.
+    /// Simulated motion of each run, under its own force and the force of a recorded hand.
     InARecordedHand,
-    /// Of each run, under its own force.
+    /// Simulated motion of each run, under its own force.
     OfEachRun,
 }
 
 /// Runs of one scene or recording, to be drawn.
 #[derive(Debug)]
 pub struct RunsFigure<'a> {
-    /// What the runs are of.
+    /// Title of the scene or recording.
     pub of: String,
-    /// Their ideal.
+    /// Ideal of the runs.
     pub reference: &'a Reference,
-    /// One for each method.
+    /// One run per method.
     pub runs: &'a [Run],
-    /// Whose motion the device's is.
+    /// Source of the device motion.
     pub devices: Devices,
-    /// What was recorded.
+    /// Recorded curves.
     pub recorded: Option<&'a RecordedCurves>,
 }
 
 impl<'a> RunsFigure<'a> {
-    /// The runs of a replay, and what was `recorded`.
+    /// Creates the figure of a replay, with the `recorded` curves.
     #[must_use]
     pub fn of_replay(
         replayed: &Replayed,
@@ -60,12 +60,12 @@ impl<'a> RunsFigure<'a> {
 }
 
 impl RunsFigure<'_> {
-    /// How far the object's centre lies from its place `[m]`.
+    /// Returns the offset of the object's centre from its position `[m]`.
     fn centre(&self) -> f64 {
         self.runs.first().map_or(0.0, |run| run.centre_offset)
     }
 
-    /// The ideal's positions, and the device where it is the same for all.
+    /// Returns the ideal's positions, and the device if it is the same for all runs.
     pub(super) fn ideal_positions(&self) -> Vec<Series> {
         let object = ideal_object(self.reference, self.centre());
         let mut device = ideal_device(self.reference);
@@ -76,7 +76,7 @@ impl RunsFigure<'_> {
         vec![object, device]
     }
 
-    /// The object as it was recorded.
+    /// Returns the recorded object position.
     pub(super) fn recorded_object(&self) -> Option<Series> {
         let positions = |recorded: &RecordedCurves| {
             let places = &recorded.object_position;
@@ -91,7 +91,7 @@ impl RunsFigure<'_> {
         self.recorded.map(positions)
     }
 
-    /// The device as it was recorded, where the runs have others.
+    /// Returns the recorded device position if the runs have other device motions.
     pub(super) fn recorded_device(&self) -> Option<Series> {
         let positions = |recorded: &RecordedCurves| {
             let places = &recorded.device_position;
@@ -101,7 +101,7 @@ impl RunsFigure<'_> {
         self.recorded.filter(|_| has_own).map(positions)
     }
 
-    /// The force as it was recorded.
+    /// Returns the recorded force.
     pub(super) fn recorded_force(&self) -> Option<Series> {
         let forces = |recorded: &RecordedCurves| {
             curve(
@@ -115,7 +115,7 @@ impl RunsFigure<'_> {
         self.recorded.map(forces)
     }
 
-    /// The energy that the recorded force created.
+    /// Returns the generated energy of the recorded force.
     pub(super) fn recorded_leak(&self) -> Option<Series> {
         let leaks = |recorded: &RecordedCurves| {
             let leaks = &recorded.held_leak;

@@ -6,16 +6,16 @@ use palpate_sim::run::{IdealPoint, Reference, Run};
 pub(crate) const METRE_TO_MILLIMETRE: f64 = 1e3;
 pub(crate) const JOULE_TO_MILLIJOULE: f64 = 1e3;
 
-/// The basic model at a high rate, beside what it is to judge.
+/// Role of the basic model at a high rate, the paper's reference.
 pub(crate) const FINE: Role = Role::Compared(14);
-/// The end of the motors.
+/// Role of the marker where the motors are switched off.
 pub(crate) const END: Role = Role::Compared(10);
 
 pub(crate) fn times(run: &Run) -> Vec<f64> {
     run.ticks.iter().map(|tick| tick.time).collect()
 }
 
-/// The force that was really held, each from when it reached the motor.
+/// Returns the force actually held, each value from the time at which it reached the motor.
 pub(crate) fn held_force(run: &Run, name: &str, role: Role) -> Series {
     let last = run.last();
     let end = (last.time, last.held_force_on_object);
@@ -47,7 +47,7 @@ pub(crate) fn ideal_force(reference: &Reference) -> Series {
     }
 }
 
-/// The object's centre, or its place where it has no radius.
+/// Returns the object's centre, or its position if it has no radius.
 pub(crate) fn object_position(run: &Run, name: &str, role: Role) -> Series {
     Series {
         name: name.into(),
@@ -62,13 +62,13 @@ pub(crate) fn object_position(run: &Run, name: &str, role: Role) -> Series {
     }
 }
 
-/// The object's centre, `centre` `[m]` from its place.
+/// Returns the object's centre, `centre` `[m]` from its position.
 pub(crate) fn ideal_object(reference: &Reference, centre: f64) -> Series {
     let place: fn(&IdealPoint) -> f64 = |point| point.object_position;
     ideal_position(reference, ("ideal", Role::Reference), centre, place)
 }
 
-/// The device of the ideal.
+/// Returns the device position of the ideal.
 pub(crate) fn ideal_device(reference: &Reference) -> Series {
     let place: fn(&IdealPoint) -> f64 = |point| point.device_position;
     ideal_position(
@@ -96,7 +96,7 @@ fn ideal_position(
     }
 }
 
-/// Where the safety box has switched the motors off, on the line of no force.
+/// Returns a marker on the zero-force line at the time when the safety box switched the motors off.
 pub(crate) fn end_of_motors(run: &Run) -> Option<Series> {
     run.left_box_at.map(|time| Series {
         name: "safety box left".into(),
@@ -121,7 +121,7 @@ pub(crate) fn device_position(run: &Run, name: &str, role: Role) -> Series {
     }
 }
 
-/// The energy that the held force has created, accumulated.
+/// Returns the accumulated generated energy of the held force.
 pub(crate) fn held_leak(run: &Run, name: &str, role: Role) -> Series {
     Series {
         name: name.into(),

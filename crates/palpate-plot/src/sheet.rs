@@ -1,4 +1,4 @@
-//! Runs of one scene or recording as a figure: few in one panel each, many in a panel of their own.
+//! Figure of the runs of one scene or recording: a few share a panel, many have a panel each.
 
 use palpate_figure::Sheet;
 use palpate_sim::run::Run;
@@ -6,11 +6,11 @@ use palpate_sim::run::Run;
 use crate::runs::{Devices, RunsFigure};
 use crate::{finding, multiples, overlay};
 
-/// Most runs that one panel shows; more are not told apart.
+/// Maximum number of runs in one panel; more are hard to distinguish.
 pub const MOST_IN_A_PANEL: usize = 4;
 
 impl RunsFigure<'_> {
-    /// Position, force and energy of all runs in one panel each; of more than four, a panel for each run.
+    /// Returns position, force and energy of all runs in one panel each; with more than four runs, one panel per run.
     #[must_use]
     pub fn sheet(&self) -> Sheet {
         let (lines, note) = if self.runs.len() > MOST_IN_A_PANEL {

@@ -1,4 +1,4 @@
-//! The paper's Fig. 2: the method, step by step.
+//! The paper's Fig. 2: the method step by step.
 
 use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 use palpate_sim::run::{Reference, Run, Tick};
@@ -10,7 +10,7 @@ use crate::series::{
     object_position, times,
 };
 
-/// The paper's Fig. 2: one column for each step of the method.
+/// Returns the paper's Fig. 2: one column per step of the method.
 #[must_use]
 pub fn step_by_step(title: &str, reference: &Reference, steps: &[(&str, &Run)]) -> Figure {
     let curve = |run: &Run, value: fn(&Tick) -> f64| Series {
@@ -77,7 +77,7 @@ pub fn step_by_step(title: &str, reference: &Reference, steps: &[(&str, &Run)]) 
     }
 }
 
-/// Whether the errors fall from step to step, and how.
+/// States whether and how the errors decrease from step to step.
 fn falling(steps: &[(&str, &Run)], errors: &[Option<f64>]) -> String {
     let known: Vec<f64> = errors.iter().flatten().copied().collect();
     let (Some(first), Some(last)) = (known.first(), known.last()) else {

@@ -1,11 +1,11 @@
-//! How far methods are off on random plants.
+//! Error distributions of methods on random plants.
 
 use std::ops::Range;
 
 use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 use palpate_study::suite::{Column, Score, Set};
 
-/// How each column looks: a method with its defaults as everywhere else.
+/// Returns the role of a column: the role of its method if all columns are methods with their defaults.
 fn role(columns: &[Column], number: usize) -> Role {
     let of_methods = columns
         .iter()
@@ -17,10 +17,10 @@ fn role(columns: &[Column], number: usize) -> Role {
     }
 }
 
-/// Logarithm of the largest error E that is drawn: the force is then lost in any case.
+/// Logarithm of the largest drawn error E: above it the force is unusable in any case.
 const LARGEST_DRAWN: f64 = 3.0;
 
-/// The distribution of E of those `columns` that are `drawn`, a panel for each condition.
+/// Returns the distribution of E of the `drawn` `columns`, with one panel per condition.
 #[must_use]
 pub fn suite(
     set: Set,
@@ -48,7 +48,7 @@ pub fn suite(
                     .collect();
                 errors.sort_by(f64::total_cmp);
                 let all = errors.len() as f64;
-                // From nothing at the least error to all at the largest, or at the edge.
+                // The curve starts at 0 at the lowest error and ends at the largest, or at the edge.
                 let within = errors.partition_point(|error| *error <= LARGEST_DRAWN);
                 let shares = (0..=within).map(|below| 100.0 * below as f64 / all);
                 Series {
@@ -86,14 +86,14 @@ pub fn suite(
     }
 }
 
-/// The scores of a column under a condition: one for each plant.
+/// Returns the scores of a column under a condition: one per plant.
 fn trials(scores: &[Score], column: usize, condition: usize) -> impl Iterator<Item = &Score> {
     let is_of = move |score: &&Score| score.column == column && score.condition == condition;
     scores.iter().filter(is_of)
 }
 
-/// On how many of the plants each column's force is within E < 20 %, for the two best: without a delay in
-/// the paper's set, under the last condition of the others.
+/// States the share of plants with E < 20 % for the two best columns: without a delay in the paper's set, under the
+/// last condition in the other sets.
 fn finding(set: Set, columns: &[Column], drawn: &[usize], scores: &[Score]) -> String {
     const FAITHFUL_PERCENT: f64 = 20.0;
     let conditions = set.conditions();

@@ -1,10 +1,10 @@
-//! The curves of a setting that is tuned.
+//! Curves of a tuned setting.
 
 use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 use palpate_study::text::{digits, percent};
 use palpate_study::tune::report::{PointReport, SpreadReport, TuneReport};
 
-/// The curves of a report, over the values, and the chosen value.
+/// Returns the curves of a report over the values, with the chosen value.
 #[must_use]
 pub fn tune(report: &TuneReport) -> Figure {
     let x: Vec<f64> = report
@@ -27,7 +27,7 @@ pub fn tune(report: &TuneReport) -> Figure {
             series(2, "worst height", &|point| of(point).worst),
             series(0, "median height", &|point| of(point).median),
         ];
-        // The line of the chosen value, from the least to the greatest of all that is drawn.
+        // The line of the chosen value spans all drawn values.
         let heights = || all.iter().flat_map(|series| &series.y).copied();
         let heights = || heights().filter(|height| height.is_finite());
         let (least, most) = (

@@ -1,11 +1,11 @@
-//! The curves of a method that is tuned on a world.
+//! Curves of a method tuned on a world.
 
 use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 use palpate_study::text::{digits, percent};
 use palpate_study::world::SettingReport;
 use palpate_study::world::tune::{WorldPointReport, WorldTuneReport};
 
-/// Error and leak over the damping, a curve for each coupling, and the chosen setting.
+/// Returns error and leak over the damping, with one curve per coupling and the chosen setting.
 #[must_use]
 pub fn tune_world(report: &WorldTuneReport) -> Figure {
     let row = |y_label: &str, of: &dyn Fn(&WorldPointReport) -> f64| {

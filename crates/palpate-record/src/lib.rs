@@ -1,16 +1,15 @@
-//! What a loop did, as recordings and tables, and the motions it is given.
+//! Recordings and tables of loops and renderings, and recorded motions.
 //!
-//! - `recording`, with the feature of that name, writes and reads what a device really did, tick by
-//!   tick, as it happens.
-//! - [`run`] writes and reads run files: what a rendering did, sample by sample, with the
-//!   configuration that made it.
-//! - [`trace`] reads a recorded motion: when the device was where; [`mod@unit`] knows the units of its
-//!   positions, and whether a hand can have made it.
-//! - [`map`]: what each method can render, in parts or as a whole.
+//! - `recording`, with the feature of that name, writes and reads recordings of a device loop, tick by tick, while
+//!   the loop runs.
+//! - [`run`] writes and reads run files: the samples of a rendering with its configuration.
+//! - [`trace`] reads a recorded motion: positions of a device over time. [`mod@unit`] contains the units of positions
+//!   and checks whether a motion is plausible for a hand.
+//! - [`map`]: the stability of each method over plants, in parts or as a whole.
 //!
-//! Everything is SI; the unit of a column stands in its name (`t_s`, `position_m`). Readers take
-//! any [`std::io::Read`] and the name to call it by; a fault in the text is reported with its
-//! [`TextPosition`]: file, line, column, byte span and the text around it.
+//! All quantities are in SI units; a column's name contains its unit (`t_s`, `position_m`). Readers take any
+//! [`std::io::Read`] and a name for messages. An error in the text has a [`TextPosition`]: file, line, column, byte
+//! span and the surrounding text.
 
 pub mod map;
 #[cfg(feature = "parquet")]

@@ -1,4 +1,4 @@
-//! Tables as Parquet, written group of rows by group of rows.
+//! Tables as Parquet, written in groups of rows.
 
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -11,15 +11,15 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-/// The values of a column.
+/// Values of a column.
 pub(crate) enum ColumnValues {
     Counts(Vec<i64>),
     Numbers(Vec<f64>),
     Names(Vec<ByteArray>),
 }
 
-/// Writes a table into `out`, whose rows come in groups; what is taken from `groups` is a column for
-/// each of `names`, of the same kinds every time.
+/// Writes a table to `out` in groups of rows. Each item of `groups` contains a column for each of `names`, of the
+/// same kinds every time.
 pub(crate) fn write(
     out: &mut dyn Write,
     table: &str,
@@ -43,7 +43,7 @@ pub(crate) fn write(
     out.write_all(&waiting.take())
 }
 
-/// A count as Parquet has it.
+/// Converts a count to the integer type of Parquet.
 pub(crate) fn count(value: u64) -> i64 {
     i64::try_from(value).unwrap_or(i64::MAX)
 }
@@ -114,7 +114,7 @@ impl ColumnValues {
     }
 }
 
-/// Bytes on their way to an output: the library's own must be `Send`, and ours need not be.
+/// Buffer for an output: the library requires a `Send` writer, and the caller's need not be one.
 #[derive(Clone, Default)]
 struct Waiting(Arc<Mutex<Vec<u8>>>);
 
@@ -136,7 +136,7 @@ impl Write for Waiting {
     }
 }
 
-/// The system's own error where there is one.
+/// Returns the error of the system, if there is one.
 fn plain(error: ParquetError) -> io::Error {
     match error {
         ParquetError::External(inner) => match inner.downcast::<io::Error>() {

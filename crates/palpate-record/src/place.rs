@@ -1,9 +1,9 @@
-//! Where in a text file something stands.
+//! Positions in a text file.
 
 use std::fmt;
 use std::ops::Range;
 
-/// A place in a text file, as an editor counts it.
+/// A position in a text file, counted as in an editor.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TextPosition {
     file: String,
@@ -14,7 +14,7 @@ pub struct TextPosition {
 }
 
 impl TextPosition {
-    /// The place of the bytes `span` of `source`, which is the whole text of `file`.
+    /// Creates the position of the bytes `span` of `source`, the whole text of `file`.
     pub(crate) fn new(file: &str, source: &str, span: Range<usize>) -> Self {
         let body = source.strip_prefix('\u{feff}').unwrap_or(source);
         let mark = source.len() - body.len();
@@ -31,31 +31,31 @@ impl TextPosition {
         }
     }
 
-    /// The name the caller gave to the text.
+    /// Returns the name of the text given by the caller.
     #[must_use]
     pub fn file(&self) -> &str {
         &self.file
     }
 
-    /// Line, counted from 1.
+    /// Returns the line, counted from 1.
     #[must_use]
     pub fn line(&self) -> usize {
         self.line
     }
 
-    /// Column in characters, counted from 1.
+    /// Returns the column in characters, counted from 1.
     #[must_use]
     pub fn column(&self) -> usize {
         self.column
     }
 
-    /// The bytes at fault, as offsets into [`TextPosition::text`] and into the file alike.
+    /// Returns the bytes at fault, as offsets both into [`TextPosition::text`] and into the file.
     #[must_use]
     pub fn span(&self) -> Range<usize> {
         self.span.clone()
     }
 
-    /// The file's text from its beginning to the line after the fault.
+    /// Returns the file's text from its start to the line after the fault.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
@@ -68,14 +68,14 @@ impl fmt::Display for TextPosition {
     }
 }
 
-/// Number of line ends in `text`: `\n`, `\r\n` and a lone `\r` each count once.
+/// Counts the line ends in `text`: `\n`, `\r\n` and a lone `\r` each count once.
 fn line_ends(text: &str) -> usize {
     let feeds = text.bytes().filter(|&byte| byte == b'\n').count();
     let returns = text.bytes().filter(|&byte| byte == b'\r').count();
     feeds + returns - text.matches("\r\n").count()
 }
 
-/// Offset of the end of the line that follows the one `at` stands in.
+/// Returns the end offset of the line that follows the line of `at`.
 fn end_of_context(source: &str, at: usize) -> usize {
     source[at..]
         .match_indices('\n')
@@ -83,8 +83,8 @@ fn end_of_context(source: &str, at: usize) -> usize {
         .map_or(source.len(), |(offset, _)| at + offset)
 }
 
-/// The bytes of field `index` of the record that starts at `start`, whose fields `delimiter` separates,
-/// without the spaces around it; the record's last byte where it has no such field.
+/// Returns the bytes of field `index` of the record at `start`, without surrounding spaces; `delimiter` separates the
+/// fields. If the field does not exist, returns the record's last byte.
 pub(crate) fn field_span(source: &str, start: usize, index: usize, delimiter: u8) -> Range<usize> {
     let mut quoted = false;
     let mut field = 0;
@@ -114,20 +114,20 @@ pub(crate) fn field_span(source: &str, start: usize, index: usize, delimiter: u8
     from + lead..from + lead + raw.trim().len()
 }
 
-/// The bytes of the whole record that starts at `start`.
+/// Returns the bytes of the whole record at `start`.
 pub(crate) fn record_span(source: &str, start: usize, delimiter: u8) -> Range<usize> {
     let last = field_span(source, start, usize::MAX, delimiter);
     start..last.end.max(start)
 }
 
-/// Where, in the record that starts at `start`, whose fields `delimiter` separates, the quote stands that
-/// nothing closes before the text ends; none where every quoted field is closed.
+/// Returns the offset of a quote in the record at `start` that is not closed before the end of the text; `None` if
+/// every quoted field is closed. `delimiter` separates the fields.
 pub(crate) fn open_quote(source: &str, start: usize, delimiter: u8) -> Option<usize> {
     enum At {
         FieldStart,
         Plain,
         Quoted(usize),
-        /// Behind a quote within a quoted field: another makes the two one character of it.
+        /// After a quote within a quoted field: a second quote makes an escaped one.
         QuoteIn(usize),
     }
     let mut state = At::FieldStart;
@@ -148,7 +148,7 @@ pub(crate) fn open_quote(source: &str, start: usize, delimiter: u8) -> Option<us
     }
 }
 
-/// Offset of the first byte that was read for a record, lines that were skipped included.
+/// Returns the offset of the first byte read for a record, including skipped lines.
 pub(crate) fn first_byte(record: &csv::StringRecord) -> usize {
     record
         .position()

@@ -1,11 +1,10 @@
-//! Recorded traces: where a device was, and when.
+//! Recorded traces: positions of a device over time.
 //!
-//! A trace is UTF-8 text with columns separated by commas, semicolons or tabs. Its header must name
-//! `t_s` and `position_m`, in any order, unless a [`Layout`] says which columns they are; other columns
-//! are allowed and ignored. The line after the header may have the units. Lines that begin with `#`
-//! and empty lines are skipped. Line ends may be `\n` or `\r\n`, and a byte order mark at the
-//! start is accepted, since spreadsheets write both. The motion of the devices of a world is a table of
-//! the same kind, read by [`read_world`].
+//! A trace is UTF-8 text with columns separated by commas, semicolons or tabs. Its header must name `t_s` and
+//! `position_m`, in any order, unless a [`Layout`] selects the columns; other columns are ignored. The line after the
+//! header may contain the units. Lines that begin with `#` and empty lines are skipped. Line ends may be `\n` or
+//! `\r\n`, and a byte order mark at the start is accepted, because spreadsheets write both. The motion of the devices
+//! of a world is a table of the same kind, read by [`read_world`].
 //!
 //! ```
 //! let text = "# a hand at rest\nt_s,position_m\n0,0.01\n0.001,0.01\n";
@@ -34,7 +33,7 @@ use table::{Request, Text};
 
 const FORCE: &str = "force_on_device_n";
 
-/// The most characters of a field that an error repeats.
+/// Maximum number of characters of a field in an error.
 const LONGEST_FIELD: usize = 40;
 
 /// A recorded motion along one axis.
@@ -46,20 +45,20 @@ pub struct Trace {
     pub position_m: Vec<f64>,
 }
 
-/// Which samples of a trace are read.
+/// Selection of the samples of a trace.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Part {
-    /// From this time on `[s]`; samples before it are passed over.
+    /// Start time `[s]`; earlier samples are skipped.
     pub from: f64,
-    /// Up to this time `[s]`; nothing after it is read.
+    /// End time `[s]`; later samples are not read.
     pub to: f64,
-    /// The longest time from the first sample to the last `[s]`; a longer trace is refused as soon
-    /// as that shows.
+    /// Longest time from the first sample to the last `[s]`. A longer trace is rejected as soon as it exceeds this
+    /// time.
     pub longest: f64,
 }
 
 impl Part {
-    /// All samples.
+    /// Selects all samples.
     pub const WHOLE: Self = Self {
         from: f64::NEG_INFINITY,
         to: f64::INFINITY,
@@ -67,13 +66,13 @@ impl Part {
     };
 }
 
-/// A trace with the force that was held while it was recorded.
+/// A trace with the force held during its recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldTrace {
     /// The motion.
     pub trace: Trace,
-    /// Force on the device from each sample until the next `[N]`, of the column
-    /// `force_on_device_n`; none where there is no such column.
+    /// Force on the device from each sample until the next `[N]`, from the column `force_on_device_n`; `None` without
+    /// that column.
     pub force_on_device_n: Option<Vec<f64>>,
     /// Notes on the text.
     pub notes: ReadNotes,
@@ -83,29 +82,29 @@ pub struct HeldTrace {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ReadNotes {
-    /// Samples that were left out, since they had no value.
+    /// Number of samples that were skipped because they lack a value.
     pub left_out: usize,
-    /// The last number, if the last line has no end: it may be cut off.
+    /// Last number, if the last line has no line end and may therefore be incomplete.
     pub unended: Option<String>,
 }
 
-/// Reads a trace of the plain layout; `file` is the name errors call it by.
+/// Reads a trace with the default layout; `file` is its name in errors.
 ///
 /// # Errors
 ///
-/// [`TraceError`] if the bytes cannot be read or the text is not a trace, also if its last line has no end, so that its
-/// last number may be cut off.
+/// [`TraceError`] if the bytes cannot be read or the text is not a trace. This includes a last line without a line
+/// end, whose last number may be incomplete.
 pub fn read(reader: impl Read, file: &str) -> Result<Trace, TraceError> {
     let read = read_part(reader, file, &Part::WHOLE, &Layout::default());
     read.map(|held| held.trace)
 }
 
-/// Reads a part of a trace, and no further than its end; `file` is the name errors call it by.
+/// Reads a part of a trace, and no further than its end; `file` is its name in errors.
 ///
 /// # Errors
 ///
-/// [`TraceError`] if the bytes cannot be read, the text is not a trace of this layout, or the part has fewer than
-/// two samples or is too long. A column that is called by another unit is no position.
+/// [`TraceError`] if the bytes cannot be read, the text is not a trace of this layout, or the part has fewer than two
+/// samples or is too long. A column whose name contains another unit does not count as a position.
 pub fn read_part(
     reader: impl Read,
     file: &str,
@@ -159,7 +158,7 @@ pub fn read_part(
     })
 }
 
-/// A field as an error repeats it: its first line, and not too much of that.
+/// Shortens a field for an error: its first line, up to a maximum length.
 fn shortened(text: &str) -> String {
     let line = text.lines().next().unwrap_or_default();
     let mut short: String = line.chars().take(LONGEST_FIELD).collect();

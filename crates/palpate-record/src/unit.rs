@@ -1,4 +1,4 @@
-//! The units of positions and times: what a column or a user says, and whether a motion can be a hand's.
+//! Units of positions and times, given by a column or a user, and plausibility of a hand's motion.
 
 mod time;
 
@@ -21,7 +21,7 @@ pub enum LengthUnit {
 }
 
 impl LengthUnit {
-    /// Every unit, the largest first.
+    /// All units, the largest first.
     pub const ALL: [Self; 4] = [
         Self::Metre,
         Self::Centimetre,
@@ -29,7 +29,7 @@ impl LengthUnit {
         Self::Micrometre,
     ];
 
-    /// Its symbol, in ASCII: `m`, `cm`, `mm` or `um`.
+    /// Returns its symbol, in ASCII: `m`, `cm`, `mm` or `um`.
     #[must_use]
     pub fn symbol(self) -> &'static str {
         match self {
@@ -40,7 +40,7 @@ impl LengthUnit {
         }
     }
 
-    /// Name of a column of positions in this unit: `position_m`, `position_mm`, ...
+    /// Returns the name of a column of positions in this unit: `position_m`, `position_mm`, ...
     #[must_use]
     pub fn position_column(self) -> &'static str {
         match self {
@@ -51,13 +51,13 @@ impl LengthUnit {
         }
     }
 
-    /// The unit with a symbol, if there is one.
+    /// Returns the unit with a symbol, if there is one.
     #[must_use]
     pub fn of_symbol(symbol: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|unit| unit.symbol() == symbol)
     }
 
-    /// A length in this unit, in metres; metres stay the same to the last bit.
+    /// Converts a length in this unit to metres; metres are unchanged to the last bit.
     #[must_use]
     pub fn metres(self, length: f64) -> f64 {
         length / self.per_metre()
@@ -79,19 +79,18 @@ impl fmt::Display for LengthUnit {
     }
 }
 
-/// Longest stretch that a hand on a device covers `[m]`: both arms spread. Desktop devices reach 0.1
-/// to 0.8 m.
+/// Largest plausible range of a hand on a device `[m]`: both arms spread. Desktop devices reach 0.1 to 0.8 m.
 const LONGEST_STRETCH: f64 = 2.0;
-/// Fastest that a hand moves on average `[m/s]`: shaking by 0.15 m at 6 Hz is 1.8 m/s.
+/// Largest plausible mean speed of a hand `[m/s]`: shaking by 0.15 m at 6 Hz is 1.8 m/s.
 const FASTEST_MEAN: f64 = 3.0;
-/// Distance below which an average says nothing `[m]`: a single throw of an arm is faster.
+/// Path below which the mean speed is not checked `[m]`: a single throw of an arm is faster.
 const SHORTEST_TRAVEL: f64 = 2.0;
-/// Time between the positions whose distances add up to the travel `[s]`: at every sample, the
-/// sensor's noise would add up, too.
+/// Time between the positions whose distances add up to the path `[s]`: at every sample, the sensor's noise would add
+/// up too.
 const TRAVEL_STEP: f64 = 0.01;
 
-/// How far a motion went, sample by sample: a hand's motion is short and slow, and one that is not
-/// is likely to be in another unit.
+/// Accumulated range and path of a motion. A hand's motion is short and slow; another one is probably in
+/// another unit.
 ///
 /// A single wrong sample does not count: each position is the median of three samples.
 ///
@@ -109,20 +108,20 @@ const TRAVEL_STEP: f64 = 0.01;
 /// ```
 #[derive(Debug, Clone, Copy, Default)]
 pub struct HandMotion {
-    /// The last two samples, the older first `[m]`.
+    /// Last two samples, the older first `[m]`.
     last: Option<(f64, Option<f64>)>,
     /// Lowest and highest position `[m]`.
     bounds: Option<(f64, f64)>,
-    /// Time and position that the travel was measured up to.
+    /// Time and position of the end of the measured path.
     measured: Option<(f64, f64)>,
-    /// Sum of the distances `[m]`.
+    /// Path `[m]`.
     travel: f64,
     /// Times of the first and the last sample `[s]`.
     span: Option<(f64, f64)>,
 }
 
 impl HandMotion {
-    /// Takes a sample at `time` `[s]`, at `position` `[m]`; times increase.
+    /// Adds a sample at `time` `[s]`, at `position` `[m]`; times must increase.
     pub fn add(&mut self, time: f64, position: f64) {
         let since = self.span.map_or(time, |(first, _)| first);
         self.span = Some((since, time));
@@ -138,7 +137,7 @@ impl HandMotion {
             Some((first, Some(second))) => {
                 self.last = Some((second, Some(position)));
                 let (low, high) = (first.min(second), first.max(second));
-                // Unlike `clamp`, this does not panic on NaN, which whoever reads the samples refuses later.
+                // Unlike `clamp`, this does not panic on NaN, which the caller rejects later.
                 position.max(low).min(high)
             }
         };
@@ -154,7 +153,7 @@ impl HandMotion {
         }
     }
 
-    /// What no hand does, if the motion so far is such.
+    /// Returns the implausible quantities, if the motion so far is implausible for a hand.
     #[must_use]
     pub fn excess(&self) -> Option<Excess> {
         let (low, high) = self.bounds?;
@@ -171,20 +170,19 @@ impl HandMotion {
     }
 }
 
-/// A motion that is too long or too fast for a hand: over more than 2 m, or at more than 3 m/s on
-/// average.
+/// An implausible motion for a hand: a range of more than 2 m, or a mean speed above 3 m/s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Excess {
-    /// Distance travelled, to and fro `[m]`.
+    /// Path length `[m]`.
     pub travel: f64,
-    /// Distance between the lowest and the highest position `[m]`.
+    /// Range: distance between the lowest and the highest position `[m]`.
     pub stretch: f64,
-    /// How long that took `[s]`.
+    /// Duration `[s]`.
     pub duration: f64,
 }
 
 impl Excess {
-    /// The unit in which it would be a hand's motion.
+    /// Returns the unit in which the motion would be plausible for a hand.
     #[must_use]
     pub fn likely_unit(&self) -> LengthUnit {
         let unit = LengthUnit::Millimetre;
@@ -209,12 +207,12 @@ impl fmt::Display for Excess {
     }
 }
 
-/// A number that is not negative, with few digits.
+/// Formats a number that is not negative, with few digits.
 fn two_digits(value: f64) -> String {
     if value >= 10.0 {
         return format!("{value:.0}");
     }
-    // The shortest motions that are told last milliseconds.
+    // The shortest reported motions last milliseconds.
     let decimals = if value < 1.0 { 3 } else { 1 };
     format!("{value:.decimals$}")
         .trim_end_matches('0')
@@ -226,7 +224,7 @@ fn two_digits(value: f64) -> String {
 mod tests {
     use super::*;
 
-    /// `seconds` of a swing by `amplitude` `[m]` at `hertz`, at 1 kHz, through `change`.
+    /// Returns a swing of `seconds` with `amplitude` `[m]` at `hertz`, sampled at 1 kHz and modified by `change`.
     fn swing(
         amplitude: f64,
         hertz: f64,
@@ -244,7 +242,7 @@ mod tests {
 
     #[test]
     fn what_a_hand_does_passes() {
-        // A desktop device, an arm, and shaking as fast as one can.
+        // A desktop device, an arm, and the fastest shaking.
         for (amplitude, hertz) in [(0.02, 1.0), (0.7, 0.5), (0.075, 6.0)] {
             let motion = swing(amplitude, hertz, 10, |_, x| x);
             assert_eq!(motion.excess(), None, "{amplitude} m at {hertz} Hz");
@@ -258,7 +256,7 @@ mod tests {
             far.to_string(),
             "14 m of hand motion in 3 s, over a stretch of 4.6 m; is the unit mm?"
         );
-        // 1.8 mm to and fro, twice a second.
+        // 1.8 mm to and fro, twice per second, taken for metres.
         let fast = swing(0.9, 2.0, 3, |_, x| x).excess().unwrap();
         assert!(fast.stretch < 2.0 && fast.travel > 20.0, "{fast:?}");
     }
@@ -273,7 +271,7 @@ mod tests {
     fn single_wrong_samples_and_noise_are_no_motion() {
         let glitches = swing(0.02, 1.0, 3, |i, x| if i % 500 == 7 { 1e6 } else { x });
         assert_eq!(glitches.excess(), None);
-        // From sample to sample these 6 mm are 6 m/s.
+        // The sample-to-sample speed of these 6 mm is 6 m/s.
         let noise = swing(0.02, 1.0, 3, |i, x| {
             x + if i % 2 == 0 { 0.006 } else { 0.0 }
         });

@@ -1,5 +1,5 @@
-//! The tables of columns in the documentation, against the list that the files are written from.
-//! `PALPATE_WRITE_DOCS=1 cargo test --release -p palpate-record --test documented` writes them.
+//! Compares the tables of columns in the documentation with the list from which the files are written.
+//! `PALPATE_WRITE_DOCS=1 cargo test --release -p palpate-record --test documented` updates the documentation.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -8,7 +8,7 @@ use palpate_record::recording::{
     BodyTick, Column, ContactTick, DeviceTick, Flags, Kind, Phase, Tick, columns,
 };
 
-/// Compares what stands between `<!-- name -->` and `<!-- end -->` with `made`, or writes it there.
+/// Compares the text between `<!-- name -->` and `<!-- end -->` with `made`, or replaces it.
 fn compare(document: &str, name: &str, made: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../docs")
@@ -56,7 +56,7 @@ fn unit(column: &Column) -> &str {
     }
 }
 
-/// The fields of a message, each at a multiple of its size; `flags` are those that it can have.
+/// Returns the fields of a message, each aligned to its size; `flags` are its possible flags.
 fn table(columns: &[Column], flags: Flags) -> String {
     let mut table =
         String::from("| byte | field | type | unit | meaning |\n|---:|---|---|---|---|\n");

@@ -1,11 +1,11 @@
-//! A host at 60 Hz owns a ball and a floor; a loop at 1 kHz renders them to a hand that presses.
+//! A simulator at 60 Hz owns a ball and a floor; a loop at 1 kHz renders them to a hand that presses the ball.
 //!
 //! ```text
 //! cargo run --release -p palpate-rt --example slow_host
 //! ```
 //!
-//! The device is simulated. `Host::step` and `Host::contact` are what a physics engine does.
-#![allow(clippy::print_stdout)] // what is shown
+//! The device is simulated. `Host::step` and `Host::contact` take the place of a physics engine.
+#![allow(clippy::print_stdout)] // prints the results
 #![allow(
     clippy::disallowed_methods,
     reason = "the host's thread may wait; the loop's does not"
@@ -31,7 +31,7 @@ const BALL: f64 = 0.02;
 const MASS: f64 = 0.1;
 const UP: Vector = [0.0, 0.0, 1.0];
 
-/// The hand and its device.
+/// Hand and device.
 const DEVICE: &str = r#"
 format = 2
 loop = { period_s = 0.001 }
@@ -52,7 +52,7 @@ between = ["*", "*"]
 stiffness_n_per_m = 1000.0
 "#;
 
-/// A ball on a floor, which only goes up and down.
+/// A ball above a floor, with vertical motion only.
 struct Host {
     height: f64,
     velocity: f64,
@@ -63,7 +63,7 @@ fn floor() -> ContactLaw {
 }
 
 impl Host {
-    /// The engine's step of `h` `[s]` under a wrench that is held, in parts of its own.
+    /// Advances the engine by `h` `[s]` under a constant wrench, in substeps.
     fn step(&mut self, wrench: &BodyWrench, h: f64) {
         let parts = (h / 1e-4).ceil().max(1.0);
         let part = h / parts;
@@ -78,7 +78,7 @@ impl Host {
         }
     }
 
-    /// The ball as it is. What moves it otherwise is its weight: the floor is published as a contact.
+    /// Returns the current ball. Apart from contact, only its weight acts: the floor is published as a contact.
     fn ball(&self) -> BodyNow {
         let mut now = BodyNow::fixed([0.0, 0.0, self.height]);
         now.velocity[2] = self.velocity;
@@ -91,7 +91,7 @@ impl Host {
         now
     }
 
-    /// Where the tool may touch the ball, and where the ball may touch the floor.
+    /// Returns the contacts of the tool with the ball and of the ball with the floor.
     fn contacts(&self, tool: Vector) -> [Option<LocalContact>; 2] {
         let from = [tool[0], tool[1], tool[2] - self.height];
         let far = from.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -105,7 +105,7 @@ impl Host {
     }
 }
 
-/// The host's thread.
+/// Runs the simulator thread.
 fn host(mut slow: SlowHost, is_over: &AtomicBool) -> Result<(), Vec<WorldError>> {
     let mut world = Host {
         height: BALL,

@@ -1,7 +1,7 @@
-//! The local model of a slow host between its renderer and whoever holds its forces: rendered, and bounded by the safety of
-//! each device.
+//! Local model of a low-rate simulator for a caller-owned loop: it renders the model and limits the forces by the
+//! safety of each device.
 //!
-//! It is for a loop of somebody else's, as [`BoundedWorld`](crate::BoundedWorld) is.
+//! The caller-owned loop reads positions and sends wrenches itself, as with [`BoundedWorld`](crate::BoundedWorld).
 
 use palpate_device::Wrench;
 use palpate_world::engine::local::{LocalRenderer, LocalState, ModelRefusal};
@@ -11,43 +11,44 @@ use crate::bounded_world::{Answered, WorldSafety};
 use crate::rendering::{FromHost, SlowHost, sides};
 use crate::safety::{Bounded, SafetyError, SafetyParams, Trip};
 
-/// What a slow host publishes, rendered for any number of tools, and what may reach their devices.
+/// Renderer of the models published by a low-rate simulator, for any number of tools, with the safety limits of each
+/// device.
 #[derive(Debug)]
 pub struct BoundedLocalWorld {
     renderer: LocalRenderer,
     state: LocalState,
     host: FromHost,
     safety: WorldSafety,
-    /// What is to be held, for each tool.
+    /// Wrench to hold, for each tool.
     wrenches: Vec<Wrench>,
 }
 
-/// The answer to one sample.
+/// Result of one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeldLocal<'a> {
-    /// What each device is to give to the hand, and to hold until the next sample; finite for any sample. No torque.
+    /// Wrench on the hand that each device holds until the next sample, always finite. The torque is 0.
     pub wrenches: &'a [Wrench],
-    /// Limits of the renderer that acted.
+    /// Active limits of the renderer.
     pub limited: Limited,
-    /// Limits of the safety that acted.
+    /// Active limits of the safety.
     pub bounded: Bounded,
-    /// What the tick has cost, and what did not fit in it.
+    /// Computing effort of the tick and work left undone.
     pub effort: Effort,
-    /// Why the sample was refused, if it was: every wrench is then none.
+    /// Reason for rejecting the sample, if any. All wrenches are then zero.
     pub fault: Option<WorldFault>,
-    /// Age of the newest model `[s]`; `None` where there is none.
+    /// Age of the newest model `[s]`; `None` without a model.
     pub age: Option<f64>,
-    /// Whether the contacts fade, or have faded, because there is no model or it is too old.
+    /// Whether contact forces are fading or faded, because the model is missing or too old.
     pub is_stale: bool,
-    /// Why the model that came with this sample was not taken, if it was not. The one before goes on.
+    /// Reason for rejecting the model that arrived with this sample, if any. The previous model stays in use.
     pub refusal: Option<ModelRefusal>,
 }
 
-/// Both ends of a local model: the host's, and that of a loop of somebody else's, with the same limits for each device. The two
-/// may be used in two threads.
+/// Creates both ends of a local model: that of the simulator and that of a caller-owned loop, with the same limits
+/// for each device. Each end may be used on its own thread.
 ///
 /// # Errors
-/// The first limit outside its range, by name, with what is allowed.
+/// The name and the allowed range of the first limit outside its range.
 pub fn bounded_local_world(
     renderer: LocalRenderer,
     limits: SafetyParams,
@@ -68,8 +69,9 @@ pub fn bounded_local_world(
 }
 
 impl BoundedLocalWorld {
-    /// One tick: a sample of all tools in, what each device is to hold out, by the newest model that has come. It does not
-    /// allocate, lock or wait. The renderer knows of what its limits and those of the safety have taken.
+    /// Performs one tick: takes a sample of all tools and returns the wrench that each device must hold, by the
+    /// newest model. It does not allocate, lock or block. The renderer's energy ledger contains the wrenches after
+    /// all limits.
     pub fn step(&mut self, sample: &Sample<'_>) -> HeldLocal<'_> {
         let output = self
             .renderer
@@ -106,30 +108,30 @@ impl BoundedLocalWorld {
         }
     }
 
-    /// The safety stop that holds all forces at 0, if one does.
+    /// Returns the safety stop that holds all forces at 0, if any.
     #[must_use]
     pub fn trip(&self) -> Option<Trip> {
         self.safety.trip()
     }
 
-    /// Says what was really sent to a device for the last sample, where something between has limited it.
+    /// Replaces the wrench of the last sample by the one actually sent to a device, for example after saturation.
     pub fn report_sent(&mut self, tool: usize, sent: Wrench) {
         self.renderer.report_sent(&mut self.state, tool, sent.force);
     }
 
-    /// The local model at the last sample.
+    /// Returns the local model at the last sample.
     #[must_use]
     pub fn state(&self) -> &LocalState {
         &self.state
     }
 
-    /// What renders it.
+    /// Returns the renderer.
     #[must_use]
     pub fn renderer(&self) -> &LocalRenderer {
         &self.renderer
     }
 
-    /// The limits of each device.
+    /// Returns the limits of each device.
     #[must_use]
     pub fn limits(&self) -> &SafetyParams {
         self.safety.params()
@@ -144,7 +146,7 @@ mod tests {
 
     const PERIOD: f64 = 1e-3;
 
-    /// A sphere of 5 mm over whatever a host publishes, and a floor whose surface is at 0.
+    /// A sphere of 5 mm that touches the published bodies, and a floor whose surface is at 0.
     fn ends(limits: SafetyParams) -> (SlowHost, BoundedLocalWorld, LocalContact) {
         let tool = Tool::new("tool", Shape::Sphere { radius: 5e-3 });
         let renderer = LocalRenderer::new(
@@ -174,7 +176,7 @@ mod tests {
         let first = held(&mut world, 1e-3);
         assert!(first.is_stale && first.age.is_none());
         assert_eq!(first.wrenches, [Wrench::NONE]);
-        // For longer than a model may be old.
+        // Longer than the maximum age of a model.
         for _ in 0..400 {
             let tick = host.progress().tick;
             host.publish(tick, &[], &[Some(floor)]).expect("right");

@@ -1,4 +1,4 @@
-//! The loop itself: sleep, sample, render, pass through safety, command, note down.
+//! The control loop: sleep, sample, render, limit, command, record.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -23,11 +23,11 @@ use crate::wire::posed;
 use palpate_device::clock::Clock;
 use palpate_device::{Device, Wrench};
 
-/// A haptic loop on one device or several, which renders `R`: one contact, or a world. Everything that it needs is there before
-/// its first tick; a tick allocates nothing, locks nothing and waits for nobody but the clock and the devices.
+/// A haptic loop on one or several devices that renders `R`: one contact, or a world. All memory is allocated before
+/// the first tick. A tick does not allocate or lock, and waits only for the clock and the devices.
 ///
-/// Where one of several devices has no force, none has. When the loop goes, whatever the reason, it commands each device no
-/// force.
+/// If one of several devices has no force, no device has one. When the loop is dropped for any reason, it commands
+/// zero force on each device.
 pub struct ControlLoop<D: Device, C: Clock, R: Renders = OneContact> {
     devices: Devices<D>,
     clock: C,
@@ -35,12 +35,12 @@ pub struct ControlLoop<D: Device, C: Clock, R: Renders = OneContact> {
     rearm: Arc<AtomicBool>,
     deadlines: Option<Deadlines>,
     period: Duration,
-    /// How long the loop may stand still before a supervisor or a guardian takes the force off.
+    /// Maximum time between ticks before a supervisor or a watchdog process removes the force.
     stall_limit: Duration,
-    /// Whether a trip kept the motors off at the end of the last tick.
+    /// Whether a safety stop kept the motors off at the end of the last tick.
     is_off: bool,
     motors_off: MotorsOff,
-    /// When the devices were sampled for the last sample that was rendered.
+    /// Sampling time of the last rendered sample.
     rendered_at: Option<Duration>,
     heartbeat: Arc<Heartbeat>,
     cuts: u64,
@@ -48,23 +48,23 @@ pub struct ControlLoop<D: Device, C: Clock, R: Renders = OneContact> {
     lateness: LatenessWatch,
     teller: Teller,
     lost: bool,
-    /// When the last tick began.
+    /// Start of the last tick.
     ticked: Option<Duration>,
-    /// The method whose energy is counted now, and the one before it that created the most of late.
+    /// The method to which generated energy is attributed now, and the earlier method that recently generated the
+    /// most.
     method: &'static str,
     method_before: &'static str,
 }
 
-/// Longest period: whoever ends a loop should not have to wait for longer.
+/// Longest period. It bounds the time that ending a loop takes.
 const LONGEST_PERIOD: Duration = Duration::from_secs(10);
 
 impl<D: Device, C: Clock> ControlLoop<D, C> {
-    /// A loop that renders `rendering` on `device`, along its first axis. It ticks from the first
-    /// call of [`tick`](Self::tick) on.
+    /// Creates a loop that renders `rendering` on `device`, along its first axis. It starts at the first call of
+    /// [`tick`](Self::tick).
     ///
     /// # Errors
-    /// A parameter of the rendering or a limit of the safety outside its range; a period below a
-    /// nanosecond or above 10 s.
+    /// A rendering parameter or a safety limit outside its range; a period below a nanosecond or above 10 s.
     pub fn new(
         device: D,
         clock: C,
@@ -74,7 +74,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         Self::rendering(vec![(device, limits)], clock, OneContact::new(rendering)?)
     }
 
-    /// The same loop, its contact's axis placed elsewhere in the device's space.
+    /// Sets the axis of the contact in the device's frame.
     #[must_use]
     pub fn along(mut self, axis: AlongAxis<f64, 3>) -> Self {
         self.rendered.place_along(axis);
@@ -83,12 +83,12 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
 }
 
 impl<D: Device, C: Clock> ControlLoop<D, C, RenderedWorld> {
-    /// A loop that renders a world on `device`. It ticks from the first call of [`tick`](Self::tick) on.
+    /// Creates a loop that renders a world on `device`. It starts at the first call of [`tick`](Self::tick).
     ///
     /// # Errors
-    /// A world of several devices; a limit of the safety outside its range; a period below a nanosecond or above 10 s; a
-    /// tool that turns, and a device that measures no orientation; a tool that feels a torque, and a device that gives none about
-    /// three axes.
+    /// A world of several devices; a safety limit outside its range; a period below a nanosecond or above 10 s; a
+    /// rotating tool on a device that measures no orientation; a tool with a torque on a device without a torque
+    /// about three axes.
     pub fn of_world(
         device: D,
         clock: C,
@@ -98,15 +98,15 @@ impl<D: Device, C: Clock> ControlLoop<D, C, RenderedWorld> {
         Self::of_devices(vec![(device, limits)], clock, world)
     }
 
-    /// A loop that renders a world on several devices, each with its own limits: one for each tool of the world, in their
-    /// order. Devices of different kinds are boxed: `D` is `Box<dyn Device>`.
+    /// Creates a loop that renders a world on several devices, each with its own limits: one for each tool of the
+    /// world, in their order. Devices of different kinds are boxed: `D` is `Box<dyn Device>`.
     ///
-    /// In each tick all devices are read, one after the other, then the world makes one step, and then all are commanded.
-    /// The world's time is that of the newest sample. Where one device has no good sample, does not take its force, is cut or
-    /// outside its limits, no device has a force, and a note names that one.
+    /// In each tick the loop reads all devices, one after the other, then advances the world by one step and commands
+    /// all devices. The world's time is that of the newest sample. If one device has no valid sample, rejects its
+    /// force, is cut or exceeds its limits, no device has a force, and an event names that device.
     ///
     /// # Errors
-    /// Another number of devices than the world has tools; as [`of_world`](Self::of_world).
+    /// A number of devices that differs from the number of tools; those of [`of_world`](Self::of_world).
     pub fn of_devices(
         devices: Vec<(D, SafetyParams)>,
         clock: C,
@@ -135,7 +135,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         if devices.len() != rendered.devices() {
             return Err(wrong);
         }
-        // The most impatient of the devices counts.
+        // The shortest limit of all devices applies.
         let stall_limits = devices.iter().map(|(_, limits)| limits.stall_after(period));
         let stall_limit = stall_limits.min().ok_or(wrong)?;
         let devices = devices.into_iter().map(|(device, limits)| {
@@ -168,7 +168,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         })
     }
 
-    /// The same loop, telling `tap` what it does.
+    /// Connects `tap`, which receives ticks and events.
     #[must_use]
     pub fn tapped(mut self, tap: Tap) -> Self {
         if self.devices.iter().nth(1).is_some() {
@@ -182,17 +182,17 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         self
     }
 
-    /// The other end of the parameters; there is one, for whoever asks first.
+    /// Returns the other end of the parameters. Only the first call returns it.
     pub fn parameters(&mut self) -> Option<Parameters> {
         self.rendered.parameters()
     }
 
-    /// What is rendered.
+    /// Returns the rendering.
     pub fn rendered(&self) -> &R {
         &self.rendered
     }
 
-    /// Raising it ends a trip that stays, with the next tick.
+    /// Returns a flag that, once set, ends a latched safety stop at the next tick.
     pub fn rearm(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.rearm)
     }
@@ -201,8 +201,8 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         Arc::clone(&self.heartbeat)
     }
 
-    /// A supervisor for another thread; none if no device has a second way to command no force. It watches the loop for all
-    /// devices that have one.
+    /// Returns a supervisor for another thread, or `None` if no device has a zero writer. It supervises the loop for
+    /// all devices that have one.
     pub fn supervisor(&mut self) -> Option<Supervisor> {
         let zero = self.devices.zero_writer()?;
         let heartbeat = Arc::clone(&self.heartbeat);
@@ -213,49 +213,50 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         self.clock.clone()
     }
 
-    /// The period of the deadlines.
+    /// Returns the period of the deadlines.
     pub fn period(&self) -> Duration {
         self.period
     }
 
-    /// The device; the first one where there are several.
+    /// Returns the device, or the first of several.
     pub fn device(&self) -> &D {
         self.devices.first_device()
     }
 
-    /// All devices, in their order.
+    /// Returns all devices in their order.
     pub fn devices(&self) -> impl Iterator<Item = &D> {
         self.devices.iter().map(|driven| &driven.device)
     }
 
-    /// What recordings have of each device at the last tick; none where the loop has one, of which the tick says it.
+    /// Returns the recorded data of each device at the last tick. It is empty for a single device, whose data are in
+    /// the tick.
     pub fn device_ticks(&self) -> &[DeviceTick] {
         self.devices.ticks()
     }
 
-    /// How the loop kept time so far.
+    /// Returns the timing statistics of the loop.
     pub fn statistics(&self) -> &LoopStatistics {
         &self.statistics
     }
 
-    /// How often a supervisor has commanded no force.
+    /// Returns how often a supervisor has commanded zero force.
     pub fn cuts(&self) -> u64 {
         self.heartbeat.cuts()
     }
 
-    /// The trip that holds the forces at none, if one does; of several one that stays.
+    /// Returns the safety stop that holds the forces at 0, if any; of several stops, a latched one.
     pub fn trip(&self) -> Option<Trip> {
         self.tripped_device().map(|(_, trip)| trip)
     }
 
-    /// The same, with the number of the device that has tripped, from 0.
+    /// Returns the same stop with the index of the stopped device.
     pub fn tripped_device(&self) -> Option<(usize, Trip)> {
         self.devices.trip()
     }
 
-    /// Ticks until `stop` is raised, `most` periods are over or the device is gone, then commands no
-    /// force. It can go on afterwards. A deadline that was missed is a period too: a run takes as long
-    /// as it was asked to, however busy the machine is.
+    /// Ticks until `stop` is raised, `most` periods are over or the device is gone, then commands zero force. The
+    /// loop can be continued afterwards. A missed deadline counts as a period, so the duration of a run does not
+    /// depend on the load of the machine.
     pub fn run(&mut self, stop: &StopFlag, most: Option<u64>) -> Ending {
         let ending = loop {
             if stop.is_raised() {
@@ -273,15 +274,15 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         ending
     }
 
-    /// Commands no force in the other way that the device may have, where its own has failed.
+    /// Commands zero force through the zero writers of the devices, after the devices themselves failed.
     pub(crate) fn cut_off(&mut self) {
         self.heartbeat.end();
         self.devices.cut_off();
     }
 
-    /// Tells the tap why the loop has ended, and that nothing more will come.
+    /// Sends the ending to the tap and closes it.
     pub(crate) fn close_tap(&mut self, ending: Ending) {
-        // It belongs to the last tick: the next one never was.
+        // The ending belongs to the last tick: the next one does not exist.
         if let Some(last) = self.teller.sequence.checked_sub(1) {
             self.teller.sequence = last;
             self.note(Note::Ended(ending));
@@ -291,14 +292,14 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         }
     }
 
-    /// Commands each device no force, and stands the supervisor down.
+    /// Commands zero force on each device and deactivates the supervisor.
     pub fn let_go(&mut self) {
         self.devices.let_go(&self.clock);
         self.motors_off.let_go();
         self.heartbeat.end();
     }
 
-    /// One period: sleeps until its deadline, then samples, renders and commands.
+    /// Performs one period: sleeps until its deadline, then samples, renders and commands.
     pub fn tick(&mut self) -> Row {
         let deadline = self.deadline();
         self.clock.sleep_until(deadline);
@@ -322,12 +323,12 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         }
 
         let answered = self.sample(woke);
-        // A device may have been what stood still.
+        // The read of a device may have caused the stall.
         was_cut |= self.supervisor_cut();
         let stood_still_in_read = answered.saturating_sub(woke) > self.stall_limit;
         if has_overslept || stood_still_in_read || was_cut {
-            // Not before: a device hears of its guardian when it reads. A supervisor that stood still
-            // with the loop comes too late.
+            // Check only after the read: a device detects its watchdog's command in a read. A supervisor that stalled
+            // together with the loop acts too late.
             let in_read = stood_still_in_read && !has_overslept;
             let since = before.filter(|_| !in_read).unwrap_or(woke);
             was_cut |= self.guardian_cut(since);
@@ -353,7 +354,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         }
         if self.supervisor_cut() {
             self.book_cuts();
-            // Just now: what the supervisor has taken off is not put on again.
+            // The force that the supervisor has just removed must not be commanded again.
             self.devices.stall();
             self.tell_of_trips();
         }
@@ -364,7 +365,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         } else if are_fresh {
             self.statistics.refused_at_end = 0;
         }
-        // Not before: the interval that this sample ended was the former method's.
+        // Only now: the interval that this sample ended belongs to the previous method.
         self.follow_method();
         self.command();
 
@@ -427,7 +428,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         }
     }
 
-    /// Hands the modelled gain and the slew limit of a changed rendering to each safety.
+    /// Passes the modelled gain and the slew limit of a changed rendering to each safety.
     fn follow_limits(&mut self) {
         let (actuation, slew) = (self.rendered.actuation(), self.rendered.slew_limit());
         for driven in self.devices.iter_mut() {
@@ -435,13 +436,13 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         }
     }
 
-    /// Takes note of another method that renders from this sample on.
+    /// Detects a change of the method that renders from this sample on.
     fn follow_method(&mut self) {
         let method = self.rendered.method();
         if method == self.method {
             return;
         }
-        // Of several changes in a row, the one that is to blame is remembered.
+        // After several changes, keep the method that generated the energy.
         if !self.devices.another_method() {
             self.method_before = self.method;
         }
@@ -458,7 +459,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         started
     }
 
-    /// Whether the supervisor has commanded no force since this was asked last.
+    /// Returns whether the supervisor has commanded zero force since the last call.
     fn supervisor_cut(&mut self) -> bool {
         let cuts = self.heartbeat.cuts();
         let was_cut = cuts != self.cuts;
@@ -469,27 +470,27 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         was_cut
     }
 
-    /// Whether a guardian has commanded no force since this was asked last. It is as patient as a supervisor, and the loop
-    /// has been silent since `since`.
+    /// Returns whether a watchdog process has commanded zero force since the last call. Its limit is that of a
+    /// supervisor, and the loop has been silent since `since`.
     fn guardian_cut(&mut self, since: Duration) -> bool {
         let at = since.saturating_add(self.stall_limit);
         self.devices.were_cut_by_guardians(at.min(self.clock.now()))
     }
 
-    /// The books learn which devices held no force, and from when on.
+    /// Records in the ledger which devices held no force and since when.
     fn book_cuts(&mut self) {
         if let Some(at) = self.devices.book_cuts() {
             self.motors_off.cut(at);
         }
     }
 
-    /// Whether the loop woke so late that a supervisor would have cut it, had there been one awake.
+    /// Returns whether the loop woke so late that a running supervisor would have cut it.
     fn has_overslept(&self, before: Option<Duration>, woke: Duration) -> bool {
         let longest = self.period.saturating_add(self.stall_limit);
         before.is_some_and(|last| woke.saturating_sub(last) > longest)
     }
 
-    /// Asks all devices, one after the other. When the last one has answered.
+    /// Reads all devices, one after the other. Returns the time of the last answer.
     fn sample(&mut self, woke: Duration) -> Duration {
         let mut answered = woke;
         for driven in self.devices.iter_mut() {
@@ -499,14 +500,14 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         answered
     }
 
-    /// Time since the sample that was rendered last, where all devices have a fresh one `[s]`.
+    /// Returns the time since the last rendered sample `[s]`, if all devices have a fresh sample.
     fn elapsed(&mut self) -> Option<f64> {
         let now = self.devices.sampled_at()?;
         let before = self.rendered_at.replace(now)?;
         Some(now.saturating_sub(before).as_secs_f64())
     }
 
-    /// Renders a fresh sample of all devices, and puts the answer through the safety of each.
+    /// Renders a fresh sample of all devices and limits the result by the safety of each.
     fn render(&mut self, elapsed: Option<f64>, stalled: bool) -> Answer {
         let (devices, asked) = self.devices.samples();
         let held_none = devices
@@ -530,7 +531,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         answer
     }
 
-    /// Commands what was decided, and tells the renderer what came of it.
+    /// Commands the wrenches and reports the delivered ones to the renderer.
     fn command(&mut self) {
         self.lost |= self.devices.command(&self.clock, &mut self.teller);
         for (number, driven) in self.devices.iter().enumerate() {
@@ -539,7 +540,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         }
     }
 
-    /// What is to be said of the first device at the last sample.
+    /// Returns the data of the first device at the last sample.
     fn seen(&self, woke: Duration) -> Tick {
         let time = self.devices.sampled_at().unwrap_or(woke);
         let pose = self.devices.first_pose();
@@ -551,7 +552,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         }
     }
 
-    /// Tells which trips have begun and ended: of those that are of the loop as a whole, once.
+    /// Reports the safety stops that have begun or ended. Stops of the whole loop are reported once.
     fn tell_of_trips(&mut self) {
         let mut is_first = true;
         for driven in self.devices.iter_mut() {
@@ -586,7 +587,8 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
 
 impl<D: Device, C: Clock, R: Renders> Drop for ControlLoop<D, C, R> {
     fn drop(&mut self) {
-        // A device that panics here would end the program, and nobody else could let go of anything.
+        // A driver panic that escapes `drop` can abort the process. Catch it, then disable the outputs through the
+        // zero writers.
         if catch_unwind(AssertUnwindSafe(|| self.let_go())).is_err() {
             let _ = catch_unwind(AssertUnwindSafe(|| self.cut_off()));
         }

@@ -1,10 +1,10 @@
-//! When the loop is to tick, and what becomes of deadlines that it missed.
+//! Deadlines of the loop and treatment of missed ones.
 
 use std::time::Duration;
 
-/// Absolute deadlines, a period apart. A tick that ends after the next deadline has missed it: it is
-/// counted and skipped, so that the phase of the loop stays and no two ticks come in a hurry. The
-/// renderer is told the time that really passed.
+/// Absolute deadlines, one period apart. A tick that ends after the next deadline has missed it. Missed deadlines are
+/// counted and skipped, so the phase of the loop is constant and ticks never follow in a burst. The renderer receives
+/// the actual elapsed time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Deadlines {
     period: Duration,
@@ -12,7 +12,7 @@ pub(crate) struct Deadlines {
 }
 
 impl Deadlines {
-    /// Deadlines from `first` on.
+    /// Creates deadlines from `first` on.
     pub fn new(period: Duration, first: Duration) -> Self {
         Self {
             period,
@@ -20,13 +20,13 @@ impl Deadlines {
         }
     }
 
-    /// The next deadline.
+    /// Returns the next deadline.
     pub fn next(&self) -> Duration {
         self.next
     }
 
-    /// The tick of the last deadline, which began at `began`, has ended at `now`: how many it
-    /// missed. The next one is after both.
+    /// Ends the tick of the last deadline, which began at `began`, at `now`. Returns the number of missed deadlines.
+    /// The next deadline is after both times.
     pub fn ended(&mut self, began: Duration, now: Duration) -> u64 {
         self.next += self.period;
         let mut skipped = 0;
@@ -36,7 +36,7 @@ impl Deadlines {
                 .div_ceil(self.period.as_nanos());
         }
         if began >= self.next {
-            // A tick at the same instant would find nothing new.
+            // A second tick at the same instant would find no new sample.
             let passed = (began - self.next).as_nanos() / self.period.as_nanos() + 1;
             skipped = skipped.max(passed);
         }
@@ -57,14 +57,14 @@ mod tests {
         assert_eq!(deadlines.next(), ms(5));
         assert_eq!(deadlines.ended(ms(5), ms(14)), 0);
         assert_eq!(deadlines.next(), ms(15));
-        // Just in time for the next one.
+        // Ends exactly at the next deadline.
         assert_eq!(deadlines.ended(ms(15), ms(25)), 0);
         assert_eq!(deadlines.next(), ms(25));
         assert_eq!(deadlines.ended(ms(25), ms(36)), 1);
         assert_eq!(deadlines.next(), ms(45));
         assert_eq!(deadlines.ended(ms(46), ms(85)), 3);
         assert_eq!(deadlines.next(), ms(85));
-        // It woke at a later deadline, to the nanosecond.
+        // Woke exactly at a later deadline.
         assert_eq!(deadlines.ended(ms(105), ms(105)), 2);
         assert_eq!(deadlines.next(), ms(115));
     }

@@ -1,26 +1,26 @@
-//! What held forces leaked while they were held, apart from what passed while the motors were off.
+//! Leak of held forces, separated from the energy change while the motors were off.
 
 use palpate::Leak;
 
-/// The renderer books a leak for every interval. While a trip keeps the motors off, its object goes on
-/// moving against a device that feels nothing: what that makes of the energy, no motor has given to
-/// anybody.
+/// Leak separated by the state of the motors. The renderer's ledger contains a leak for every interval. While a
+/// safety stop keeps the motors off, the object continues to move without a force on the device. The energy change of
+/// these intervals is not delivered by a motor.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Delivered {
     /// Leak of the intervals in which the motors could hold a force `[J]`.
     pub leak: f64,
-    /// Leak of the others: work from outside `[J]`.
+    /// Leak of the other intervals: work from outside `[J]`.
     pub withheld: f64,
 }
 
 impl Delivered {
-    /// An interval is over: the books `before` and `after` it, and whether the motors were off all
-    /// through it. Where the renderer has booked nothing, neither is anything here.
+    /// Adds an interval with the ledger `before` and `after` it; `motors_off`: the motors were off during the whole
+    /// interval. An unchanged ledger adds nothing.
     pub fn close(&mut self, before: &Leak<f64>, after: &Leak<f64>, motors_off: bool) {
         if after == before {
             return;
         }
-        // The last one itself: in a sum that has grown large, little is left of it.
+        // Use the last leak itself: a difference of large sums would lose precision.
         if motors_off {
             self.withheld += after.last;
         } else {
@@ -52,7 +52,7 @@ mod tests {
         close(Some(0.25), false);
         close(Some(3e8), true);
         close(Some(-1e8), true);
-        // Nothing was booked.
+        // Unchanged ledger.
         close(None, false);
         let all = close(Some(1e-9), false);
         assert_eq!((all.leak, all.withheld), (0.25 + 1e-9, 2e8));

@@ -1,4 +1,4 @@
-//! The devices of a loop, each with its safety, its last sample and what it holds.
+//! Devices of a loop, each with its safety, last sample and held wrench.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -16,13 +16,13 @@ use crate::safety::{Bounded, Looked, Rendered, Safety, Trip, Verdict};
 use crate::tap::Teller;
 use crate::wire::posed;
 
-/// A sample whose time cannot be.
+/// A sample with an invalid time stamp.
 const AHEAD: DeviceError = DeviceError {
     kind: DeviceErrorKind::NothingNew,
     what: "the time stamp of a sample lies more than a period ahead of the loop's clock",
 };
 
-/// What a sample of a device came to.
+/// Result of reading a device.
 #[derive(Clone, Copy, Debug)]
 enum Sampled {
     Fresh(Pose),
@@ -30,34 +30,34 @@ enum Sampled {
     Gone(Trip),
 }
 
-/// A device of a loop.
+/// A device of a loop with its state.
 pub(crate) struct Driven<D> {
     pub device: D,
     pub safety: Safety,
-    /// Its number, where the loop has several devices.
+    /// Index of the device in a loop with several devices.
     pub number: Option<u32>,
     held: HeldSince,
-    /// Its last fresh sample.
+    /// Last fresh sample.
     last: Option<Pose>,
-    /// When it was sampled for the last sample that was rendered.
+    /// Time of its last rendered sample.
     rendered_at: Option<Duration>,
     sampled: Sampled,
     round_trip: Duration,
-    /// Whether a supervisor has a way of its own to command it no force.
+    /// Whether a supervisor has a zero writer for it.
     pub is_supervised: bool,
-    /// When somebody beside the loop has commanded it no force, until that is booked.
+    /// Time at which a supervisor or watchdog process commanded zero force, until it is recorded in the ledger.
     cut: Option<Duration>,
-    /// What was rendered for it in this tick, and what its safety has found in that.
+    /// Output of the renderer in this tick and result of its safety check.
     looked: Option<(Rendered, Looked)>,
-    /// What is to be commanded.
+    /// Wrench to command.
     pub verdict: Verdict,
-    /// What it holds by its own account.
+    /// Held wrench, as reported by the device.
     pub delivered: Wrench,
-    /// What was sent to its motors, where it says that apart.
+    /// Wrench sent to the motors, if the device reports it separately.
     pub sent: Option<Wrench>,
-    /// Whether it did not take the command of this tick.
+    /// Whether it rejected the command of this tick.
     has_failed: bool,
-    /// Whether it is gone.
+    /// Whether it is disconnected.
     pub is_lost: bool,
 }
 
@@ -88,7 +88,7 @@ impl<D: Device> Driven<D> {
         }
     }
 
-    /// Asks the device where it is. When it has answered.
+    /// Reads the device. Returns the time of the answer.
     pub fn sample<C: Clock>(
         &mut self,
         clock: &C,
@@ -101,7 +101,7 @@ impl<D: Device> Driven<D> {
         self.round_trip = answered.saturating_sub(asked);
         let mut told = None;
         self.sampled = match read {
-            // Believed, it would make every sample up to then an old one.
+            // Accepting it would make every sample up to that time outdated.
             Ok(reading) if reading.time > answered.saturating_add(period) => {
                 told = Some(AHEAD).filter(|_| self.safety.trip().is_none());
                 Sampled::Missing
@@ -135,7 +135,7 @@ impl<D: Device> Driven<D> {
         answered
     }
 
-    /// What a sample of all devices says of this one; `None` where it has no fresh one.
+    /// Returns the fresh sample of the device, if any, for the renderer.
     fn fresh(&mut self) -> Option<FreshDevice> {
         let Sampled::Fresh(reading) = self.sampled else {
             return None;
@@ -151,7 +151,7 @@ impl<D: Device> Driven<D> {
         matches!(self.sampled, Sampled::Fresh(_))
     }
 
-    /// Looks at the sample for a reason to have no force.
+    /// Checks the sample for a reason to stop.
     fn look(&mut self, of_loop: Rendered, comes_in: bool) {
         let Sampled::Fresh(reading) = self.sampled else {
             return;
@@ -166,14 +166,14 @@ impl<D: Device> Driven<D> {
         self.looked = Some((rendered, looked));
     }
 
-    /// Decides what to command: none where a device of the loop `is_off`.
+    /// Determines the wrench to command: zero if any device of the loop `is_off`.
     fn answer(&mut self, is_off: bool) {
         if let Some((rendered, looked)) = self.looked.take() {
             self.verdict = self.safety.answer(&rendered, looked, is_off);
         }
     }
 
-    /// How it answers a tick in which nothing is rendered, for want of a sample of this device or of another one.
+    /// Determines the wrench in a tick without rendering, because this or another device has no sample.
     fn go_without(&mut self, stalled: bool) {
         self.verdict = match self.sampled {
             Sampled::Gone(trip) => self.safety.trip_on(trip),
@@ -183,7 +183,7 @@ impl<D: Device> Driven<D> {
         };
     }
 
-    /// Commands none, since another device of the loop has none.
+    /// Commands zero force because another device of the loop has no force.
     fn withhold(&mut self) {
         if self.safety.trip().is_none() {
             let told = self.verdict;
@@ -195,14 +195,14 @@ impl<D: Device> Driven<D> {
         }
     }
 
-    /// Commands the verdict. Whether the device took it.
+    /// Commands the wrench. Returns whether the device accepted it.
     fn command<C: Clock>(&mut self, clock: &C, teller: &mut Teller) -> bool {
         let wrench = self.verdict.wrench;
         let written = self.device.write(wrench);
         self.delivered = match written {
             Ok(held) => held,
             Err(error) => {
-                // It may take none where it does not take some.
+                // A device that rejects a force may accept zero.
                 let _ = self.device.write(Wrench::NONE);
                 self.has_failed = true;
                 teller.note(clock.now(), self.number, Note::Device(error));
@@ -227,12 +227,12 @@ impl<D: Device> Driven<D> {
         !self.has_failed && (self.verdict.wrench != Wrench::NONE || self.delivered != Wrench::NONE)
     }
 
-    /// Somebody has commanded it no force at that time; the first counts.
+    /// Records that a supervisor or watchdog process commanded zero force at `at`. The earliest time counts.
     fn was_cut_at(&mut self, at: Duration) {
         self.cut = Some(self.cut.map_or(at, |before| before.min(at)));
     }
 
-    /// Commands no force, twice where it is not taken; more cannot be done here.
+    /// Commands zero force, a second time if the device rejects it; nothing more is possible here.
     fn let_go<C: Clock>(&mut self, clock: &C) {
         if self.device.write(Wrench::NONE).is_err() {
             let _ = self.device.write(Wrench::NONE);
@@ -241,7 +241,7 @@ impl<D: Device> Driven<D> {
         self.safety.let_go();
     }
 
-    /// What a recording has of it at a tick.
+    /// Returns the recorded data of the device at a tick.
     fn said(&self, devices: u32, started: Duration) -> DeviceTick {
         let axes = self.device.capabilities().axes;
         let pose = self.last.as_ref();
@@ -269,19 +269,19 @@ impl<D: Device> Driven<D> {
     }
 }
 
-/// All devices of a loop: one or more, in their order. Where one has no force, none has.
+/// All devices of a loop, one or more, in their order. If one has no force, no device has one.
 pub(crate) struct Devices<D> {
     all: Vec<Driven<D>>,
-    /// Room for a sample of all of them.
+    /// Scratch buffer for a sample of all devices.
     samples: Vec<FreshDevice>,
-    /// What each is asked to give; room for a tick.
+    /// Requested wrench of each device; scratch buffer of a tick.
     asked: Vec<Wrench>,
-    /// What recordings have of each at the last tick; none where there is one device.
+    /// Recorded data of each device at the last tick; empty for a single device.
     ticks: Vec<DeviceTick>,
 }
 
 impl<D: Device> Devices<D> {
-    /// `None`: there is no device.
+    /// Creates the devices; `None` for an empty list.
     pub fn new(devices: impl IntoIterator<Item = (D, Safety)>) -> Option<Self> {
         let devices: Vec<_> = devices.into_iter().collect();
         let number = devices.len();
@@ -303,7 +303,7 @@ impl<D: Device> Devices<D> {
         })
     }
 
-    /// All of them: at least one.
+    /// Returns all devices: at least one.
     pub fn iter(&self) -> slice::Iter<'_, Driven<D>> {
         self.all.iter()
     }
@@ -312,19 +312,19 @@ impl<D: Device> Devices<D> {
         self.all.iter_mut()
     }
 
-    /// When the newest sample that there is was taken.
+    /// Returns the time of the newest sample, if any.
     pub fn sampled_at(&self) -> Option<Duration> {
         let times = self.iter().filter_map(|driven| driven.last.as_ref());
         times.map(|pose| pose.time).max()
     }
 
-    /// The first device.
+    /// Returns the first device.
     #[allow(clippy::indexing_slicing, reason = "there is one, and no tick asks")]
     pub fn first_device(&self) -> &D {
         &self.all[0].device
     }
 
-    /// What was commanded of the first device, and what it holds.
+    /// Returns the commanded and the held wrench of the first device.
     pub fn first_wrenches(&self) -> (Wrench, Wrench) {
         let first = self.all.first();
         first.map_or((Wrench::NONE, Wrench::NONE), |first| {
@@ -332,8 +332,8 @@ impl<D: Device> Devices<D> {
         })
     }
 
-    /// Another method renders from now on, for the safety that watches the created energy. Whether most of that was created
-    /// before the method that renders now.
+    /// Notifies the safety that monitors the generated energy of another method. Returns whether most of that energy
+    /// was generated before the current method.
     pub fn another_method(&mut self) -> bool {
         let Some(first) = self.all.first_mut() else {
             return false;
@@ -343,7 +343,7 @@ impl<D: Device> Devices<D> {
         is_from_before
     }
 
-    /// The last sample of the first device, with as many axes as it has.
+    /// Returns the last sample of the first device and its number of axes.
     pub fn first_pose(&self) -> Option<(&Pose, usize)> {
         let first = self.all.first()?;
         let axes = first.device.capabilities().axes;
@@ -354,13 +354,13 @@ impl<D: Device> Devices<D> {
         self.iter().all(Driven::is_fresh)
     }
 
-    /// Whether a device gave no sample in this tick and is not gone.
+    /// Returns whether a connected device gave no sample in this tick.
     pub fn lack_a_sample(&self) -> bool {
         let mut sampled = self.iter().map(|driven| driven.sampled);
         sampled.any(|sampled| matches!(sampled, Sampled::Missing))
     }
 
-    /// The samples of all devices, where all are fresh, and the place for what is asked of each.
+    /// Returns the samples of all devices, if all are fresh, and the buffer for the requested wrenches.
     pub fn samples(&mut self) -> (&[FreshDevice], &mut [Wrench]) {
         self.samples.clear();
         let devices = self.all.iter_mut();
@@ -368,8 +368,9 @@ impl<D: Device> Devices<D> {
         (&self.samples, &mut self.asked)
     }
 
-    /// Puts what was asked of each device through its safety, in two rounds: what one device has found takes the force off
-    /// all. `of_loop` has what is the same for all. The created energy is that of the loop: the first safety watches it.
+    /// Limits the requested wrench of each device by its safety, in two rounds: a stop of one device removes the
+    /// forces of all devices. `of_loop` contains the data common to all. Only the first safety monitors the generated
+    /// energy, which belongs to the whole loop.
     pub fn judge(&mut self, of_loop: &Rendered) {
         let comes_in = self.iter().any(|driven| driven.safety.is_not_all_there());
         let mut created_energy = of_loop.created_energy;
@@ -388,7 +389,7 @@ impl<D: Device> Devices<D> {
         }
     }
 
-    /// Answers a tick in which nothing is rendered: the last forces for one period, then none.
+    /// Determines the wrenches of a tick without rendering: the last forces for one period, then zero.
     pub fn go_without(&mut self, stalled: bool) {
         for driven in self.iter_mut() {
             driven.go_without(stalled);
@@ -396,7 +397,7 @@ impl<D: Device> Devices<D> {
         self.withhold_where_one_is_off();
     }
 
-    /// No device has a force, since the loop stood still.
+    /// Removes the forces of all devices because the loop stalled.
     pub fn stall(&mut self) {
         for driven in self.iter_mut() {
             driven.verdict = driven.safety.trip_on(Trip::Stalled);
@@ -412,8 +413,8 @@ impl<D: Device> Devices<D> {
         }
     }
 
-    /// Commands what was decided. Where a device does not take it, none of them keeps a force: those that were commanded one
-    /// before it are commanded none at once. Whether a device is gone.
+    /// Commands the wrenches. If a device rejects its wrench, no device keeps a force: devices commanded earlier get
+    /// a zero command immediately. Returns whether a device is gone.
     pub fn command<C: Clock>(&mut self, clock: &C, teller: &mut Teller) -> bool {
         let mut has_failed = false;
         for driven in self.iter_mut() {
@@ -432,37 +433,38 @@ impl<D: Device> Devices<D> {
         self.iter().any(|driven| driven.is_lost)
     }
 
-    /// Whether a trip of any device keeps the forces of all off.
+    /// Returns whether a safety stop of any device keeps all forces off.
     pub fn are_off(&self) -> bool {
         self.iter().any(|driven| driven.safety.trip().is_some())
     }
 
-    /// Whether a limit changed what was asked of any device.
+    /// Returns whether a limit changed the requested wrench of any device.
     pub fn are_bounded(&self) -> bool {
         self.iter().any(|driven| driven.verdict.bounded.any())
     }
 
-    /// The trip that keeps the forces off, with the number of its device: one that stays before one that passes.
+    /// Returns the active safety stop with the index of its device; a latched stop precedes a self-clearing one.
     pub fn trip(&self) -> Option<(usize, Trip)> {
         let trips = self.iter().enumerate();
         let trips = trips.filter_map(|(number, driven)| Some((number, driven.safety.trip()?)));
         trips.min_by_key(|(_, trip)| trip.is_passing())
     }
 
-    /// Ends the trips that stay. Whether there was one.
+    /// Ends the latched safety stops. Returns whether there was one.
     pub fn rearm(&mut self) -> bool {
         let rearmed = self.iter_mut().map(|driven| driven.safety.rearm());
         rearmed.fold(false, |any, rearmed| any | rearmed)
     }
 
-    /// A supervisor has commanded no force at that time.
+    /// Records that a supervisor commanded zero force at `at`.
     pub fn were_cut_at(&mut self, at: Duration) {
         for driven in self.iter_mut().filter(|driven| driven.is_supervised) {
             driven.was_cut_at(at);
         }
     }
 
-    /// Whether a guardian has commanded a device no force since this was asked last; then it was at `at`.
+    /// Returns whether a watchdog process has commanded zero force on a device since the last call; `at` is then the
+    /// time.
     pub fn were_cut_by_guardians(&mut self, at: Duration) -> bool {
         let mut were_cut = false;
         for driven in self.iter_mut() {
@@ -474,7 +476,8 @@ impl<D: Device> Devices<D> {
         were_cut
     }
 
-    /// The books learn which devices held no force from when on. Since when none of them did, if all were cut.
+    /// Records in the ledger which devices held no force and since when. Returns the time since which no device held
+    /// a force, if all were cut.
     pub fn book_cuts(&mut self) -> Option<Duration> {
         let mut all = Some(Duration::ZERO);
         for driven in self.iter_mut() {
@@ -487,7 +490,7 @@ impl<D: Device> Devices<D> {
         all
     }
 
-    /// The second way to command no force of each device that has one, in one; `None` where none has.
+    /// Returns one zero writer that combines those of all devices; `None` if no device has one.
     pub fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
         let mut writers = Vec::new();
         for driven in self.iter_mut() {
@@ -501,18 +504,18 @@ impl<D: Device> Devices<D> {
         Some(Box::new(All(writers)))
     }
 
-    /// Commands each device no force. One that panics keeps the others from nothing.
+    /// Commands zero force on each device. A panic of one device does not affect the others.
     ///
     /// # Panics
-    /// A device panicked; all have been asked by then.
+    /// A device panicked; all devices have been commanded by then.
     pub fn let_go<C: Clock>(&mut self, clock: &C) {
         self.each(|driven| driven.let_go(clock));
     }
 
-    /// Commands no force in the other way that devices may have, as [`let_go`](Self::let_go) does in their own.
+    /// Commands zero force through the zero writers of the devices, in the same manner as [`let_go`](Self::let_go).
     ///
     /// # Panics
-    /// A device panicked; all have been asked by then.
+    /// A device panicked; all devices have been commanded by then.
     pub fn cut_off(&mut self) {
         self.each(|driven| {
             if let Some(mut zero) = driven.device.zero_writer() {
@@ -533,7 +536,7 @@ impl<D: Device> Devices<D> {
         }
     }
 
-    /// Takes down what recordings have of each device, where there are several.
+    /// Collects the recorded data of each device, if there are several.
     pub fn take_down(&mut self, sequence: u64, started: Duration) {
         let number = u32::try_from(self.ticks.len()).unwrap_or(u32::MAX);
         for (tick, driven) in self.ticks.iter_mut().zip(&self.all) {
@@ -544,19 +547,19 @@ impl<D: Device> Devices<D> {
         }
     }
 
-    /// What recordings have of each device at the last tick; none where there is one device.
+    /// Returns the recorded data of each device at the last tick; empty for a single device.
     pub fn ticks(&self) -> &[DeviceTick] {
         &self.ticks
     }
 }
 
-/// Several ways to command no force, in one.
+/// Several zero writers combined into one.
 struct All(Vec<Box<dyn ZeroWriter>>);
 
 impl ZeroWriter for All {
     fn write_zero(&mut self) {
         for zero in &mut self.0 {
-            // One that panics keeps the others from nothing.
+            // A panic of one writer does not affect the others.
             let _ = catch_unwind(AssertUnwindSafe(|| zero.write_zero()));
         }
     }

@@ -1,22 +1,22 @@
-//! What a device is held by after its world was changed: no step, and the difference fades.
+//! Forces after a change of the world: the difference to the previous force fades, without a step.
 
 use palpate::CHANGE_DURATION;
 use palpate_device::Wrench;
 
-/// How many samples after a change devices are held as before it: what a method asks for in the first of them may be what it
-/// owes for an interval that began in one world and ended in another.
+/// Number of samples after a change during which devices hold the forces of the previous world. The first of them may
+/// request an impulse correction for an interval that began in one world and ended in another.
 const SETTLING: u32 = 3;
 
-/// What is left of what was held before a change.
+/// Fading difference to the force before a change.
 #[derive(Clone, Debug)]
 pub(crate) struct Fade {
-    /// By how much more is to be held than is asked for, for each device, before it fades.
+    /// Difference between held and requested wrench of each device, before fading.
     more: Vec<Wrench>,
-    /// The same of a change before that had not faded when this one came.
+    /// Remaining difference of an earlier change that had not faded at this change.
     carried: Vec<Wrench>,
-    /// For how many samples yet the devices are held as before.
+    /// Remaining number of samples during which devices hold the previous forces.
     settling: u32,
-    /// For how long yet `[s]`; 0: nothing is left.
+    /// Remaining time of the fade `[s]`; 0: inactive.
     left: f64,
 }
 
@@ -30,7 +30,8 @@ impl Fade {
         }
     }
 
-    /// The world was changed: the next answers are those of before, and then go over to what is asked for.
+    /// Starts a fade after a change: the next forces are those of the previous world and then change over to the
+    /// requested ones.
     pub fn begin(&mut self) {
         let share = self.share();
         for (carried, more) in self.carried.iter_mut().zip(&self.more) {
@@ -40,13 +41,13 @@ impl Fade {
         self.left = CHANGE_DURATION;
     }
 
-    /// Nothing is left.
+    /// Ends the fade.
     pub fn end(&mut self) {
         self.settling = 0;
         self.left = 0.0;
     }
 
-    /// Whether the devices are held as before.
+    /// Returns whether the devices hold the previous forces.
     pub fn is_settling(&self) -> bool {
         self.settling > 0
     }
@@ -55,9 +56,10 @@ impl Fade {
         (self.left / CHANGE_DURATION).clamp(0.0, 1.0)
     }
 
-    /// Puts what is asked for and what is left into `held`, which has what was held before. `before` is what the world of
-    /// before the change asks for, where somebody knows it. `elapsed` is the time since the sample before `[s]`. Whether
-    /// anything was left: then no limit of the world has seen what is to be held.
+    /// Adds the fading difference to the requested wrenches and writes the sum to `held`, which contains the
+    /// previously held wrenches. `before`: wrenches requested by the world before the change, if known. `elapsed`:
+    /// time since the previous sample `[s]`. Returns whether a fade was active: then the limits of the world have not
+    /// been applied to the sum.
     pub fn answer(
         &mut self,
         asked: impl Iterator<Item = Wrench>,
@@ -75,7 +77,7 @@ impl Fade {
         if is_settling {
             self.settling -= 1;
         } else {
-            // Of a time that is refused nothing is known.
+            // An invalid time does not advance the fade.
             self.left -= if elapsed > 0.0 { elapsed } else { 0.0 };
         }
         let share = self.share();
@@ -92,7 +94,7 @@ impl Fade {
     }
 }
 
-/// One wrench, and `share` of another.
+/// Returns `one + share * other`.
 fn sum(one: &Wrench, other: &Wrench, share: f64) -> Wrench {
     let add = |one: [f64; 3], other: [f64; 3]| {
         let [x, y, z] = one;

@@ -1,10 +1,10 @@
-//! Which force and torque were held since a sample.
+//! Wrench held since a sample.
 
 use std::time::Duration;
 
 use palpate_device::{Vector, Wrench};
 
-/// What was held on the device since the last sample: one wrench, or the mean of several.
+/// Wrench held on the device since the last sample: one wrench, or the mean of several.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct HeldSince {
     wrench: Wrench,
@@ -13,12 +13,12 @@ pub(crate) struct HeldSince {
     /// Impulse `[N s]` and angular impulse `[N m s]`.
     impulse: Wrench,
     span: f64,
-    /// What was held before none was, from when and until when, as far as it is in the impulse.
+    /// Wrench held before the current zero wrench, with the start and end of its contribution to the impulse.
     before_none: Option<(Wrench, Duration, Duration)>,
 }
 
 impl HeldSince {
-    /// `wrench` is held from `now` on.
+    /// Sets the wrench held from `now` on.
     pub fn change(&mut self, wrench: Wrench, now: Duration) {
         if wrench != Wrench::NONE {
             self.before_none = None;
@@ -31,7 +31,7 @@ impl HeldSince {
         self.wrench = wrench;
     }
 
-    /// None was held from `at` on. Of several who took it off the first counts, and may tell it last.
+    /// Sets the held wrench to zero from `at` on. The earliest of several cuts counts; it may be reported last.
     pub fn cut(&mut self, at: Duration) {
         match self.before_none {
             Some((wrench, from, until)) if self.wrench == Wrench::NONE => {
@@ -46,7 +46,7 @@ impl HeldSince {
         }
     }
 
-    /// Mean of what was held up to `now`; begins anew from there. None before the first command.
+    /// Returns the mean wrench held up to `now` and restarts the mean; `None` before the first command.
     pub fn take(&mut self, now: Duration) -> Option<Wrench> {
         self.since?;
         self.settle(now);
@@ -69,7 +69,7 @@ impl HeldSince {
         self.since = Some(self.since.map_or(now, |since| since.max(now)));
     }
 
-    /// Adds to the impulse what `wrench` gives in `span` `[s]`.
+    /// Adds the impulse of `wrench` over `span` `[s]`.
     fn add(&mut self, wrench: &Wrench, span: f64) {
         let add = |impulse: &mut Vector, held: Vector| {
             for (impulse, held) in impulse.iter_mut().zip(held) {
@@ -107,7 +107,7 @@ mod tests {
         assert_eq!(held.take(ms(9)), Some(of([0.1, 0.0, 0.0])));
     }
 
-    /// A supervisor took it off at 9 ms and said so first, a guardian had done so at 3 ms.
+    /// A supervisor reports its cut at 9 ms first; a watchdog process had cut at 3 ms.
     #[test]
     fn the_first_who_took_it_off_counts_whoever_tells_it_first() {
         let ms = Duration::from_millis;
@@ -129,7 +129,7 @@ mod tests {
         for cuts in [[9, 3], [3, 9]] {
             assert!((mean(&cuts) - 0.4).abs() < 1e-12, "{cuts:?}");
         }
-        // What was taken is told, and a force that came back is held.
+        // The mean up to a reading is final, and a new force is held.
         let mut held = HeldSince::default();
         held.change(force(2.0), ms(1));
         held.cut(ms(9));

@@ -1,13 +1,13 @@
-//! When it is worth a word that the renderer has learned how late its commands begin.
+//! Rate limit for reports of the estimated actuation delay.
 
 use std::time::Duration;
 
-/// Least change that is worth another word, in periods: of a stiff contact, what counts.
+/// Minimum change that is reported, in periods: it is significant for a stiff contact.
 const LEAST: f64 = 0.02;
-/// Shortest time between two words: while it is learned, the guess changes with every sample.
+/// Minimum time between reports, because the estimate changes with every sample while it converges.
 const SPACING: Duration = Duration::from_secs(1);
 
-/// What was said last of the learned lateness.
+/// Last reported estimate.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LatenessWatch {
     said: f64,
@@ -15,7 +15,7 @@ pub(crate) struct LatenessWatch {
 }
 
 impl LatenessWatch {
-    /// The lateness `[s]`, where it is news in a loop of `period` `[s]` at `now`.
+    /// Returns the estimate `lateness` `[s]` if it must be reported in a loop of `period` `[s]` at `now`.
     pub fn news(&mut self, lateness: f64, period: f64, now: Duration) -> Option<f64> {
         let changed = (lateness - self.said).abs() > LEAST * period;
         if !changed || now < self.not_before {

@@ -1,4 +1,4 @@
-//! The real-time loop of palpate: something to put a device into.
+//! Real-time haptic loop.
 //!
 //! ```text
 //! clock -> device -> renderer -> safety -> device
@@ -7,11 +7,10 @@
 //! ```
 //!
 //! A [`ControlLoop`] ticks at absolute deadlines of a [`Clock`](palpate_device::clock::Clock), reads a
-//! [`Device`](palpate_device::Device), renders, and commands what [`Safety`](safety::Safety) lets through. It
-//! allocates nothing, locks nothing and waits for nobody else once it runs; what it does goes
-//! through a [`tap`] to whoever listens, for instance a [`Recorder`]. [`realtime`] asks the
-//! machine for the loop's thread to be served first, and says what was refused. [`LoopThread`] puts
-//! all of it on a thread with a supervisor beside it.
+//! [`Device`](palpate_device::Device), renders, and commands the wrench limited by [`Safety`](safety::Safety). A
+//! running loop does not allocate, lock or block. It sends ticks and events through a [`tap`], for example to a
+//! [`Recorder`]. [`realtime`] requests real-time scheduling of the loop's thread and reports refusals. [`LoopThread`]
+//! runs the loop on a thread with a supervisor.
 //!
 //! ```
 //! use palpate_device::clock::SteppedClock;
@@ -34,7 +33,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-// A tick does not panic, and prints nothing: what may stands in set-up only, and says why.
+// A tick neither panics nor prints; only set-up code may, with a stated reason.
 #![warn(
     clippy::expect_used,
     clippy::indexing_slicing,

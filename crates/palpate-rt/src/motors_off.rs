@@ -1,36 +1,36 @@
-//! For how long no force was delivered.
+//! Time without a delivered force.
 
 use std::time::Duration;
 
 use palpate_record::recording::LoopTime;
 
-/// Adds up the time in which the motors were off. The time counts and not the ticks, since a loop that
-/// stands still makes none.
+/// Accumulates the time with the motors off. It counts time and not ticks, because a stalled loop makes no ticks.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct MotorsOff {
     time: LoopTime,
-    /// Up to when it has been added up; `None`: before the first tick, and after the loop has let go.
+    /// End of the accumulated time; `None` before the first tick and after the outputs were disabled.
     until: Option<Duration>,
     /// Whether the motors are off from then on.
     is_off: bool,
-    /// When somebody beside the loop has taken the force off since then.
+    /// Time at which a supervisor or watchdog process has since removed the force.
     cut: Option<Duration>,
-    /// From when to when a force was taken for delivered up to the last command.
+    /// Interval in which a force was assumed to be delivered up to the last command.
     last_on: Option<(Duration, Duration)>,
-    /// For how long they have been off without a break.
+    /// Current uninterrupted time with the motors off.
     unbroken: Duration,
 }
 
 impl MotorsOff {
-    /// Somebody beside the loop has taken the force off at `at`. The first of several counts; it may be told a tick late,
-    /// since a guardian is not heard while a supervisor has the port, nor anybody while the loop stands still within a tick.
+    /// Records that a supervisor or watchdog process removed the force at `at`. The earliest time counts. The report
+    /// may arrive one tick late: a watchdog's report is not readable while a supervisor uses the port, and no report
+    /// is read during a stall within a tick.
     pub fn cut(&mut self, at: Duration) {
         self.cut = Some(self.cut.map_or(at, |before| before.min(at)));
         if let Some((from, to)) = self.last_on {
             let since = at.max(from);
             let more = to.saturating_sub(since);
             self.time.motors_off += more;
-            // A force that was commanded since then has ended it.
+            // A force commanded since then would have ended it.
             if self.is_off {
                 self.unbroken += more;
             }
@@ -38,7 +38,7 @@ impl MotorsOff {
         }
     }
 
-    /// A tick that began at `began` has commanded its force at `ended`: none, where `is_off`.
+    /// Records that a tick started at `began` and commanded its force at `ended`: zero if `is_off`.
     pub fn tick(&mut self, began: Duration, ended: Duration, is_off: bool) {
         let from = self.until.unwrap_or(began);
         let off_from = if self.is_off {
@@ -47,7 +47,7 @@ impl MotorsOff {
             self.cut.map_or(ended, |cut| cut.max(from))
         };
         self.time.lasted += ended.saturating_sub(from);
-        // Mostly nothing.
+        // Usually zero.
         let off_for = ended.saturating_sub(off_from);
         self.time.motors_off += off_for;
         self.unbroken = match (self.is_off, is_off) {
@@ -61,7 +61,7 @@ impl MotorsOff {
         self.cut = None;
     }
 
-    /// The loop ends, or pauses: what follows is none of its time.
+    /// Ends or pauses the accumulation; later time does not count.
     pub fn let_go(&mut self) {
         let Self { time, .. } = *self;
         *self = Self {
@@ -70,12 +70,12 @@ impl MotorsOff {
         };
     }
 
-    /// What it came to.
+    /// Returns the accumulated times.
     pub fn time(&self) -> LoopTime {
         self.time
     }
 
-    /// For how long no force has been delivered up to the end of the last tick, without a break.
+    /// Returns the uninterrupted time without a delivered force at the end of the last tick.
     pub fn unbroken(&self) -> Duration {
         self.unbroken
     }
@@ -128,7 +128,7 @@ mod tests {
         assert_eq!(came_back, (41, 20));
     }
 
-    /// One tick, and 3 s in which the loop stood still.
+    /// One tick and a stall of 3 s.
     #[test]
     fn a_stall_counts_from_when_the_force_was_taken_off() {
         let stalled = after(|off| {
@@ -146,7 +146,7 @@ mod tests {
             off.tick(ms(100), ms(100), true);
         });
         assert_eq!(was_off_before, (100, 100));
-        // A supervisor is heard first, and the guardian that was before it in the tick after.
+        // The supervisor's report arrives first, the earlier cut of the watchdog in the next tick.
         let told_late = after(|off| {
             off.tick(ms(0), ms(0), false);
             off.cut(ms(3004));
@@ -156,7 +156,7 @@ mod tests {
             off.tick(ms(3007), ms(3007), false);
         });
         assert_eq!(told_late, (3007, 3003));
-        // It stood still within a tick, which has commanded a force at its end.
+        // A stall within a tick that commands a force at its end.
         let within_a_tick = after(|off| {
             off.tick(ms(0), ms(0), false);
             off.tick(ms(1), ms(3000), false);

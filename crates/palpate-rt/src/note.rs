@@ -1,4 +1,4 @@
-//! What happens beside the ticks, without a word allocated in the loop.
+//! Events of a loop, without allocation in the loop.
 
 use palpate::Fault;
 use palpate_record::recording::Event;
@@ -7,7 +7,7 @@ use crate::rendering::Rendering;
 use crate::safety::Trip;
 use palpate_device::DeviceError;
 
-/// Something that happened in the loop.
+/// An event of the loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(
@@ -15,58 +15,56 @@ use palpate_device::DeviceError;
     reason = "a tick hands it over without allocating, so it cannot be boxed"
 )]
 pub enum Note {
-    /// Safety has tripped: no force is sent. [`Trip::Oscillation`] has a note of its own.
+    /// A safety stop has begun: no force is sent. [`Trip::Oscillation`] has its own event.
     Tripped(Trip),
-    /// Safety has tripped on [`Trip::Oscillation`].
+    /// A safety stop with [`Trip::Oscillation`] has begun.
     Oscillated {
-        /// The method whose held forces created the energy.
+        /// Method whose held forces generated the energy.
         method: &'static str,
-        /// The method that renders now.
+        /// Current method.
         renders_now: &'static str,
     },
-    /// What had tripped has passed.
+    /// A safety stop has ended.
     Recovered(Trip),
-    /// Somebody rearmed.
+    /// The safety was rearmed.
     Rearmed,
-    /// The renderer refused a sample.
+    /// The renderer rejected a sample.
     Fault(Fault),
-    /// The device did not do what it was asked.
+    /// The device failed.
     Device(DeviceError),
-    /// Other parameters came into force.
+    /// New parameters are in force.
     Changed {
-        /// Their number.
+        /// Number of the parameters.
         generation: u32,
-        /// What they are.
+        /// The new rendering.
         rendering: Rendering,
     },
-    /// Another world came into force: its number, and the method that renders it.
+    /// A new world is in force: its number, and the method that renders it.
     OtherWorld(u32, &'static str),
-    /// Deadlines were missed, and skipped.
+    /// Deadlines were missed and skipped.
     MissedDeadlines(u64),
-    /// Commands begin so much later than the renderer was told, by what it has learned `[s]`: negative where they
-    /// begin earlier.
+    /// Estimated actuation delay minus its model value `[s]`; negative: commands act earlier.
     LearnedLateness(f64),
-    /// The loop has ended; the device was commanded no force.
+    /// The loop has ended, and zero force was commanded.
     Ended(Ending),
 }
 
-/// Why a loop has ended.
+/// Reason for the end of a loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Ending {
-    /// It was asked to.
+    /// A stop was requested.
     Stopped,
-    /// As many periods are over as it was to last. What was done in them is another question: the
-    /// motors may have been off.
+    /// The requested number of periods is over. The motors may have been off in some of them.
     Complete,
-    /// The device is gone.
+    /// The device is disconnected.
     DeviceLost,
     /// The tick panicked.
     Panicked,
 }
 
 impl Ending {
-    /// What ended it, in words.
+    /// Returns a text description.
     #[must_use]
     pub fn text(self) -> &'static str {
         match self {
@@ -77,7 +75,7 @@ impl Ending {
         }
     }
 
-    /// Its number in a tally, above 0.
+    /// Returns the code in a tally, above 0.
     pub(crate) fn number(self) -> u8 {
         match self {
             Self::Stopped => 1,
@@ -87,7 +85,7 @@ impl Ending {
         }
     }
 
-    /// The ending with a number; `None` if none has it.
+    /// Returns the ending with this code, if any.
     pub(crate) fn of_number(number: u8) -> Option<Self> {
         let all = [
             Self::Stopped,
@@ -99,28 +97,28 @@ impl Ending {
     }
 }
 
-/// A note, with its tick.
+/// An event and its tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noted {
     /// Number of the tick.
     pub sequence: u64,
-    /// When, since the loop's start `[s]`.
+    /// Time since the loop's start `[s]`.
     pub time: f64,
-    /// Number of the device that it is said of, in a loop of several devices; `None` where it is said of the loop.
+    /// Index of the affected device in a loop of several devices; `None` for the whole loop.
     pub device: Option<u32>,
-    /// What happened.
+    /// Kind of the event.
     pub note: Note,
 }
 
 impl Noted {
-    /// The note as recordings have it.
+    /// Returns the event as stored in recordings.
     #[must_use]
     pub fn event(&self) -> Event {
         self.event_of(&[])
     }
 
-    /// The same, where the loop has several devices with these names, as
-    /// [`Listener::device_names`](crate::Listener::device_names) has them.
+    /// Returns the event as stored in recordings, for a loop with several devices of these names, from
+    /// [`Listener::device_names`](crate::Listener::device_names).
     #[must_use]
     pub fn event_of(&self, names: &[String]) -> Event {
         let (kind, text) = match self.note {
@@ -178,7 +176,7 @@ impl Noted {
 }
 
 impl Noted {
-    /// What is said of one device of several.
+    /// Returns the text of an event of one device of several.
     fn of_device(&self, device: u32, names: &[String], text: &str) -> String {
         let name = usize::try_from(device).ok().and_then(|at| names.get(at));
         let of = name.map_or_else(
@@ -193,7 +191,7 @@ impl Noted {
     }
 }
 
-/// How late commands are, in words.
+/// Describes the estimated delay.
 fn learned(lateness: f64) -> String {
     let than = if lateness < 0.0 { "earlier" } else { "later" };
     format!(
@@ -202,7 +200,7 @@ fn learned(lateness: f64) -> String {
     )
 }
 
-/// What has oscillated, in words.
+/// Describes the oscillation.
 fn oscillated(method: &'static str, renders_now: &'static str) -> String {
     let text =
         format!("held forces created energy while {method} rendered: the contact oscillates");

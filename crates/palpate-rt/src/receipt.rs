@@ -1,4 +1,4 @@
-//! What made a recording, besides its scene, as lines of `key = value` with the unit in the key.
+//! Metadata of a recording besides its scene, as lines of `key = value` with the unit in the key.
 
 use std::fmt::Write as _;
 
@@ -9,12 +9,12 @@ use crate::realtime::Request;
 use crate::rendering::WorldFrame;
 use crate::safety::SafetyParams;
 
-/// Text of the receipt that says what the machine was asked for.
+/// Metadata entry with the real-time requests.
 const REAL_TIME: &str = "real time";
-/// Text of the receipt that says where a device stands in its world.
+/// Metadata entry with the frame of a device in its world.
 const FRAME: &str = "frame";
 
-/// The receipt of a recording by version `version` of a program, but for its scene.
+/// Returns the metadata of a recording by version `version` of a program, without the scene.
 #[must_use]
 pub fn receipt(
     version: &str,
@@ -31,17 +31,18 @@ pub fn receipt(
 /// A device of a loop that renders a world.
 #[derive(Clone, Debug)]
 pub struct OnDevice {
-    /// What it is called in the world.
+    /// Name of the device in the world.
     pub name: String,
-    /// What it can do.
+    /// Capabilities of the device.
     pub capabilities: Capabilities,
-    /// What may reach it.
+    /// Safety limits of the device.
     pub limits: SafetyParams,
-    /// Where it stands in the world.
+    /// Frame of the device in the world.
     pub frame: WorldFrame,
 }
 
-/// The receipt of a loop of a world on these devices, but for its world: what is said of each of several stands under its name.
+/// Returns the metadata of a loop that renders a world on these devices, without the world. Entries of several
+/// devices are grouped under their names.
 #[must_use]
 pub fn receipt_of_devices(version: &str, devices: &[OnDevice], request: &Request) -> Receipt {
     let of_one = |of: &OnDevice| {
@@ -51,7 +52,7 @@ pub fn receipt_of_devices(version: &str, devices: &[OnDevice], request: &Request
     if let [of] = devices {
         return of_one(of);
     }
-    // In the order of their numbers.
+    // In the order of their indices.
     let names = devices.iter().map(|of| format!("{}\n", of.name));
     let mut all = Receipt::new(version).with(DEVICES, &names.collect::<String>());
     for of in devices {
@@ -68,18 +69,18 @@ pub fn receipt_of_devices(version: &str, devices: &[OnDevice], request: &Request
     all
 }
 
-/// A receipt does not say where a device stands in its world.
+/// Missing frame of a device in the metadata.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("its receipt does not say where {device} stands in the world")]
 pub struct NoFrame {
-    /// The device, in words.
+    /// Description of the device.
     pub device: String,
 }
 
-/// Where the devices with these `names` stand in their world, as [`receipt_of_devices`] has written it.
+/// Returns the frames of the devices with these `names`, as written by [`receipt_of_devices`].
 ///
 /// # Errors
-/// A device of which the receipt does not say it.
+/// A device without a frame in the metadata.
 pub fn frames_of_devices(receipt: &Receipt, names: &[&str]) -> Result<Vec<WorldFrame>, NoFrame> {
     let frame = |name: &&str| {
         let (text, device) = match names {
@@ -93,17 +94,17 @@ pub fn frames_of_devices(receipt: &Receipt, names: &[&str]) -> Result<Vec<WorldF
     names.iter().map(frame).collect()
 }
 
-/// Lines of `key = value`, as TOML has them.
+/// Lines of `key = value` in TOML syntax.
 #[derive(Default)]
 struct Lines(String);
 
 impl Lines {
     fn put(&mut self, key: &str, value: impl std::fmt::Display) {
-        // A string takes everything.
+        // Writing to a string cannot fail.
         let _ = writeln!(self.0, "{key} = {value}");
     }
 
-    /// What is not known, or not limited, is said to be so.
+    /// Writes `otherwise` for an unknown or unlimited value.
     fn put_or(&mut self, key: &str, value: Option<impl std::fmt::Display>, otherwise: &str) {
         match value {
             Some(value) => self.put(key, value),

@@ -1,4 +1,4 @@
-//! Whether a loop can be set up, and why not.
+//! Errors of setting up a loop.
 
 use palpate::ParameterError;
 use palpate_device::Device;
@@ -6,45 +6,45 @@ use palpate_device::Device;
 use crate::rendering::{RenderedWorld, Turns};
 use crate::safety::SafetyError;
 
-/// Why a loop cannot be set up.
+/// Reason why a loop cannot be set up.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SetupError {
-    /// A parameter of what is rendered.
+    /// An invalid parameter of the rendering.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A limit of the safety.
+    /// An invalid limit of the safety.
     #[error(transparent)]
     Safety(#[from] SafetyError),
-    /// What is rendered has another number of devices than the loop.
+    /// The rendering has another number of devices than the loop.
     #[error("the world has {world} devices, and {given} are given; allowed: one for each")]
     Devices {
         /// Devices of the world, or 1 of a contact.
         world: usize,
-        /// Devices, or places for them, that were given.
+        /// Number of devices, or of frames for them, that were given.
         given: usize,
     },
-    /// A world whose tool feels a torque, on a device that gives none.
+    /// A world whose tool has a torque, on a device without torque.
     #[error(
         "the world's device has six axes (inertia_kg_m2), and this device has no torque about three axes; allowed: a \
          device that has, such as simulated, or gives_torque = false, with which the hand alone turns the tool"
     )]
     SixAxes,
-    /// A world whose tool turns, on a device that does not say how it is turned.
+    /// A world whose tool rotates, on a device that measures no orientation.
     #[error(
         "the world's tool turns (inertia_kg_m2), and this device measures no orientation; allowed: a device that does, such as \
          simulated, or a tool that keeps the axes of the world"
     )]
     Orientation,
-    /// A world whose tool turns, on a device whose axes are not those of the world.
+    /// A world whose tool rotates, on a device whose axes are not those of the world.
     #[error("a device of six axes has the axes of the world, x,y,z; its place may be another one")]
     TurnedFrame,
-    /// A period that no clock can keep `[s]`.
+    /// A period outside the range of the clock `[s]`.
     #[error("the period is {0} s; allowed: a nanosecond to 10 s")]
     Period(f64),
 }
 
-/// Whether the devices turn that have to.
+/// Checks that the devices of rotating tools can rotate.
 pub(crate) fn can_turn<'a, D: Device + 'a>(
     world: &RenderedWorld,
     devices: impl IntoIterator<Item = &'a D>,

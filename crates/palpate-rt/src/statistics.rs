@@ -1,45 +1,45 @@
-//! How the loop kept time.
+//! Timing statistics of a loop.
 
 use std::time::Duration;
 
 use hdrhistogram::Histogram;
 use palpate_record::recording::LoopTime;
 
-/// Longest time that is told apart: 10 s.
+/// Upper end of the histogram: 10 s.
 const LONGEST: u64 = 10_000_000_000;
 
-/// A histogram of durations that never allocates once it is made: three digits of every duration
-/// up to 10 s, and what is longer counts as that.
+/// A histogram of durations that does not allocate after construction. It has three digits up to 10 s; longer
+/// durations count as 10 s.
 #[derive(Clone, Debug)]
 pub struct Durations(Histogram<u64>);
 
 impl Durations {
-    /// None yet.
+    /// Creates an empty histogram.
     #[must_use]
     #[allow(clippy::expect_used, reason = "it depends on constants only")]
     pub fn new() -> Self {
         Self(Histogram::new_with_bounds(1, LONGEST, 3).expect("the bounds are in order"))
     }
 
-    /// Counts one more.
+    /// Adds a duration.
     pub fn add(&mut self, duration: Duration) {
         let nanoseconds = u64::try_from(duration.as_nanos()).unwrap_or(LONGEST);
         self.0.saturating_record(nanoseconds);
     }
 
-    /// How many there are.
+    /// Returns the number of durations.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.0.len()
     }
 
-    /// The duration that `part` of all do not exceed, 0 to 1.
+    /// Returns the duration that the fraction `part` of all, 0 to 1, does not exceed.
     #[must_use]
     pub fn quantile(&self, part: f64) -> Duration {
         Duration::from_nanos(self.0.value_at_quantile(part))
     }
 
-    /// The longest.
+    /// Returns the longest duration.
     #[must_use]
     pub fn longest(&self) -> Duration {
         Duration::from_nanos(self.0.max())
@@ -52,31 +52,30 @@ impl Default for Durations {
     }
 }
 
-/// How the loop kept time, since its start.
+/// Timing statistics of a loop since its start.
 #[derive(Clone, Debug)]
 pub struct LoopStatistics {
-    /// Ticks.
+    /// Number of ticks.
     pub ticks: u64,
-    /// Deadlines that were missed, and skipped.
+    /// Missed and skipped deadlines.
     pub missed_deadlines: u64,
-    /// Ticks that found no fresh sample.
+    /// Ticks without a fresh sample.
     pub without_sample: u64,
-    /// Ticks whose sample the renderer has refused by a [fault](palpate::Fault): it asked for no force.
+    /// Ticks whose sample the renderer rejected with a [fault](palpate::Fault), which gives zero force.
     pub refused: u64,
-    /// How many of them there were in a row when the last tick ended.
+    /// Number of consecutive ones at the end of the last tick.
     pub refused_at_end: u64,
-    /// Ticks at whose end a trip of the safety kept the motors off.
+    /// Ticks at whose end a safety stop kept the motors off.
     pub motors_off: u64,
-    /// How long it ran, and for how much of that no force was delivered: a stall, in which there are no
-    /// ticks, counts too.
+    /// Duration of the loop, and the part of it without a delivered force. A stall without ticks counts too.
     pub time: LoopTime,
-    /// For how long no force had been delivered when the last tick ended, without a break.
+    /// Uninterrupted time without a delivered force at the end of the last tick.
     pub off_at_end: Duration,
-    /// How long after its deadline a tick began.
+    /// Delay of each tick after its deadline.
     pub lateness: Durations,
-    /// How long a tick took, from the sample's arrival to the force's.
+    /// Duration of each tick from the arrival of the sample to the command.
     pub tick: Durations,
-    /// How long the device took to give its sample.
+    /// Time of reading the device.
     pub round_trip: Durations,
 }
 
@@ -97,7 +96,7 @@ impl LoopStatistics {
         }
     }
 
-    /// Periods that are over, with a tick or without.
+    /// Returns the number of elapsed periods, with or without a tick.
     #[must_use]
     pub fn periods(&self) -> u64 {
         self.ticks.saturating_add(self.missed_deadlines)

@@ -1,4 +1,4 @@
-//! Asking a loop to end.
+//! Stop requests for a loop.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 #[cfg(target_os = "linux")]
 const REAL_TIME: std::ops::RangeInclusive<i32> = 32..=64;
 
-/// A wish for a loop to end; clones share it. The loop looks at it every period.
+/// A stop request for a loop; clones share it. The loop checks it every period.
 #[derive(Clone, Debug, Default)]
 pub struct StopFlag {
     raised: Arc<AtomicBool>,
@@ -15,13 +15,13 @@ pub struct StopFlag {
 }
 
 impl StopFlag {
-    /// Nobody wishes so yet.
+    /// Creates a flag that is not raised.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Another flag, which is raised as well when this one is. Raising it leaves this one as it is.
+    /// Returns a child flag. Raising this flag also raises the child; raising the child does not raise this flag.
     #[must_use]
     pub fn below(&self) -> Self {
         Self {
@@ -30,18 +30,17 @@ impl StopFlag {
         }
     }
 
-    /// A flag that SIGINT, SIGTERM, SIGHUP and SIGQUIT raise, from now on and for the whole program, and
-    /// with them every other signal that would end or stop the program and can be caught: those of a
-    /// user, a timer, a terminal, the system (on Linux SIGPWR, SIGIO, SIGSTKFLT and the real-time
-    /// signals, too) and of `abort`, which ends the program all the same. A program that is stopped, by
-    /// ctrl-Z or for writing to a terminal from the background, would leave the last force on for as
-    /// long as it is stopped, so these signals end the loop as well.
+    /// Returns a flag that is raised by SIGINT, SIGTERM, SIGHUP and SIGQUIT, from now on and for the whole program.
+    /// Every other catchable signal that would end or stop the program also raises it: user, timer, terminal and
+    /// system signals (on Linux also SIGPWR, SIGIO, SIGSTKFLT and the real-time signals), and the signal of `abort`,
+    /// which still ends the program. A program stopped by ctrl-Z or by terminal output from the background would
+    /// leave the last force on, so these signals also end the loop.
     ///
-    /// Not caught are SIGKILL and SIGSTOP, which nobody can catch, and SIGSEGV, SIGBUS, SIGILL and
-    /// SIGFPE: after a fault of the processor the program cannot go on. A device that holds its last
-    /// force needs a guardian for these.
+    /// SIGKILL and SIGSTOP cannot be caught. SIGSEGV, SIGBUS, SIGILL and SIGFPE are not caught, because a program
+    /// cannot continue after a fault of the processor. A device that holds its last force needs a watchdog process
+    /// for these signals.
     ///
-    /// A file that may grow no more (SIGXFSZ) ends nothing: whoever writes it is told by an error.
+    /// SIGXFSZ (file size limit) has no effect on the loop: the writer of the file gets an error.
     ///
     /// # Errors
     /// The program handles these signals already, or the system refuses.
@@ -77,7 +76,7 @@ impl StopFlag {
                 use rustix::process::Signal;
                 let named = [Signal::POWER, Signal::STKFLT].map(Signal::as_raw);
                 for signal in named.into_iter().chain(REAL_TIME) {
-                    // The C library keeps some of the real-time signals for itself.
+                    // The C library reserves some of the real-time signals.
                     let _ = signal_hook::flag::register(signal, Arc::clone(&flag.raised));
                 }
             }
@@ -87,12 +86,12 @@ impl StopFlag {
         Ok(flag)
     }
 
-    /// Asks the loop to end.
+    /// Requests the end of the loop.
     pub fn raise(&self) {
         self.raised.store(true, Ordering::Release);
     }
 
-    /// Whether the loop was asked to end.
+    /// Returns whether the end of the loop was requested.
     #[must_use]
     pub fn is_raised(&self) -> bool {
         self.raised.load(Ordering::Acquire)

@@ -1,47 +1,47 @@
-//! What a loop counts of what it tells. It is shared beside the ring that carries ticks and notes, so a
-//! ring that is full drops none of it.
+//! Counters of a loop. They are shared outside the ring buffer of ticks and notes, so a full ring does not affect
+//! them.
 
 use std::time::Duration;
 
 use crate::atomics::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 
-/// Counters that one side, the tap, writes, and that the other, the listener, reads.
+/// Counters written by one side, the tap, and read by the other, the listener.
 ///
-/// All writes of the tap come before [`close`](Self::close), which is a release. A listener that has
-/// seen [`is_closed`](Self::is_closed), an acquire, therefore sees every counter as the loop left it,
-/// and everything that was pushed into the ring. Before that, the counters are for show.
+/// All writes of the tap precede [`close`](Self::close), which is a release. A listener that has seen
+/// [`is_closed`](Self::is_closed), an acquire, therefore sees the final value of every counter and all items of the
+/// ring. Before that, the counters are approximate.
 #[derive(Debug)]
 pub(crate) struct Tally {
     ticks: AtomicU64,
     notes: AtomicU64,
     lost: AtomicU64,
     motors_off: AtomicU64,
-    /// In nanoseconds.
+    /// Nanoseconds.
     lasted: AtomicU64,
-    /// In nanoseconds.
+    /// Nanoseconds.
     motors_off_for: AtomicU64,
-    /// A number of the ending, which its user gives meaning; 0: none was told.
+    /// Code of the ending, defined by the user; 0: unknown.
     ending: AtomicU8,
     closed: AtomicBool,
     deaf: AtomicBool,
 }
 
-/// What was counted.
+/// Values of the counters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Counts {
-    /// Ticks that were made.
+    /// Number of ticks.
     pub ticks: u64,
-    /// Notes that were told.
+    /// Number of notes.
     pub notes: u64,
-    /// Ticks and notes that found no room.
+    /// Ticks and notes dropped because the ring was full.
     pub lost: u64,
     /// Ticks that ended with the motors off.
     pub motors_off: u64,
-    /// How long the loop ran.
+    /// Duration of the loop.
     pub lasted: Duration,
-    /// For how much of that no force was delivered.
+    /// Part of it without a delivered force.
     pub motors_off_for: Duration,
-    /// Number of the ending; 0: none was told.
+    /// Code of the ending; 0: unknown.
     pub ending: u8,
 }
 
@@ -60,34 +60,34 @@ impl Tally {
         }
     }
 
-    /// `ticks` were made so far. Only the tap's side calls this and what follows, up to `close`.
+    /// Sets the number of ticks. Only the tap's side calls this and the following functions, up to `close`.
     pub fn made(&self, ticks: u64) {
         self.ticks.store(ticks, Ordering::Relaxed);
     }
 
-    /// One more note was told.
+    /// Counts a note.
     pub fn noted(&self) {
         add_one(&self.notes);
     }
 
-    /// One more tick or note found no room.
+    /// Counts a dropped tick or note.
     pub fn dropped(&self) {
         add_one(&self.lost);
     }
 
-    /// One more tick ended with the motors off.
+    /// Counts a tick that ended with the motors off.
     pub fn was_off(&self) {
         add_one(&self.motors_off);
     }
 
-    /// So long did the loop run so far, and no force was delivered for so much of it.
+    /// Sets the duration of the loop and the part of it without a delivered force.
     pub fn ran(&self, lasted: Duration, motors_off_for: Duration) {
         self.lasted.store(nanoseconds(lasted), Ordering::Relaxed);
         self.motors_off_for
             .store(nanoseconds(motors_off_for), Ordering::Relaxed);
     }
 
-    /// Ticks, notes, ticks with the motors off and times are those of `counts`.
+    /// Sets ticks, notes, ticks with the motors off and times to those of `counts`.
     pub fn set(&self, counts: &Counts) {
         self.made(counts.ticks);
         self.notes.store(counts.notes, Ordering::Relaxed);
@@ -95,32 +95,32 @@ impl Tally {
         self.ran(counts.lasted, counts.motors_off_for);
     }
 
-    /// The loop has ended, by `ending`.
+    /// Sets the code of the ending.
     pub fn ended(&self, ending: u8) {
         self.ending.store(ending, Ordering::Relaxed);
     }
 
-    /// Nothing more is told or counted.
+    /// Closes the counters: no further items or counts follow.
     pub fn close(&self) {
         self.closed.store(true, Ordering::Release);
     }
 
-    /// Nobody listens any more.
+    /// Reports that the listener is gone.
     pub fn turn_deaf(&self) {
         self.deaf.store(true, Ordering::Release);
     }
 
-    /// Whether nobody listens any more.
+    /// Returns whether the listener is gone.
     pub fn is_deaf(&self) -> bool {
         self.deaf.load(Ordering::Acquire)
     }
 
-    /// Whether nothing more is told: what was is in the ring, and the counters stand still.
+    /// Returns whether the counters are final and all items are in the ring.
     pub fn is_closed(&self) -> bool {
         self.closed.load(Ordering::Acquire)
     }
 
-    /// What was counted so far.
+    /// Returns the current values.
     pub fn counts(&self) -> Counts {
         Counts {
             ticks: self.ticks.load(Ordering::Relaxed),
@@ -134,12 +134,12 @@ impl Tally {
     }
 }
 
-/// More than 580 years count as that.
+/// Converts to nanoseconds; saturates after more than 580 years.
 fn nanoseconds(duration: Duration) -> u64 {
     u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
 }
 
-/// Only one thread writes a counter, so it need not be one step.
+/// Increments without an atomic operation, because only one thread writes a counter.
 fn add_one(counter: &AtomicU64) {
     let count = counter.load(Ordering::Relaxed);
     counter.store(count.saturating_add(1), Ordering::Relaxed);

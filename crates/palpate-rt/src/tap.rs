@@ -1,4 +1,4 @@
-//! From the loop's thread to whoever writes down what it does, without ever waiting.
+//! Non-blocking transfer of ticks and events from the loop's thread to a listener.
 
 use std::io;
 use std::iter;
@@ -10,21 +10,21 @@ use palpate_record::recording::{BodyTick, ContactTick, DeviceTick, Flags, LoopTi
 use crate::note::{Ending, Note, Noted};
 use crate::tally::{Counts, Tally};
 
-/// What a loop tells.
-// A tick is most of what comes.
+/// Message of a loop.
+// Most messages are ticks, so the size difference of the variants wastes little memory.
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug)]
 pub enum Told {
-    /// A tick, with all its contacts, the bodies of a world that move, and the devices of a loop that has several: none
-    /// where it has one.
+    /// A tick with all its contacts, the moving bodies of a world, and the devices of a loop with several devices
+    /// (empty for a single device).
     Tick(Tick, Vec<ContactTick>, Vec<BodyTick>, Vec<DeviceTick>),
-    /// Something that happened at one.
+    /// An event.
     Note(Noted),
 }
 
-/// What finds room on the way, or does not. A tick comes behind its devices, if it has several, and is followed by its
-/// contacts and its bodies: they find room together, or none of them does.
-// A box would be an allocation in the loop.
+/// Item of the ring buffer. A tick follows its devices, if there are several, and precedes its contacts and its
+/// bodies. Either all of them are written, or none.
+// Boxing would allocate in the loop.
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Copy, Debug)]
 enum Passed {
@@ -35,21 +35,20 @@ enum Passed {
     Note(Noted),
 }
 
-/// What a loop has counted of what it told. It comes by another way than the ticks, so nothing of it is
-/// lost where they find no room.
+/// Counters of a loop. They are atomics outside the ring buffer, so they stay exact when ticks are dropped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counted {
-    /// Ticks that it made.
+    /// Number of ticks.
     pub ticks: u64,
-    /// Notes that it told.
+    /// Number of events.
     pub notes: u64,
-    /// Ticks and notes that found no room.
+    /// Ticks and events dropped because the ring buffer was full.
     pub lost: u64,
-    /// Ticks at whose end a trip of the safety kept the motors off.
+    /// Ticks at whose end a safety stop kept the motors off.
     pub motors_off: u64,
-    /// How long the loop ran, and for how much of that no force was delivered; zero where nobody said.
+    /// Duration of the loop, and the part of it without a delivered force; zero if unknown.
     pub time: LoopTime,
-    /// Why the loop ended; `None` while it runs, or where nobody said.
+    /// Reason for the end of the loop; `None` while it runs, or if unknown.
     pub ending: Option<Ending>,
 }
 
@@ -69,7 +68,7 @@ impl From<Counts> for Counted {
     }
 }
 
-/// The loop's end: it drops what finds no room, and counts it.
+/// The loop's end: it drops and counts items that do not fit into the ring buffer.
 #[derive(Debug)]
 pub struct Tap {
     out: rtrb::Producer<Passed>,
@@ -78,8 +77,8 @@ pub struct Tap {
     waits: bool,
 }
 
-/// The listener's end: what was told and has not been listened to. It never waits; its end may be
-/// followed by more.
+/// The listener's end: an iterator over the messages not yet received. It never blocks; after `None` more messages
+/// may follow.
 #[derive(Debug)]
 pub struct Listener {
     incoming: rtrb::Consumer<Passed>,
@@ -87,9 +86,9 @@ pub struct Listener {
     names: Names,
 }
 
-/// A tap with room for `capacity` ticks of one contact that have not been listened to. A note, each
-/// further contact, each body and each of several devices take half of the room of such a tick; a tick with more of them than fit into all
-/// of the room is always lost.
+/// Creates a tap with a capacity of `capacity` unread ticks of one contact. An event, each further contact, each body
+/// and each of several devices take half the memory of such a tick. A tick that exceeds the whole capacity is always
+/// lost.
 #[must_use]
 pub fn tap(capacity: usize) -> (Tap, Listener) {
     let (out, incoming) = rtrb::RingBuffer::new(2 * capacity);
@@ -109,16 +108,16 @@ pub fn tap(capacity: usize) -> (Tap, Listener) {
     (tap, listener)
 }
 
-/// A tap as [`tap`] makes it, where the system may not have memory for so much.
+/// Creates a tap as [`tap`] does, after checking that the system has enough memory.
 ///
 /// # Errors
-/// It has not: [`io::ErrorKind::OutOfMemory`].
+/// Not enough memory: [`io::ErrorKind::OutOfMemory`].
 pub(crate) fn tap_if_there_is_memory(capacity: usize) -> io::Result<(Tap, Listener)> {
     let items = capacity.saturating_mul(2);
-    // A ring takes its memory without asking, and a program without memory ends.
+    // The ring allocates infallibly: without memory it would abort the program.
     let mut memory = Vec::<Passed>::new();
     let is_there = memory.try_reserve_exact(items).is_ok();
-    // A compiler may leave out memory that nobody looks at.
+    // Prevents the compiler from removing the unused allocation.
     std::hint::black_box(memory.as_mut_ptr());
     drop(memory);
     if !is_there {
@@ -134,18 +133,19 @@ pub(crate) fn tap_if_there_is_memory(capacity: usize) -> io::Result<(Tap, Listen
 }
 
 impl Tap {
-    /// Tells a tick and its contacts. Its number says how many ticks have been made; where there is no room
-    /// for it and all its contacts, the whole tick is lost.
+    /// Sends a tick and its contacts. The tick's number gives the number of ticks made. If the tick and all its
+    /// contacts do not fit, the whole tick is lost.
     pub fn tick(&mut self, tick: &Tick, contacts: &[ContactTick]) {
         self.tick_with_bodies(tick, contacts, &[]);
     }
 
-    /// Tells a tick as [`tick`](Self::tick) does, with the bodies of the world that move.
+    /// Sends a tick as [`tick`](Self::tick) does, with the moving bodies of the world.
     pub fn tick_with_bodies(&mut self, tick: &Tick, contacts: &[ContactTick], bodies: &[BodyTick]) {
         self.tick_with_devices(tick, contacts, bodies, &[]);
     }
 
-    /// Tells a tick as [`tick_with_bodies`](Self::tick_with_bodies) does, with each device of a loop that has several.
+    /// Sends a tick as [`tick_with_bodies`](Self::tick_with_bodies) does, with each device of a loop with several
+    /// devices.
     pub fn tick_with_devices(
         &mut self,
         tick: &Tick,
@@ -170,26 +170,26 @@ impl Tap {
         self.push(count, devices.chain(of_tick));
     }
 
-    /// Tells the names of the devices of a loop that has several, in their order; for before its first tick, and once. A loop
-    /// does it by itself; whoever passes on what a loop has told does it with [`Listener::device_names`].
+    /// Sets the names of the devices of a loop with several devices, in their order, once before the first tick. A
+    /// loop calls it itself. A program that forwards the messages of a loop calls it with [`Listener::device_names`].
     pub fn name_devices(&self, names: Vec<String>) {
-        // The first ones stay.
+        // The first names stay.
         let _ = self.names.set(names);
     }
 
-    /// Tells how long the loop ran so far, and for how much of that no force was delivered.
+    /// Sets the duration of the loop and the part of it without a delivered force.
     pub fn ran(&mut self, time: LoopTime) {
         self.tally.ran(time.lasted, time.motors_off);
     }
 
-    /// Tells something that happened.
+    /// Sends an event.
     pub fn note(&mut self, noted: &Noted) {
         self.tally.noted();
         self.push(1, iter::once(Passed::Note(*noted)));
     }
 
-    /// Says how many ticks and notes there were, how many ticks ended with the motors off, and for how
-    /// long, where not all of them were told here. What found no room is counted as it was.
+    /// Sets the numbers of ticks, events and ticks with the motors off, and the times, if not all of them were sent
+    /// here. The number of dropped items is unchanged.
     pub fn count(&mut self, counted: &Counted) {
         self.tally.set(&Counts {
             ticks: counted.ticks,
@@ -201,26 +201,25 @@ impl Tap {
         });
     }
 
-    /// What was counted so far.
+    /// Returns the current counters.
     #[must_use]
     pub fn counted(&self) -> Counted {
         self.tally.counts().into()
     }
 
-    /// Nothing more comes, since the loop has ended. A tap that is dropped says that nothing more
-    /// comes, but not why.
+    /// Closes the tap with the reason for the end of the loop. Dropping the tap closes it without a reason.
     pub fn end(self, ending: Ending) {
         self.tally.ended(ending.number());
     }
 
-    /// How many ticks and notes found no room.
+    /// Returns how many ticks and events were dropped.
     #[must_use]
     pub fn lost(&self) -> u64 {
         self.tally.counts().lost
     }
 
-    /// The same tap, waiting for room instead of losing anything: for a loop that runs as fast as it
-    /// can, on a clock that stands still meanwhile. Never for one with a motor.
+    /// Makes the tap wait for free capacity instead of dropping items, for a loop that runs as fast as possible on a
+    /// clock that stops meanwhile. Do not use it for a loop with a motor.
     #[must_use]
     pub fn waiting(mut self) -> Self {
         self.waits = true;
@@ -246,25 +245,25 @@ impl Tap {
     }
 }
 
-/// The names of several devices, once they are told.
+/// Names of several devices, once set.
 #[expect(
     clippy::disallowed_types,
     reason = "the loop writes it before its first tick; its listener reads it"
 )]
 type Names = Arc<std::sync::OnceLock<Vec<String>>>;
 
-/// Tells what a loop does, if somebody listens, with the number of its tick and the time since its start.
+/// Sends messages of a loop, if it has a tap, with the number of the tick and the time since its start.
 #[derive(Debug, Default)]
 pub(crate) struct Teller {
     pub tap: Option<Tap>,
     /// Number of the tick.
     pub sequence: u64,
-    /// When the loop began.
+    /// Start time of the loop.
     pub started: Duration,
 }
 
 impl Teller {
-    /// Tells something that happened at `now`; of one device where the loop has several.
+    /// Sends an event at `now`, with its device if the loop has several.
     pub fn note(&mut self, now: Duration, device: Option<u32>, note: Note) {
         if let Some(tap) = &mut self.tap {
             tap.note(&Noted {
@@ -284,26 +283,26 @@ impl Drop for Tap {
 }
 
 impl Listener {
-    /// How many ticks and notes found no room. A recording shows by its numbers which ticks they were.
+    /// Returns how many ticks and events were dropped. The tick numbers of a recording show which ones.
     #[must_use]
     pub fn lost(&self) -> u64 {
         self.tally.counts().lost
     }
 
-    /// What the loop has counted so far; all of it once [`is_closed`](Self::is_closed) was true.
+    /// Returns the current counters; they are final if [`is_closed`](Self::is_closed) returned true before.
     #[must_use]
     pub fn counted(&self) -> Counted {
         self.tally.counts().into()
     }
 
-    /// The names of the devices of a loop that has several, in their order; none where it has one.
+    /// Returns the names of the devices of a loop with several devices, in their order; empty for a single device.
     #[must_use]
     pub fn device_names(&self) -> &[String] {
         self.names.get().map_or(&[], Vec::as_slice)
     }
 
-    /// Whether nothing more will be told; what was may still be here. Asked before the last item is
-    /// taken, it says that there is no other.
+    /// Returns whether the tap is closed; unread messages may remain. If it returned true before an unsuccessful
+    /// read, no more messages follow.
     #[must_use]
     pub fn is_closed(&self) -> bool {
         self.tally.is_closed()
@@ -331,7 +330,7 @@ impl Iterator for Listener {
                     return Some(Told::Tick(tick, contacts, bodies.collect(), devices));
                 }
                 Passed::Device(device) => devices.push(device),
-                // They stand behind their tick, which has taken them.
+                // Unreachable: the tick before them has taken them.
                 Passed::Contact(_) | Passed::Body(_) => {}
             }
         }
@@ -363,7 +362,7 @@ mod tests {
         (0..number).map(|at| contact(f64::from(at))).collect()
     }
 
-    /// Number of the tick, and the penetrations of its contacts.
+    /// Returns the number of each tick and the penetrations of its contacts.
     fn told(listener: &mut Listener) -> Vec<(u64, Vec<f64>)> {
         listener
             .map(|told| match told {
@@ -379,7 +378,7 @@ mod tests {
 
     #[test]
     fn a_tick_finds_room_with_all_its_contacts_or_not_at_all() {
-        // Room for a tick with three contacts, a tick with one, and one thing more.
+        // Capacity for a tick with three contacts, a tick with one, and one more item.
         let (mut tap, mut listener) = tap(4);
         tap.tick(&tick(0), &contacts(3));
         tap.tick(&tick(1), &contacts(1));
@@ -390,10 +389,10 @@ mod tests {
         assert_eq!(tap.lost(), 2);
         let expected = [(0, vec![0.0, 1.0, 2.0]), (1, vec![0.0]), (3, vec![])];
         assert_eq!(told(&mut listener), expected);
-        // There is room again, and now the ring begins anew within a tick.
+        // There is free capacity, and the ring now wraps around within a tick.
         tap.tick(&tick(5), &contacts(3));
         assert_eq!(told(&mut listener), [(5, vec![0.0, 1.0, 2.0])]);
-        // Each of several devices takes its room too, and comes with its tick.
+        // Each of several devices needs capacity too, and arrives with its tick.
         let device = DeviceTick {
             devices: 2,
             ..DeviceTick::default()
@@ -408,7 +407,7 @@ mod tests {
             (9, 5, 2)
         );
         assert_eq!((tap.lost(), listener.next().is_none()), (3, true));
-        // More contacts than there is room for are lost, whoever listens.
+        // More contacts than the capacity are lost also by a waiting tap.
         let mut tap = tap.waiting();
         tap.tick(&tick(6), &contacts(8));
         assert_eq!((tap.lost(), told(&mut listener)), (4, vec![]));

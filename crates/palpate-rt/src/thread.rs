@@ -1,4 +1,4 @@
-//! A loop on a thread of its own, with a supervisor beside it.
+//! A loop on its own thread, with a supervisor.
 
 use std::any::Any;
 use std::io;
@@ -17,8 +17,7 @@ use crate::stop::StopFlag;
 use palpate_device::Device;
 use palpate_device::clock::Clock;
 
-/// A loop that runs on its own thread. Dropping it stops the loop and waits for the device to be
-/// commanded no force.
+/// A loop that runs on its own thread. Dropping it stops the loop and waits until zero force has been commanded.
 pub struct LoopThread<D: Device, C: Clock, R: Renders = OneContact> {
     thread: Option<JoinHandle<LoopEnd<D, C, R>>>,
     stop: StopFlag,
@@ -30,28 +29,28 @@ pub struct LoopThread<D: Device, C: Clock, R: Renders = OneContact> {
     answers: Vec<Answer>,
 }
 
-/// What a loop has left behind.
+/// Result of a loop.
 pub struct LoopEnd<D: Device, C: Clock, R: Renders = OneContact> {
-    /// Why it ended.
+    /// Reason for its end.
     pub ending: Ending,
-    /// How it kept time.
+    /// Timing statistics.
     pub statistics: LoopStatistics,
-    /// The trip that held the force at none at the end, if one did.
+    /// Safety stop that held the force at 0 at the end, if any.
     pub trip: Option<Trip>,
-    /// How often the supervisor had to command no force.
+    /// Number of zero commands by the supervisor.
     pub cuts: u64,
-    /// What the panic said, if a tick panicked.
+    /// Message of the panic, if a tick panicked.
     pub panic: Option<String>,
-    /// The loop itself, which has let go of its device.
+    /// The loop itself, with its outputs disabled.
     pub control: ControlLoop<D, C, R>,
 }
 
 impl<D: Device + 'static, C: Clock, R: Renders + 'static> LoopThread<D, C, R> {
-    /// Starts `control` on a thread for which the machine is asked `request`, and runs it until
-    /// `stop` is raised, `most` periods are over or the device is gone.
+    /// Starts `control` on a thread with the real-time requests `request`, and runs it until `stop` is raised, `most`
+    /// periods are over or the device is gone.
     ///
     /// # Errors
-    /// The system gives no thread.
+    /// The system cannot create a thread.
     pub fn start(
         mut control: ControlLoop<D, C, R>,
         request: Request,
@@ -67,10 +66,10 @@ impl<D: Device + 'static, C: Clock, R: Renders + 'static> LoopThread<D, C, R> {
             .supervisor()
             .filter(|_| C::RUNS)
             .map(|supervisor| {
-                // The loop's own: on another one it might never seem late.
+                // The loop's own clock: by another clock the loop might never be late.
                 let (clock, ended) = (control.clock(), Arc::clone(&ended));
                 let interval = control.period() / 2;
-                // Before the loop in line, or a loop that never sleeps could not be cut.
+                // Above the priority of the loop, or it could not cut a loop that never sleeps.
                 let priority = request.priority.map(|priority| (priority + 1).min(99));
                 Builder::new()
                     .name("palpate supervisor".to_owned())
@@ -84,7 +83,7 @@ impl<D: Device + 'static, C: Clock, R: Renders + 'static> LoopThread<D, C, R> {
                     })
             })
             .transpose()?;
-        // Before the loop begins: one that never sleeps might not let the supervisor ask.
+        // Before the loop starts: a loop that never sleeps might not let the supervisor make its requests.
         let beside = answered_beside.recv().unwrap_or_default();
         let (told, answered) = std::sync::mpsc::channel();
         let (stopped, over) = (stop.clone(), Arc::clone(&ended));
@@ -113,35 +112,35 @@ impl<D: Device + 'static, C: Clock, R: Renders + 'static> LoopThread<D, C, R> {
 }
 
 impl<D: Device, C: Clock, R: Renders> LoopThread<D, C, R> {
-    /// What the machine granted, and what not.
+    /// Returns the results of the real-time requests.
     #[must_use]
     pub fn answers(&self) -> &[Answer] {
         &self.answers
     }
 
-    /// The other end of the loop's parameters.
+    /// Returns the other end of the loop's parameters.
     pub fn parameters(&mut self) -> Option<&mut Parameters> {
         self.parameters.as_mut()
     }
 
-    /// How often the supervisor has commanded no force so far.
+    /// Returns how often the supervisor has commanded zero force so far.
     #[must_use]
     pub fn cuts(&self) -> u64 {
         self.heartbeat.cuts()
     }
 
-    /// Ends a trip that stays, with the next tick.
+    /// Ends a latched safety stop at the next tick.
     pub fn rearm(&self) {
         self.rearm.store(true, Ordering::Release);
     }
 
-    /// Whether the loop has ended.
+    /// Returns whether the loop has ended.
     #[must_use]
     pub fn has_ended(&self) -> bool {
         self.ended.load(Ordering::Acquire)
     }
 
-    /// Asks the loop to end.
+    /// Requests the end of the loop.
     pub fn stop(&self) {
         self.stop.raise();
     }
@@ -149,7 +148,7 @@ impl<D: Device, C: Clock, R: Renders> LoopThread<D, C, R> {
     /// Waits for the loop to end.
     ///
     /// # Panics
-    /// The thread could not even say how it ended.
+    /// The thread ended without a result.
     #[must_use]
     pub fn join(mut self) -> LoopEnd<D, C, R> {
         let end = self.thread.take().map(JoinHandle::join);
@@ -178,8 +177,7 @@ impl<D: Device, C: Clock, R: Renders> Drop for LoopThread<D, C, R> {
     }
 }
 
-/// What the supervisor was answered, but for a refusal where the loop was refused as well: once is
-/// enough.
+/// Returns the results of the supervisor's requests, without refusals that the loop's results already contain.
 fn supervisors(beside: Vec<Answer>, loop_is_refused: bool) -> impl Iterator<Item = Answer> {
     beside
         .into_iter()
@@ -190,7 +188,7 @@ fn supervisors(beside: Vec<Answer>, loop_is_refused: bool) -> impl Iterator<Item
         })
 }
 
-/// Says that the loop has ended, however it did.
+/// Sets the flag when dropped, however the loop ended.
 struct Over(Arc<AtomicBool>);
 
 impl Drop for Over {
@@ -199,7 +197,7 @@ impl Drop for Over {
     }
 }
 
-/// Runs the loop; whatever happens in it, the device is commanded no force.
+/// Runs the loop; zero force is commanded however it ends.
 fn run<D: Device, C: Clock, R: Renders>(
     mut control: ControlLoop<D, C, R>,
     stop: &StopFlag,
@@ -209,7 +207,7 @@ fn run<D: Device, C: Clock, R: Renders>(
     let (ending, panic) = match ran {
         Ok(ending) => (ending, None),
         Err(payload) => {
-            // The device may be what panics.
+            // The panic may come from the device.
             if catch_unwind(AssertUnwindSafe(|| control.let_go())).is_err() {
                 let _ = catch_unwind(AssertUnwindSafe(|| control.cut_off()));
             }

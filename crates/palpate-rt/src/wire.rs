@@ -1,11 +1,11 @@
-//! The core's words in those of recordings: neither crate knows the other.
+//! Conversion of core types to recording types. The two crates do not depend on each other.
 
 use palpate::{Ledger, Output};
 use palpate_device::Pose;
 use palpate_record::recording::{ContactTick, Flags, Phase, Tick};
 
-/// What the core says of a sample, in a contact: its answer, and the books up to the sample. Which tick
-/// it is, where the device was and what was really sent are for the caller to say, and unknown here.
+/// Converts an output of the core and its energy ledger up to the sample to a contact. Tick number, device position
+/// and actually sent force are unknown here and set by the caller.
 #[must_use]
 pub fn answered(output: &Output<f64>, ledger: &Ledger<f64>) -> ContactTick {
     let limited = output.limited;
@@ -27,7 +27,7 @@ pub fn answered(output: &Output<f64>, ledger: &Ledger<f64>) -> ContactTick {
     }
 }
 
-/// A contact, with what the books say.
+/// Adds the values of the ledger to a contact.
 pub(crate) fn booked(contact: ContactTick, ledger: &Ledger<f64>) -> ContactTick {
     ContactTick {
         stored_energy: ledger.stored,
@@ -40,7 +40,7 @@ pub(crate) fn booked(contact: ContactTick, ledger: &Ledger<f64>) -> ContactTick 
     }
 }
 
-/// What a pose says of a device with so many axes, in a tick.
+/// Converts the pose of a device with `axes` axes to a tick.
 pub(crate) fn posed(pose: &Pose, axes: usize) -> Tick {
     let mut tick = Tick::UNKNOWN;
     for (given, read) in tick.device_axes.iter_mut().zip(pose.position).take(axes) {
@@ -113,7 +113,7 @@ mod tests {
             flags: Flags::CONTACT.with(Flags::LIMITED_SLEW, true),
             ..ContactTick::UNKNOWN
         };
-        // NaN is no other NaN, but is written alike.
+        // NaN differs from NaN, but both have the same text.
         let said = answered(&output, &ledger);
         assert_eq!(format!("{said:?}"), format!("{expected:?}"));
     }

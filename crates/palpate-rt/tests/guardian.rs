@@ -1,4 +1,4 @@
-//! A guardian at work: what it sends, when, and how it ends.
+//! Watchdog process at work: packets, times and endings.
 
 #![cfg(unix)]
 #![allow(clippy::print_stdout)] // tests show what they measured
@@ -21,13 +21,13 @@ const RELEASE: &[u8] = b"release";
 const PROBE: &[u8] = b"probe";
 const ANSWER: &[u8] = b"answer";
 
-/// A guardian in a thread, its driver, and the board at its port.
+/// A watchdog on a thread, its driver, and the board at its port.
 struct Guarded {
     guardian: Guardian,
     account: Arc<GuardianAccount>,
     board: UnixStream,
     watch: JoinHandle<Outcome>,
-    /// What the guardian reads.
+    /// Messages that the watchdog reads.
     words: UnixStream,
 }
 
@@ -58,7 +58,7 @@ fn guarded(limit: Duration) -> Guarded {
 
 const LIMIT: Duration = Duration::from_millis(60);
 
-/// What has come to the board within `patience`; all of it if it ends before.
+/// Returns the bytes received by the board within `patience`, or all bytes if the stream ends before.
 fn comes(board: &mut UnixStream, length: usize, patience: Duration) -> Vec<u8> {
     let begun = Instant::now();
     let mut all = Vec::new();
@@ -88,12 +88,12 @@ fn a_silence_with_a_force_on_ends_in_no_force_and_the_driver_is_told() {
     assert_eq!(came, RELEASE);
     assert!(spoken.elapsed() >= LIMIT.mul_f64(0.9));
     assert_eq!(guarded.guardian.has_cut(), Ok(true));
-    // Once for each silence, however long it is; the board is told again and again.
+    // The cut is reported once per silence of any length; the zero command is repeated.
     guarded.board.write_all(ANSWER).unwrap();
     assert_eq!(comes(&mut guarded.board, RELEASE.len(), LONG), RELEASE);
     assert_eq!(guarded.guardian.has_cut(), Ok(false));
     assert_eq!(guarded.account.cuts(), 1);
-    // The driver is back, and goes away properly.
+    // The driver returns and closes in order.
     guarded.guardian.none().unwrap();
     guarded.guardian.dismiss();
     assert_eq!(guarded.watch.join().unwrap(), Outcome::Dismissed);
@@ -115,7 +115,7 @@ fn a_driver_that_speaks_in_time_or_has_no_force_on_is_left_alone() {
     assert_eq!(comes(&mut guarded.board, 1, LONG), b"");
 }
 
-/// The room for words is limited. That of a driver of 4 kHz is full after 35 ms.
+/// The message buffer is limited. At 4 kHz it is full after 35 ms.
 #[test]
 fn a_guardian_with_a_long_limit_listens_before_its_room_is_full() {
     let guarded = guarded(Duration::from_secs(3600));
@@ -136,14 +136,14 @@ fn a_guardian_with_a_long_limit_listens_before_its_room_is_full() {
 #[test]
 fn a_driver_that_is_gone_leaves_no_force_and_the_board_is_asked() {
     for was_on in [true, false] {
-        // It does not wait for a silence.
+        // The release does not wait for the limit.
         let mut guarded = guarded(Duration::from_secs(3600));
         if was_on {
             guarded.guardian.force().unwrap();
         }
         drop(guarded.guardian);
         assert_eq!(comes(&mut guarded.board, RELEASE.len(), LONG), RELEASE);
-        // What was under way before comes first.
+        // Earlier bytes of the board arrive first.
         guarded.board.write_all(b"of the loop").unwrap();
         assert_eq!(comes(&mut guarded.board, PROBE.len(), LONG), PROBE);
         guarded.board.write_all(ANSWER).unwrap();
@@ -153,7 +153,7 @@ fn a_driver_that_is_gone_leaves_no_force_and_the_board_is_asked() {
             if watch.as_ref().is_some_and(JoinHandle::is_finished) {
                 outcome = watch.take().map(|watch| watch.join().unwrap());
             }
-            // Too late an answer is asked for again.
+            // A probe with a late answer is repeated.
             if !comes(&mut guarded.board, 1, Duration::from_millis(1)).is_empty() {
                 guarded.board.write_all(ANSWER).unwrap();
             }
@@ -171,7 +171,7 @@ fn a_port_that_is_gone_is_let_go_of_at_once() {
     let guarded = guarded(LIMIT);
     guarded.guardian.force().unwrap();
     drop(guarded.board);
-    // It outlives the port, so that the driver finds out from the port what has happened.
+    // The watchdog outlives the port, so the driver detects the loss at the port itself.
     sleep(3 * LIMIT);
     assert!(guarded.guardian.force().is_ok());
     drop(guarded.guardian);
@@ -226,11 +226,11 @@ fn a_guardian_that_is_gone_or_does_not_listen_is_noticed() {
     drop(socket);
     assert_eq!(guardian.has_cut(), Err(Unguarded::Ended));
     assert_eq!(guardian.force(), Err(Unguarded::Ended));
-    // The first that was lost is the one to know.
+    // The first loss is kept.
     assert_eq!(account.lost(), Some(Unguarded::NotListening));
 }
 
-/// Nothing comes of a program that is not there, or that ends without a word.
+/// Starting fails if the program is missing or ends without a message.
 #[test]
 fn a_guardian_that_cannot_be_started_is_an_error_that_says_so() {
     use std::os::fd::AsFd;

@@ -1,4 +1,4 @@
-//! The loop on a thread of its own, on the machine's clock.
+//! The loop on its own thread, on the machine's clock.
 
 #![allow(clippy::print_stdout)] // tests show what they measured
 #![allow(
@@ -20,27 +20,27 @@ use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Ending, LoopThread, Recorder, Rendering, StopFlag};
 
-/// What a device went through, seen from the test.
+/// Observed calls of a device.
 #[derive(Default)]
 struct Seen {
     reads: AtomicU64,
     last_force: Mutex<f64>,
     zeroed: AtomicUsize,
     zeroed_at: Mutex<Option<Instant>>,
-    /// Ends a read that hangs.
+    /// Ends a blocking read.
     is_released: AtomicBool,
 }
 
-/// What goes wrong in a read.
+/// Fault of a read.
 #[derive(Clone, Copy)]
 enum Trouble {
     None,
     Panics,
-    /// Until the test releases it.
+    /// Blocks until the test releases it.
     Hangs,
 }
 
-/// A device 1 mm in a wall of 1000 N/m, with trouble at its hundredth read.
+/// A device 1 mm deep in a wall of 1000 N/m, with a fault at its hundredth read.
 struct Troubled {
     clock: MonotonicClock,
     capabilities: Capabilities,
@@ -154,7 +154,7 @@ fn it_runs_until_it_is_stopped_and_leaves_no_force() {
         );
     }
     wait_for_reads(&seen, 50);
-    // A busy machine may have made it late just now.
+    // A busy machine may have delayed the loop just now.
     let begun = Instant::now();
     while force(&seen) != -1.0 {
         assert!(begun.elapsed() < Duration::from_secs(20), "no force");
@@ -202,17 +202,17 @@ fn a_panic_leaves_no_force_and_is_told() {
     assert_eq!(end.statistics.ticks, 100);
 }
 
-/// The thread itself stands still: only another one can let go of the motor.
+/// The thread itself is blocked: only another thread can disable the motor.
 #[test]
 fn a_read_that_hangs_is_cut_by_the_supervisor() {
-    // At 50 Hz, so that other programs do not make the loop late.
+    // At 50 Hz, so that other programs do not delay the loop.
     let (control, seen) = control(Trouble::Hangs, 0.02);
     let running = start(control, &StopFlag::new());
     wait_for_reads(&seen, 101);
     let hung = Instant::now();
     *seen.zeroed_at.lock().unwrap() = None;
     let before = seen.zeroed.load(Ordering::SeqCst);
-    // It goes on while the read hangs.
+    // The cut is repeated while the read is blocked.
     while seen.zeroed.load(Ordering::SeqCst) < before + 3 {
         assert!(hung.elapsed() < Duration::from_secs(20), "it is not cut");
         sleep(Duration::from_millis(1));
@@ -270,7 +270,7 @@ fn what_a_loop_does_is_recorded_tick_by_tick() {
     assert_eq!(ticks, made);
 }
 
-/// No machine has memory for so many ticks that wait.
+/// No machine has memory for so many waiting ticks.
 #[test]
 fn without_memory_no_recording_is_begun() {
     let folder = tempfile::tempdir().unwrap();
@@ -287,8 +287,8 @@ fn without_memory_no_recording_is_begun() {
     assert_eq!(folder.path().read_dir().unwrap().count(), 0);
 }
 
-/// The disk does not keep up, and the ring is full when the loop ends: the last ticks and the event of
-/// the end are lost, and the file says how many. What is there has all its contacts.
+/// The disk is too slow, and the ring is full when the loop ends: the last ticks and the final event are lost, and
+/// the file contains their number. Recorded ticks have all their contacts.
 #[test]
 fn a_tail_that_finds_no_room_is_counted_in_the_file() {
     for contacts in [1, 3] {
@@ -301,7 +301,7 @@ fn tail_without_room(contacts: usize) {
     let path = folder.path().join("late.mcap");
     let (mut tap, recorder) = Recorder::begin(&path, &Receipt::new("test")).unwrap();
     let mut made = 0;
-    // Until the last of them has found no room.
+    // Continue until an item is dropped.
     loop {
         let lost = tap.lost();
         let tick = Tick {

@@ -5,24 +5,24 @@ use std::path::{Path, PathBuf};
 
 use palpate_files::bounded::{SCENE, TABLE};
 
-/// Gives the text of a file by the name that stands in a scene.
+/// Callback that reads the text of a file by its name in a scene.
 pub(super) type Files<'a> = &'a mut dyn FnMut(&str) -> io::Result<String>;
 
-/// What messages call a file that stands as `name` in the scene file called `scene`.
+/// Returns the display name of the file `name` that the scene file `scene` refers to.
 pub(super) fn beside_scene(scene: &str, name: &str) -> String {
     Path::new(scene).with_file_name(name).display().to_string()
 }
 
-/// The files beside the scene file at `scene`: names count from the folder it stands in.
+/// Returns a reader of the files next to the scene file at `scene`. Names are relative to the scene's folder.
 pub fn beside(scene: &Path) -> impl FnMut(&str) -> io::Result<String> {
     let folder = scene.parent().map(PathBuf::from).unwrap_or_default();
     move |name| TABLE.text(&folder.join(name))
 }
 
-/// The bytes of the scene file at `path`.
+/// Reads the bytes of the scene file at `path`.
 ///
 /// # Errors
-/// What the system says; a file that does not end within 16 MiB.
+/// An I/O error, or a file of more than 16 MiB.
 pub fn scene_bytes(path: &Path) -> io::Result<Vec<u8>> {
     SCENE.bytes(path)
 }

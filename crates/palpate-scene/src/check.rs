@@ -1,4 +1,4 @@
-//! Ranges of what a scene states.
+//! Range checks of scene parameters.
 
 use palpate::{Allowed, LARGEST_DELAY, Mass, Parameter, ParameterError, Range, Side};
 use palpate_testbed::drivetrain::Transmission;
@@ -91,7 +91,7 @@ impl Scene {
         faults.0
     }
 
-    /// What is too large of the contact and the loop; whether it is a number and has the right sign these say themselves.
+    /// Checks the upper limits of contact and loop; their own checks cover sign and finiteness.
     fn check_size(&self, faults: &mut Faults) {
         let mass = match self.contact.object_mass {
             Mass::Finite(mass) => mass,
@@ -132,7 +132,7 @@ impl Scene {
         }
     }
 
-    /// What every device has.
+    /// Checks the parameters of every device.
     fn check_device(&self, faults: &mut Faults) {
         let device = &self.device;
         faults.within(
@@ -174,7 +174,7 @@ impl Scene {
         }
     }
 
-    /// Lag and gain, and what the renderer is told of them.
+    /// Checks lag and gain, and their model values.
     fn check_actuator(&self, faults: &mut Faults) {
         faults.within(Range::NotNegative, &[(Of::Lag, Some(self.actuator.lag))]);
         faults.within(Range::Positive, &[(Of::Gain, Some(self.actuator.gain))]);

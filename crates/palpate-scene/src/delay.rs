@@ -1,6 +1,6 @@
-//! From a sample to the command that it leads to.
+//! Delay from a sample to its command.
 
-/// How long a command of a loop takes to come into force, counted from its sample: said in periods or in seconds.
+/// Delay from a sample until its command takes effect, in periods or in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Delay {
     /// Periods of the loop, whatever they are.
@@ -43,8 +43,8 @@ impl Delay {
         }
     }
 
-    /// So many periods of `period` `[s]`, of which a renderer is told all: whole samples, or a time. Of a fraction of a
-    /// period a renderer is told nothing.
+    /// Returns a delay of `periods` periods of `period` `[s]` that the renderer's model contains entirely: whole
+    /// samples, or a time. A fraction of a period would be unmodelled.
     #[must_use]
     pub fn told_whole(periods: f64, period: f64) -> Self {
         let delay = Self::of_periods(periods);
@@ -82,7 +82,7 @@ impl Delay {
         }
     }
 
-    /// The time that is said in seconds `[s]`; none of periods.
+    /// Returns a delay that is given in seconds `[s]`; 0 for one in periods.
     #[must_use]
     pub fn seconds(self) -> f64 {
         match self {

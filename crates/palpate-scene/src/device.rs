@@ -22,8 +22,8 @@ pub enum SceneDevice {
         hand: Arc<RecordedHand>,
         /// Quantum of the position sensor `[m]`; 0 for an ideal one.
         encoder_quantum: f64,
-        /// Whether the loop samples when the recorded one did, whether there is a position or not, in place of every
-        /// period. Then [`Timing`](crate::Timing) says nothing but a delay in seconds.
+        /// Whether the loop samples at the recorded instants, with or without a position, instead of every period.
+        /// [`Timing`](crate::Timing) then contains only a delay in seconds.
         at_its_instants: bool,
     },
 }
@@ -50,7 +50,8 @@ pub struct PointMassDevice {
     pub transmission: Option<Transmission>,
     /// Cogging of the motor.
     pub cogging: Option<Cogging>,
-    /// Standard deviation of the sensor's white noise, before its quantum `[m]`; what a renderer is told of it is [`Told`](crate::Told)'s.
+    /// Standard deviation of the sensor's white noise, before quantisation `[m]`; the model value is in
+    /// [`Told`](crate::Told).
     pub noise: f64,
     /// The hand that holds it.
     pub hand: Hand,
@@ -72,20 +73,19 @@ pub struct PantographDevice {
     pub linkage: Linkage,
     /// Position at the start, along y from home `[m]`.
     pub position: f64,
-    /// Mass that stands for the linkage in a renderer and in reports `[kg]`: its effective mass along the contact
-    /// at the start, if no other is stated.
+    /// Equivalent mass of the linkage for the renderer and reports `[kg]`: by default its effective mass along the
+    /// contact at the start.
     pub mass: f64,
-    /// Quantum of the position along the contact that a renderer is told `[m]`. The linkage measures by the
-    /// encoders of its joints.
+    /// Model value of the position quantum along the contact `[m]`. The linkage measures by the encoders of its joints.
     pub encoder_quantum: f64,
     /// Constant force f_u of the hand `[N]`.
     pub force: f64,
-    /// Where that force acts.
+    /// Point of action of that force.
     pub force_at: HandForceAt,
 }
 
 impl SceneDevice {
-    /// Mass along the contact `[kg]`: of a pantograph the one that stands for its linkage.
+    /// Returns the mass along the contact `[kg]`; for a pantograph, its equivalent mass.
     #[must_use]
     pub fn mass(&self) -> f64 {
         match self {

@@ -198,7 +198,7 @@ impl Linkage {
     /// Reads a linkage from the text of a device file called `name`.
     ///
     /// # Errors
-    /// The first fault, with its line and column and with what is allowed.
+    /// The first error, with its line, its column and the allowed values.
     pub fn parse(name: &str, source: &str) -> Result<Self, SceneError> {
         let fault =
             |span: Range<usize>, message: String| SceneError::at(name, source, span, message);
@@ -326,7 +326,7 @@ impl Linkage {
     }
 }
 
-/// Where the bench's parameter stands in a file, and what it is called there.
+/// Returns the file parameter that corresponds to a testbed parameter, and its name in the file.
 fn key_of(parameter: Parameter) -> (Parameter, &'static str) {
     let key = match parameter {
         // A rotor's inertia may be 0 if its link turns with it.
@@ -383,7 +383,7 @@ fn listed(source: &str) -> Vec<(String, String)> {
     keys
 }
 
-/// Reads two numbers and no more; `visitor` says what was expected.
+/// Reads exactly two numbers; `visitor` describes the expected value.
 fn two<'de, A: SeqAccess<'de>>(mut seq: A, visitor: &dyn Expected) -> Result<[f64; 2], A::Error> {
     let mut values = [0.0; 2];
     for (index, value) in values.iter_mut().enumerate() {

@@ -45,11 +45,11 @@ pub(super) struct RawDevice {
     noise_m: Option<Spanned<f64>>,
 }
 
-/// What is wrong with the device of a scene.
+/// Error in the device of a scene.
 pub(super) enum DeviceFault {
-    /// Something in the scene file, at a place.
+    /// In the scene file, with its span.
     Here(Range<usize>, String),
-    /// Something in the device file.
+    /// In the device file.
     InDeviceFile(SceneError),
 }
 
@@ -60,7 +60,7 @@ pub(super) enum ReadDevice {
     Pantograph(Linkage, Option<Spanned<f64>>),
 }
 
-/// A point mass, whose values still know where they stand.
+/// A point mass with the spans of its values.
 pub(super) struct ReadPointMass {
     mass: Spanned<f64>,
     position: Option<Spanned<f64>>,

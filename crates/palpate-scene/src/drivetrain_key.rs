@@ -14,7 +14,7 @@ const DAMPING_RATIO: f64 = 0.02;
 /// Share of the mass on the motor's side where none is stated.
 const MOTOR_SHARE: f64 = 0.5;
 
-/// The keys as they stand in the file.
+/// Keys of a drivetrain, as read from the file.
 #[derive(Default)]
 pub(super) struct RawDrivetrain {
     pub resonance_hz: Option<Spanned<f64>>,
@@ -41,7 +41,7 @@ impl RawDrivetrain {
         keys.into_iter().flatten().map(Spanned::span).next()
     }
 
-    /// The place of a key that stands without the one it needs, and what is wrong.
+    /// Returns the span of a key whose required key is missing, and the error.
     pub fn alone(&self) -> Option<(Range<usize>, &'static str)> {
         let of_a_transmission = [
             &self.resonance_damping_ratio,
@@ -65,7 +65,7 @@ impl RawDrivetrain {
         }
     }
 
-    /// `device` with what the keys say.
+    /// Returns `device` with the drivetrain of these keys.
     pub fn on(self, device: PointMassDevice, places: &mut Places<Of>) -> PointMassDevice {
         let transmission = self.resonance_hz.map(|resonance| Transmission {
             resonance_hz: places.take(Of::Resonance, resonance),

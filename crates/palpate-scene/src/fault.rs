@@ -25,7 +25,7 @@ pub struct SceneError {
     pub column: usize,
     /// Bytes of the file that are at fault.
     pub span: Range<usize>,
-    /// What is wrong, and what is allowed.
+    /// The error and the allowed values.
     pub message: String,
     /// The whole text, to show the place in.
     pub source_text: String,
@@ -101,7 +101,7 @@ impl fmt::Display for SceneErrors {
 
 impl std::error::Error for SceneErrors {}
 
-/// Remembers where values stand while it takes them out of their wrapping.
+/// Records the spans of values while unwrapping them.
 pub(super) struct Places<K>(pub HashMap<K, Range<usize>>);
 
 impl<K> Default for Places<K> {
@@ -142,7 +142,7 @@ pub fn in_plain_words(message: &str) -> String {
     };
     let mut quoted = rest.split('`');
     let unknown = quoted.next().unwrap_or_default();
-    // Every second piece from here on stands between quotes.
+    // Every second piece from here on is quoted.
     let known: Vec<&str> = quoted.skip(1).step_by(2).collect();
     let all = known.join(", ");
     match nearest(unknown, &known) {

@@ -30,7 +30,7 @@ use crate::world::WorldFile;
 /// The version of scene files this crate reads.
 const FORMAT: i64 = 1;
 
-/// A scene read from a file, which still knows where each of its values stands.
+/// A scene read from a file, with the spans of its values.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
     /// The scene.
@@ -41,7 +41,7 @@ pub struct SceneFile {
     methods: HashMap<MethodName, MethodPlaces>,
 }
 
-/// Where the settings of a method stand.
+/// Source spans of a method's settings.
 #[derive(Clone, Debug)]
 struct MethodPlaces {
     name: Range<usize>,
@@ -120,11 +120,11 @@ struct RawGuard {
 }
 
 impl SceneFile {
-    /// Reads a scene that stands alone: as [`parse_with`](Self::parse_with), but every file that the
-    /// scene names is missing.
+    /// Reads a self-contained scene. Like [`parse_with`](Self::parse_with), but every file that the scene names is
+    /// missing.
     ///
     /// # Errors
-    /// Every fault, each with its line and column and with what is allowed.
+    /// All errors, each with its line, its column and the allowed values.
     pub fn parse(name: &str, source: &str) -> Result<Self, SceneErrors> {
         Self::parse_with(name, source, &mut |_| {
             let alone = "this scene is read without the files beside it";
@@ -132,13 +132,13 @@ impl SceneFile {
         })
     }
 
-    /// Reads a scene from the text of a file called `name`, and checks it for the method it names
-    /// and for every method it has settings for. `files` gives the text of a file by the name that
-    /// stands in the scene; [`beside`](super::beside) looks in the scene's own folder.
+    /// Reads a scene from the text of a file called `name`, and checks it for its method and for every method with
+    /// settings. `files` returns the text of a file by its name in the scene; [`beside`](super::beside) reads from the
+    /// scene's own folder.
     ///
     /// # Errors
-    /// Every fault in the scene file and, with that file's name, the first in the device file; each
-    /// with its line and column and with what is allowed.
+    /// All errors in the scene file and, with that file's name, the first in the device file; each with its line, its
+    /// column and the allowed values.
     pub fn parse_with(name: &str, source: &str, files: Files<'_>) -> Result<Self, SceneErrors> {
         let mut reading = Reading {
             name,
@@ -198,7 +198,7 @@ impl SceneFile {
         self.at(error.parameter, error.to_string())
     }
 
-    /// A fault at the place of `parameter`; at the file's beginning, where the file does not say it.
+    /// Returns a fault at the span of `parameter`, or at the beginning of the file if it has no such key.
     #[must_use]
     pub fn at(&self, parameter: SceneParameter, message: String) -> SceneError {
         self.at_span(self.places.get(&parameter).cloned(), message)
@@ -222,7 +222,7 @@ impl SceneFile {
         self.at_span(span.or_else(|| self.place_of_method(method)), message)
     }
 
-    /// Where key and value of a setting stand.
+    /// Returns the spans of the key and value of a setting.
     fn place_of(
         &self,
         method: MethodName,
@@ -241,7 +241,7 @@ impl SceneFile {
     }
 }
 
-/// A scene file as far as it has been read, and what is wrong with it.
+/// A partially read scene file with its errors.
 struct Reading<'a> {
     name: &'a str,
     source: &'a str,
@@ -256,8 +256,8 @@ impl Reading<'_> {
         self.faults.push(fault);
     }
 
-    /// What keys of a `table` are together, or what is wrong with that and what stands in its place for
-    /// the rest of the reading.
+    /// Returns the value that was read from keys of `table`. On a fault, records it and returns `instead` so that
+    /// reading continues.
     fn or<T>(&mut self, table: &str, read: Result<T, Fault>, instead: T) -> T {
         read.unwrap_or_else(|fault| {
             self.in_table(table, fault);
@@ -345,7 +345,7 @@ impl Reading<'_> {
         let hand = raw.hand.read(&mut places, files);
         let hand = self.or("hand", hand, ReadHand::default());
         for fault in hand.hold(&mut device) {
-            // What stands in the place of a faulty device may be of another kind.
+            // The substitute of a faulty device may be of another kind.
             if is_that_device {
                 self.in_table("hand", fault);
             }
@@ -422,7 +422,7 @@ impl Reading<'_> {
         HashMap<MethodName, Settings>,
         HashMap<MethodName, MethodPlaces>,
     ) {
-        // Settings are read by keys that methods name, so where they stand is looked up in the file itself.
+        // Settings are read by their keys in methods, so their spans come from a second parse of the file.
         let table = DeTable::parse(self.source).ok();
         let table = table.as_ref().map(Spanned::get_ref);
         let methods = table.and_then(|file| file.get("methods")?.get_ref().as_table());
@@ -448,7 +448,7 @@ impl Reading<'_> {
         (settings, places)
     }
 
-    /// The device, in no hand yet.
+    /// Returns the device, without a hand.
     fn device(
         &mut self,
         raw: RawDevice,
@@ -463,7 +463,7 @@ impl Reading<'_> {
                     DeviceFault::Here(span, message) => self.in_table("device", (span, message)),
                     DeviceFault::InDeviceFile(error) => self.faults.push(error),
                 }
-                // A mass that is no fault, so that the rest can be looked at.
+                // A valid mass, so that the remaining keys can be checked.
                 let mass = Spanned::new(kind.clone(), 1.0);
                 ReadDevice::PointMass(ReadPointMass::of(mass))
             }
@@ -490,7 +490,7 @@ impl Reading<'_> {
     /// Adds what is wrong with the scene that was read.
     fn check(&mut self, file: &SceneFile) {
         let (scene, is_whole) = (&file.scene, self.faults.is_empty());
-        // What stands in the place of a fault may contradict the rest; a range looks at one number.
+        // The substitute of a faulty value may contradict other values; a range check involves only one number.
         let counts =
             |error: &SceneParameterError| is_whole || matches!(error.allowed, Allowed::Range(_));
         let faults = scene.faults();
@@ -501,7 +501,7 @@ impl Reading<'_> {
         let rendered = scene.contact.faults().chain(loop_params.faults());
         let rendered: Vec<_> = rendered.collect();
         for error in &rendered {
-            // What is told as it is has been refused where it stands.
+            // Model values that equal the true ones have already been rejected at their keys.
             let told = match error.parameter {
                 Parameter::Lag => scene.told.lag,
                 Parameter::Gain => scene.told.gain,
@@ -535,7 +535,7 @@ impl Reading<'_> {
                     let Err(error) = params.check(&scene.contact, &loop_params) else {
                         continue;
                     };
-                    // A default may be derived from what is wrong elsewhere.
+                    // A default may be derived from an invalid value elsewhere.
                     let is_given = match error.parameter {
                         Parameter::Setting(setting) => {
                             given.is_some_and(|given| given.has(setting.key))

@@ -1,17 +1,17 @@
-//! What a guard does, and what it reckons with where a scene does not say.
+//! Modes of a guard, and its defaults.
 
 use palpate::{Guard, GuardParams};
 use serde::Deserialize;
 
-/// What a guard does with a force beyond its bound.
+/// Action of a guard on a force beyond its bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum GuardMode {
     /// There is no guard.
     Off,
-    /// It says so.
+    /// Reports it.
     Report,
-    /// It keeps the force to the bound.
+    /// Limits the force to the bound.
     Limit,
 }
 
@@ -29,7 +29,7 @@ impl GuardMode {
         }
     }
 
-    /// What a guard of that name does.
+    /// Returns the mode with that name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|mode| mode.name() == name)
@@ -50,7 +50,7 @@ impl GuardMode {
     }
 }
 
-/// Device speed that a guard reckons with where none is stated `[m/s]`: a brisk hand.
+/// Default device speed of a guard `[m/s]`: a brisk hand.
 pub const GUARD_SPEED: f64 = 1.0;
 /// Allowance of a guard where none is stated `[J]`.
 pub const GUARD_ALLOWANCE: f64 = 1e-3;

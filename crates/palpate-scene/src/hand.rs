@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use palpate_testbed::recorded_path::RecordedPath;
 
-/// A hand on a point mass: it pushes, may tremble, may have a mass and a spring of its own, and may let go.
+/// A hand on a point mass: a push, with optional tremor, own mass and spring, and release.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hand {
     /// Constant force f_u on the device `[N]`.
@@ -13,7 +13,7 @@ pub struct Hand {
     pub tremor: Option<Wave>,
     /// The hand's own mass, spring and damper, if it has any.
     pub grip: Option<Grip>,
-    /// When the hand lets go of the device, for good `[s]`.
+    /// Time at which the hand releases the device permanently `[s]`.
     pub release: Option<f64>,
 }
 
@@ -28,8 +28,8 @@ impl Hand {
     }
 }
 
-/// Mass, spring and damper of a hand: its mass moves with the device, and the other two pull the device to
-/// where the hand wants to be.
+/// Mass, spring and damper of a hand. The mass moves with the device; spring and damper pull the device to the hand's
+/// intended position.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Grip {
     /// Mass `[kg]`.
@@ -38,14 +38,14 @@ pub struct Grip {
     pub stiffness: f64,
     /// Damping `[N s/m]`.
     pub damping: f64,
-    /// Where the hand wants to be.
+    /// Intended position of the hand.
     pub intention: Intention,
 }
 
-/// Where a hand wants to be.
+/// Intended position of a hand.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Intention {
-    /// At a place, or swinging about it.
+    /// A constant position, or an oscillation about it.
     Place {
         /// The place `[m]`.
         position: f64,
@@ -57,7 +57,7 @@ pub enum Intention {
 }
 
 impl Intention {
-    /// At rest at `position` `[m]`.
+    /// Creates a constant intended position `[m]`.
     #[must_use]
     pub fn at(position: f64) -> Self {
         Self::Place {
@@ -67,7 +67,7 @@ impl Intention {
     }
 }
 
-/// At rest where positions count from.
+/// Constant position at the origin.
 impl Default for Intention {
     fn default() -> Self {
         Self::at(0.0)

@@ -41,19 +41,19 @@ pub(super) struct RawHand {
     intention: Option<Spanned<String>>,
 }
 
-/// What a file says of a hand, before it is known what the hand holds.
+/// Hand as read from a file, before its device is known.
 #[derive(Default)]
 pub(super) struct ReadHand {
     hand: Hand,
     force_at: HandForceAt,
-    /// Where the keys stand that only a point mass's hand has, each with what it says.
+    /// Spans of the keys that are valid only for a point mass's hand, each with its error.
     of_a_point_mass: Vec<(Range<usize>, &'static str)>,
-    /// Where the key stands that only a pantograph's hand has.
+    /// Span of the key that is valid only for a pantograph's hand.
     in_the_motors: Option<Range<usize>>,
 }
 
 impl ReadHand {
-    /// Puts the hand on `device`; the faults of what the device cannot have of a hand.
+    /// Attaches the hand to `device`. Returns the faults of hand properties that the device does not support.
     pub fn hold(self, device: &mut SceneDevice) -> Vec<Fault> {
         match device {
             SceneDevice::PointMass(device) => {
@@ -82,8 +82,8 @@ impl ReadHand {
 }
 
 impl RawHand {
-    /// The hand; the place of a key that its kind has no use for, that stands alone, or that names a
-    /// file without a motion.
+    /// Returns the hand, or the span of a key that is invalid for its kind, lacks a required key, or names a file
+    /// without a motion.
     pub fn read(
         self,
         places: &mut Places<SceneParameter>,
@@ -189,7 +189,7 @@ impl RawHand {
     }
 }
 
-/// Amplitude and frequency, both or neither; the place of one that stands alone.
+/// Returns amplitude and frequency, both or neither; if only one is given, its span.
 fn wave(
     places: &mut Places<SceneParameter>,
     names: [SceneParameter; 2],

@@ -1,9 +1,9 @@
-//! Scenes: an object, a device, a hand, a loop and a renderer, as a user writes them; and the methods
-//! by name, with the settings of each ([`method`]).
+//! Scene files: an object, a device, a hand, a loop and a renderer. The module [`method`] has the methods by name, with
+//! their settings.
 //!
-//! A scene file is TOML with a format version; every quantity is SI and carries its unit in its
-//! key. Unknown keys are errors. See `experiments/` for the paper's scenes. A linkage is described by
-//! a device file of its own, in the same manner; see `devices/`.
+//! A scene file is TOML with a format version. Every quantity is SI and has its unit in its key. Unknown keys are
+//! errors. `experiments/` contains the paper's scenes. A separate device file of the same style describes a linkage;
+//! see `devices/`.
 
 mod beside;
 mod check;
@@ -72,24 +72,24 @@ pub struct Scene {
     pub loop_params: LoopParams<f64>,
     /// The object at the start.
     pub object: ObjectState<f64>,
-    /// Distance from the object's place to its centre, on its far side from the device `[m]`: the
-    /// radius of a ball. What is drawn and written as the centre; no force depends on it.
+    /// Distance from the object's position to its centre, on its far side from the device `[m]`: the radius of a ball.
+    /// Used for drawing and for the written centre; forces do not depend on it.
     pub object_radius: f64,
     /// Virtual force f_V on the object `[N]`.
     pub virtual_force: f64,
     /// The device and the hand that moves it.
     pub device: SceneDevice,
-    /// Mass of the device as the renderer is told `[kg]`; `None` tells it [`SceneDevice::mass`].
+    /// Model value of the device mass `[kg]`; `None`: [`SceneDevice::mass`].
     pub told_device_mass: Option<f64>,
-    /// From a sample to its command.
+    /// Delay from a sample to its command.
     pub delay: Delay,
-    /// What else is not perfect about the loop.
+    /// Other timing imperfections of the loop.
     pub timing: Timing,
-    /// Gain and lag of the actuator, as they are.
+    /// True gain and lag of the actuator.
     pub actuator: ActuatorParams,
-    /// What the renderer is told of delay, lag and gain in place of what they are.
+    /// Overrides of true values in the renderer's model of delay, lag and gain.
     pub told: Told,
-    /// How long to look.
+    /// Evaluation window.
     pub measure: Measure,
     /// The method to run when none is named.
     pub method: MethodName,
@@ -97,7 +97,7 @@ pub struct Scene {
     pub settings: HashMap<MethodName, Settings>,
 }
 
-/// The window over which a run is judged.
+/// Evaluation window of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
     /// Until this many collisions of the ideal have ended, and half a period more.
@@ -106,7 +106,7 @@ pub enum Measure {
     Duration(f64),
 }
 
-/// Why a method cannot be rendered here.
+/// Reason why a method cannot be rendered in this scene.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum SetupError {
     /// A parameter is outside its range.
@@ -124,7 +124,7 @@ impl From<ParameterError> for SetupError {
 }
 
 impl Scene {
-    /// How far the object's centre lies from its place, in the user's frame `[m]`.
+    /// Returns the offset of the object's centre from its position, in the user's frame `[m]`.
     #[must_use]
     pub fn centre_offset(&self) -> f64 {
         let sign: f64 = self.contact.side.sign();
@@ -142,7 +142,7 @@ impl Scene {
         renderer.map_err(SetupError::from)
     }
 
-    /// The loop as a renderer is told it: with what it is told of delay, lag and gain.
+    /// Returns the renderer's model of the loop, with the model values of delay, lag and gain.
     #[must_use]
     pub fn loop_params_with_delay(&self) -> LoopParams<f64> {
         LoopParams {
@@ -151,10 +151,10 @@ impl Scene {
         }
     }
 
-    /// What this scene renders by `method`.
+    /// Returns the rendering of this scene by `method`.
     ///
     /// # Errors
-    /// As [`renderer`](Self::renderer).
+    /// Those of [`renderer`](Self::renderer).
     pub fn rendering(&self, method: MethodName) -> Result<Rendering<f64>, SetupError> {
         let renderer = self.renderer(method)?;
         Ok(Rendering {

@@ -1,4 +1,4 @@
-//! Linkages: pantographs that stand in place of a point mass.
+//! Linkages: pantographs that replace a point mass.
 
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::pantograph::{Actuation, Pantograph, PantographParams, Pid, SafetyBox};
@@ -11,11 +11,11 @@ const PRESETS: [(&str, &str); 4] = [
     ("2diy-gen3", include_str!("../devices/haply-2diy-gen3.toml")),
 ];
 
-/// Where the hand's constant force acts on a pantograph.
+/// Point of action of the hand's constant force on a pantograph.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum HandForceAt {
-    /// At the end-point itself, in continuous time.
+    /// The end-point itself, in continuous time.
     #[default]
     EndPoint,
     /// In the motors, as joint torques: by the Jacobian of the pose that the encoders report at a
@@ -44,7 +44,7 @@ pub struct Linkage {
     pub params: PantographParams,
     /// The controller that holds x; its target counts from home.
     pub hold_x: Option<Pid>,
-    /// Where the motors stay connected, counted from home.
+    /// Region in which the motors stay connected, relative to the home position.
     pub safety_box: Option<SafetyBox>,
     /// Every key of its file and its value, as text.
     pub keys: Vec<(String, String)>,
@@ -66,7 +66,7 @@ impl Linkage {
         Some(Self::parse(name, source).expect("the committed device files are good"))
     }
 
-    /// The same linkage with another safety box, counted from home.
+    /// Returns the same linkage with another safety box, relative to the home position.
     #[must_use]
     pub fn in_box(mut self, bounds: SafetyBox) -> Self {
         let text = |[low, high]: [f64; 2]| format!("[{low}, {high}]");

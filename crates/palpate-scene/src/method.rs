@@ -46,12 +46,12 @@ pub fn method_named(name: &str) -> Result<MethodName, UnknownMethod> {
 /// Reads the name of a method.
 ///
 /// # Errors
-/// As [`method_named`], and what is no text.
+/// Those of [`method_named`], or the value is not a string.
 pub fn deserialize_method<'de, D: Deserializer<'de>>(from: D) -> Result<MethodName, D::Error> {
     method_named(&String::deserialize(from)?).map_err(D::Error::custom)
 }
 
-/// Reads settings under their keys, such as those that stand under `[methods.hfcr]` of a scene.
+/// Reads settings under their keys, such as those in the table `[methods.hfcr]` of a scene.
 ///
 /// # Errors
 /// A key that no method has; a value that no method takes under that key.
@@ -102,7 +102,7 @@ impl<'de> Deserialize<'de> for Key {
                     .map(|setting| format!("`{}`", setting.key))
                     .collect();
                 let known = known.join(", ");
-                // As the reader itself says it of the keys of other tables.
+                // Same wording as the deserialiser's message for other tables.
                 D::Error::custom(format!("unknown field `{given}`, expected one of {known}"))
             })
     }
@@ -145,7 +145,7 @@ impl Visitor<'_> for Value {
     type Value = ParameterValue<f64>;
 
     fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        // The method that takes the most under the key says what it may be.
+        // Describe the allowed values by the method that accepts the most.
         let deriving = self.settings().find(|setting| setting.takes_auto());
         let Some(setting) = deriving.or_else(|| self.settings().next()) else {
             return f.write_str("the value of a setting");

@@ -1,4 +1,4 @@
-//! What a scene states: each parameter with its key.
+//! Parameters of a scene, each with its key.
 
 use palpate::{Parameter, ParameterName};
 
@@ -7,7 +7,7 @@ use palpate::{Parameter, ParameterName};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)] // each stands beside its key
 pub enum SceneParameter {
-    /// What a renderer is told.
+    /// Parameter of the renderer's model.
     Rendered(Parameter),
     ObjectRadius,
     DevicePosition,
@@ -59,7 +59,7 @@ impl From<Parameter> for SceneParameter {
 }
 
 impl SceneParameter {
-    /// Its key in a scene file, with the table that the key stands in.
+    /// Returns the key in a scene file, with its table.
     #[must_use]
     pub fn key(self) -> &'static str {
         match self {
@@ -136,7 +136,7 @@ fn key_of_rendered(parameter: Parameter) -> &'static str {
         Parameter::Resonance => "told.resonance_hz",
         Parameter::ResonanceDampingRatio => "told.resonance_damping_ratio",
         Parameter::FlexibleMassFraction => "told.flexible_mass_fraction",
-        // A scene says none of these.
+        // Parameters without a key in scenes.
         Parameter::DerivedDamping
         | Parameter::AxisOrigin
         | Parameter::AxisNormal

@@ -10,12 +10,12 @@ use toml::de::{DeArray, DeTable, DeValue};
 use super::fault::in_plain_words;
 use super::toml_reader::{Missing, ReadError, from_table};
 
-/// A fault's bytes and what is wrong.
+/// Byte range of a fault, and its message.
 pub(super) type Fault = (Range<usize>, String);
 
-/// What is left of a file without the keys that are at fault.
+/// Result of reading a file without the faulty keys.
 pub(super) struct Recovered<T> {
-    /// What it says; none where it says nothing without them.
+    /// The value; `None` if the remaining keys are insufficient.
     pub read: Option<T>,
     /// Every fault of its keys and types.
     pub faults: Vec<Fault>,
@@ -27,7 +27,7 @@ pub(super) struct Recovered<T> {
     pub removed: HashSet<String>,
 }
 
-/// What `source` says, without the keys that are at fault.
+/// Reads `source` without the faulty keys.
 pub(super) fn read<T: DeserializeOwned>(source: &str) -> Recovered<T> {
     let mut faults = Vec::new();
     let fault = |error: &ReadError| {
@@ -89,8 +89,8 @@ pub(super) fn read<T: DeserializeOwned>(source: &str) -> Recovered<T> {
     }
 }
 
-/// Takes the innermost entry whose key or value stands at a place that `is_it` out of `table`; its key
-/// with those of the tables that it stood in.
+/// Removes the innermost entry whose key or value has a span that satisfies `is_it`. Returns its key, with the keys of
+/// the enclosing tables.
 fn take_out(table: &mut DeTable<'_>, is_it: &dyn Fn(Range<usize>) -> bool) -> Option<String> {
     for (key, value) in table.iter_mut() {
         let found = match value.get_mut() {
@@ -110,7 +110,7 @@ fn take_out(table: &mut DeTable<'_>, is_it: &dyn Fn(Range<usize>) -> bool) -> Op
     Some(key.into_inner().into_owned())
 }
 
-/// The same in an array of tables, each with its number from 0 for a key; none in an array of values.
+/// Removes an entry from an array of tables, using its index from 0 as the key; returns `None` for an array of values.
 fn take_out_of_tables(
     items: &mut DeArray<'_>,
     is_it: &dyn Fn(Range<usize>) -> bool,
@@ -122,7 +122,7 @@ fn take_out_of_tables(
             return Some(format!("{index}.{found}"));
         }
     }
-    // A table among numbers is taken out with them: a list that is shorter by it would be said to be too short.
+    // Remove a mixed array as a whole: without the table it would be reported as too short.
     if !items.iter().all(|item| item.get_ref().is_table()) {
         return None;
     }
@@ -181,7 +181,7 @@ mod tests {
         );
         assert!(said[1].starts_with("c: unknown key c"), "{said:?}");
 
-        // A value that is needed cannot be left out; it is not said to be missing beside that.
+        // A required value cannot be removed; it is not additionally reported as missing.
         let (is_read, said) = faults("three = \"x\"\n[one]\na = \"y\"\n[two]\nb = true\n");
         assert!(!is_read);
         assert_eq!(said.len(), 3, "{said:?}");
@@ -190,7 +190,7 @@ mod tests {
         assert!(said[2].ends_with("the key a is missing"), "{said:?}");
     }
 
-    /// A choice that is left without its value is no second fault.
+    /// A choice that has lost its value is not a second fault.
     #[test]
     fn a_fault_inside_a_choice_is_the_only_one() {
         #[derive(serde::Deserialize)]

@@ -1,4 +1,4 @@
-//! What is not perfect about a scene's loop.
+//! Timing imperfections of a scene's loop.
 
 use std::ops::Range;
 
@@ -20,9 +20,9 @@ use super::parameter::SceneParameter;
 /// Imperfections of a loop besides its delay; none by default.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Timing {
-    /// How much later than after the delay a command may come, evenly from 0 `[s]`.
+    /// Largest additional delay of a command, uniform from 0 `[s]`.
     pub command_jitter: f64,
-    /// How far a sample lies from its instant.
+    /// Deviation of a sample from its instant.
     pub jitter: Jitter,
     /// Samples that are not taken.
     pub dropped: Dropped,
@@ -69,8 +69,8 @@ impl RawLoop {
         }
     }
 
-    /// The delay, and the other imperfections; the place of a key that stands alone or
-    /// beside one that it excludes.
+    /// Returns the delay and the other imperfections, or the span of a key that lacks a required key or conflicts with
+    /// another one.
     pub fn timing(
         self,
         places: &mut Places<SceneParameter>,
@@ -141,7 +141,7 @@ impl RawLoop {
 }
 
 impl Timing {
-    /// Whether every sample is taken on its instant and commands come after the delay.
+    /// Returns whether every sample is on time and every command has the constant delay.
     #[must_use]
     pub fn is_perfect(&self) -> bool {
         *self
@@ -192,7 +192,7 @@ impl Scene {
         }
     }
 
-    /// The samples and commands of the loop over so many periods.
+    /// Returns the samples and commands of the loop over `periods` periods.
     pub fn timeline(&self, periods: usize) -> Result<Timeline, InvalidParameter> {
         match self.device.sampled_as_recorded() {
             Some(hand) => {

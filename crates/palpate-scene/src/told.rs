@@ -1,4 +1,4 @@
-//! What a renderer is told of the loop's actuator.
+//! Renderer's model of the loop's actuator.
 
 use palpate::{Actuation, LARGEST_DELAY, Parameter, Range, Transmission};
 use serde::Deserialize;
@@ -8,9 +8,9 @@ use super::fault::Places;
 use super::parameter::SceneParameter as Of;
 use super::{Delay, Scene};
 
-/// What stands in place of the truth, or beside it; nothing by default. Without it a renderer is told the
-/// delay of whole samples or of `delay_s`, the lag and the gain as they are, without any deviation. It is
-/// not told a fraction of a period, nor the jitter of commands.
+/// Overrides of true values, and their standard deviations; all `None` by default. Without an override, the renderer's
+/// model has the true lag and gain and the delay of whole samples or of `delay_s`, without deviations. A fraction of a
+/// period and the jitter of commands are unmodelled.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Told {
     /// Delay `[s]`.
@@ -27,8 +27,7 @@ pub struct Told {
     pub gain_deviation: Option<f64>,
     /// Standard deviation of the position sensor's error `[m]`, where it is more than the quantum makes.
     pub sensor_noise: Option<f64>,
-    /// What is flexible between the motor and the rest of the device: nothing that a renderer knows of,
-    /// where nothing is told.
+    /// Model of the flexible transmission between the motor and the rest of the device; `None`: unmodelled.
     pub transmission: Option<Transmission<f64>>,
 }
 
@@ -39,7 +38,7 @@ pub fn quantum_of(noise: f64) -> f64 {
     12.0_f64.sqrt() * noise
 }
 
-/// `[told]` of a scene file.
+/// Table `[told]` of a scene file.
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawTold {
@@ -56,7 +55,7 @@ pub(super) struct RawTold {
 }
 
 impl RawTold {
-    /// The place of a key of a transmission that stands without the others, and what is wrong.
+    /// Returns the span of a transmission key that is given without the others, and the error.
     pub fn alone(&self) -> Option<(std::ops::Range<usize>, String)> {
         let keys = [
             &self.resonance_hz,
@@ -129,7 +128,8 @@ impl Told {
 }
 
 impl Scene {
-    /// The quantum that a renderer is told `[m]`: the larger one of the sensor's own quantum and of what the told noise means.
+    /// Returns the model value of the position quantum `[m]`: the sensor's own quantum, or the equivalent of the model
+    /// noise if that is larger.
     #[must_use]
     pub fn told_quantum(&self) -> f64 {
         let quantum = self.device.encoder_quantum();
@@ -138,8 +138,8 @@ impl Scene {
             .map_or(quantum, |noise| quantum_of(noise).max(quantum))
     }
 
-    /// What a renderer is told of delay, lag and gain: what is true, but for [`Told`], and at most as long
-    /// a delay as a renderer can be told.
+    /// Returns the renderer's model of delay, lag and gain: the true values, overridden by [`Told`]. The delay is
+    /// limited to the largest one that a renderer supports.
     #[must_use]
     pub fn told_actuation(&self) -> Actuation<f64> {
         let (period, told) = (self.loop_params.period, &self.told);

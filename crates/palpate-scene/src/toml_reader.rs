@@ -16,7 +16,7 @@ use serde_spanned::de::is_spanned;
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
-/// What is wrong with a table, and where: the span is that of the innermost value that is wrong.
+/// Error in a table; its span is that of the innermost wrong value.
 #[derive(Debug)]
 pub(super) struct ReadError(Box<Wrong>);
 
@@ -27,7 +27,7 @@ struct Wrong {
     missing: Option<Missing>,
 }
 
-/// What a table lacks.
+/// Missing item of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Missing {
     /// The key of this name.
@@ -42,12 +42,12 @@ impl ReadError {
         self.0.span.clone()
     }
 
-    /// What is wrong, in the words of serde.
+    /// Returns the error message of serde.
     pub fn message(&self) -> &str {
         &self.0.message
     }
 
-    /// What is missing, if that is what is wrong.
+    /// Returns the missing item, if one is missing.
     pub fn missing(&self) -> Option<Missing> {
         self.0.missing
     }
@@ -110,7 +110,7 @@ pub(super) fn from_table<T: DeserializeOwned>(
     })
 }
 
-/// Something that is read, and where it stands.
+/// A value being read, with its span.
 #[derive(Clone)]
 struct Item<'t> {
     what: What<'t>,
@@ -123,7 +123,7 @@ enum What<'t> {
     Value(&'t DeValue<'t>),
     /// The name of a key, or of a field that [`Spanned`] asks for.
     Name(&'t str),
-    /// Where something stands that [`Spanned`] asks for.
+    /// Start or end of a span that [`Spanned`] requests.
     Place(usize),
 }
 
@@ -204,7 +204,7 @@ impl<'t> Deserializer<'t> for Item<'t> {
                 What::Value(DeValue::Array(values)) => {
                     let mut items = Items(values.iter());
                     let read = visitor.visit_seq(&mut items);
-                    // What a list has more than is read of it would be lost without a word.
+                    // Reject a list with more items than are read; they would be lost silently.
                     match (read, items.0.len()) {
                         (Ok(_), left @ 1..) => {
                             let (all, read) = (values.len(), values.len() - left);
@@ -251,7 +251,7 @@ impl<'t> Deserializer<'t> for Item<'t> {
         visitor: V,
     ) -> Result<V::Value, ReadError> {
         match fields {
-            // The span's start, its end, and what stands there.
+            // The span's start, its end, and the value.
             [start, end, value] if is_spanned(name) => {
                 let span = self.span.clone();
                 visitor.visit_map(Entries {
@@ -402,7 +402,7 @@ impl<'t> SeqAccess<'t> for &mut Items<'t> {
     }
 }
 
-/// A name, or a table of one key: the name of a variant and what it contains.
+/// A name, or a table of one key: the name of a variant and its content.
 struct Variant<'t> {
     name: Item<'t>,
     content: Option<Item<'t>>,
@@ -481,7 +481,7 @@ mod tests {
         pair: Option<[i64; 2]>,
     }
 
-    /// What is read, or where and what is wrong.
+    /// Returns the value, or the span and the error.
     fn read(source: &str) -> Result<File, String> {
         from_text(source)
             .map_err(|error| format!("{}: {error}", &source[error.span().unwrap_or(0..0)]))

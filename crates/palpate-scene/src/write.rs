@@ -11,16 +11,16 @@ use super::{
 };
 use crate::method::{MethodName, Settings};
 
-/// Something of a scene that scene files have no key for.
+/// Part of a scene for which scene files have no key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a scene file cannot say {0}")]
 pub struct Unwritable(&'static str);
 
 impl Scene {
-    /// The scene as a file that reads back to the same bits.
+    /// Returns the scene as a file that reads back to the same bits.
     ///
     /// # Errors
-    /// A hand that follows a recording, or a linkage that is no preset: files of their own.
+    /// The hand follows a recording, or the linkage is not a preset; these need separate files.
     pub fn to_toml(&self) -> Result<String, Unwritable> {
         // Taken apart, so that what is added to a scene cannot be forgotten here.
         let Self {
@@ -52,7 +52,7 @@ impl Scene {
             speed_limit,
             force_limit,
             slew_limit,
-            // Of a scene it is `delay`, `timing`, `actuator` and `told`.
+            // In a scene: `delay`, `timing`, `actuator` and `told`.
             actuation: _,
             guard,
         } = *loop_params;

@@ -2,7 +2,7 @@
 
 import { roundStep } from "./range.js";
 
-// How far beyond what has to be seen the axis goes on, as a part of it.
+// Margin of the axis beyond the visible data, as a fraction of it.
 const MARGIN = 0.08;
 
 export class Axis {

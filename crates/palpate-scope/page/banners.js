@@ -1,4 +1,4 @@
-// What has to be seen at once: the server is gone, the loop is over, a force was cut off.
+// Banners for urgent events: lost server, ended loop, disabled force.
 
 export class Banners {
   constructor(root) {

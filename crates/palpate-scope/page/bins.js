@@ -1,5 +1,5 @@
-// Rows taken together for drawing: of each bin of time its least and its greatest value, so that no peak is lost
-// however few pixels there are. Bins stand at multiples of their width, so a curve that scrolls does not shimmer.
+// Bins of rows for drawing. Each bin of time has its minimum and maximum, so no peak is lost at any number of pixels.
+// Bins start at multiples of their width, so a scrolling curve does not shimmer.
 
 /** In a binned curve: nothing falls into this place, the line goes on to the next. */
 export const EMPTY = NaN;

@@ -1,4 +1,4 @@
-// The fields of what is touched, and of the rate at which that is rendered.
+// Fields of the contact and of the rendering rate.
 
 import { Field, number } from "./field.js";
 import { say } from "./protocol.js";

@@ -1,4 +1,4 @@
-// What is in the buffers, as a table.
+// Table of the buffered rows.
 
 const FORMAT = "palpate_scope_1";
 const ROWS_AT_ONCE = 4000;

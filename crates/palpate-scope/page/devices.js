@@ -22,7 +22,7 @@ export function devicesOf({ device, further_devices = [], world }) {
 }
 
 /**
- * Where each hand wants to be [m] and how it wants to be turned, w, x, y, z; null where it lets go or is as it began.
+ * Target of each hand [m] and its target orientation, w, x, y, z; null after a release, or for the initial orientation.
  *
  * @param {object | null} state
  * @returns {{hand_m: number[] | null, hand_orientation: number[] | null}[]}

@@ -15,8 +15,8 @@ export class Field {
    * @param {{label: string, unit: string, limits: [number, number], write?: (value: number) => string,
    *     read?: (text: string) => number | null, empty?: string, slides?: boolean,
    *     says?: (value: number) => number, set: (said: number | null) => void}} how
-   *     `write` and `read`: between the value and its text; `empty`: what an empty text stands for (null), if it may be;
-   *     `says`: what is said to the server of a value
+   *     `write` and `read`: conversions between the value and its text; `empty`: label of an allowed empty text (null);
+   *     `says`: the value that is sent to the server
    */
   constructor({ label, unit, limits, empty, set, slides = true, write = plain, read = number, says = itself }) {
     made += 1;
@@ -113,11 +113,12 @@ export class Field {
 
   place(changed = true) {
     if (performance.now() >= this.busyUntil) {
-      // What is being typed is not written over by news of something else.
+      // Do not overwrite text that is being typed.
       if (changed || document.activeElement !== this.input) {
         this.write();
       }
-      // Where it stands for this value already it stays: several places do for 0, and keys have to get across them.
+      // Keep a slider position that already maps to this value: several positions map to 0, and keys must move past
+      // them.
       if (this.current === null || this.scale.value(Number(this.slider.value) / STEPS) !== this.current) {
         this.slider.value = String(Math.round(STEPS * (this.current === null ? 0 : this.scale.place(this.current))));
       }
@@ -131,8 +132,8 @@ export class Field {
   }
 
   /**
-   * Shows why a value was refused, and goes back to the one that counts; an empty text takes the reason away. What the
-   * field then shows is right, so the field itself is not marked.
+   * Shows the reason for a rejected value and restores the current one; an empty text removes the reason. The field
+   * then shows a valid value, so it is not marked as invalid.
    */
   refuse(text) {
     this.refusal.textContent = text;

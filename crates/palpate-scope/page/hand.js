@@ -109,7 +109,7 @@ export class Hand {
     }[event.key];
     if (to) {
       event.preventDefault();
-      // What was pressed before is on its way, though the server has not said so yet.
+      // Earlier key presses are already on their way, although the server has not confirmed them.
       this.keyedM = this.within(to());
       this.keyedAtMs = event.timeStamp;
       this.pending = this.keyedM;

@@ -1,4 +1,4 @@
-// What the hand is to do next, from when it is asked for until the server says so.
+// Requested target of the hand, until the server confirms it.
 
 import { Turns } from "./pace.js";
 
@@ -30,7 +30,7 @@ export class HandTarget {
    * With each frame of the screen, at this time [s].
    *
    * @param {number} nowS
-   * @param {number[] | null | undefined} told what the server says that the hand does
+   * @param {number[] | null | undefined} told target of the hand according to the server
    * @param {(value: number[]) => boolean} send whether it was sent
    */
   frame(nowS, told, send) {

@@ -1,6 +1,5 @@
-// How binned curves are drawn. Where a bin is a dot the curve is a line; where it is a band, from its least to its
-// greatest value, it is a filled bar: a line that goes up and down in every pixel costs a browser many times as much,
-// and looks the same.
+// Drawing of binned curves. Single-point bins form a line. Bins with a range form a filled bar from minimum to maximum:
+// a line that goes up and down in every pixel costs a browser many times as much and looks the same.
 
 import { BREAK } from "./bins.js";
 

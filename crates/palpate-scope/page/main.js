@@ -20,7 +20,7 @@ import { Toolbar } from "./toolbar.js";
 import { tripInWords } from "./trips.js";
 import { View } from "./view.js";
 
-// Somebody who wants less motion sees the charts go on this often.
+// Update interval of the charts if the user prefers reduced motion.
 const STILL_S = 0.5;
 const READ_OUT_S = 0.1;
 // A sentence that changes more often is not read.
@@ -137,7 +137,7 @@ model.addEventListener("refused", ({ detail: { about, text } }) => {
     methods.refuse(text);
   }
   if (model.state) {
-    // Nothing has changed, so nobody tells the state: what shows a request shows the state again.
+    // The state has not changed, so the server sends none: replace the displayed request by the state.
     methods.take(model.state);
     contact.take(model.state);
     told.take(model.state);

@@ -1,4 +1,4 @@
-// What the page knows of the loop: what the server has said, and the rows that have come.
+// State of the loop on the page: the server's messages, and the received rows.
 
 import { PROTOCOL, isGrouped } from "./protocol.js";
 import { Ring } from "./ring.js";
@@ -8,7 +8,7 @@ export const CAPACITY = 200_000;
 const NOTES = 200;
 // By how much the time of a loop may differ from the clock here, over a connection that was lost [s].
 const CLOCKS_APART_S = 1;
-// The first stands still while the computer sleeps, in some browsers; the second is set now and then.
+// In some browsers the first clock stops while the computer sleeps; the second may be adjusted.
 const CLOCKS = [() => performance.now() / 1000, () => Date.now() / 1000];
 // Of a loop that was over before this page came.
 const NOT_RUNNING = "Restart begins it anew";
@@ -83,7 +83,7 @@ export class Model extends EventTarget {
     this.lastEnd = NOT_RUNNING;
     this.takeEnd(null);
     if (isNew) {
-      // Another loop, whatever the number of its run: what was looked at of the one before is gone.
+      // Another loop, even with the same run number: discard the data of the previous one.
       this.run = null;
       this.notes = [];
       this.recordedFiles = [];
@@ -227,8 +227,8 @@ export class Model extends EventTarget {
   }
 
   /**
-   * What a column of a lane was within the last seconds. Where rows are groups there is no mean: least and greatest are
-   * no more than the bounds of what lay between. NaN and an empty range where there is no value.
+   * Range and mean of a column of a rendering over the last seconds. Grouped rows have no mean: minimum and maximum are
+   * only bounds of the values in between. NaN and an empty range if there is no value.
    *
    * @returns {{least: number, greatest: number, mean: number, grouped: boolean, nearest: number}} `nearest`: the newest
    *     value; of the newest group, that of its two which is nearer to 0, or 0 if it lies between

@@ -1,4 +1,4 @@
-// What a page says about its server and its loop: the connection, the loop's end, and the loop's notes.
+// Messages about server and loop: the connection, the loop's end, and its notes.
 
 /** Most notes in the list. */
 const MOST_NOTES = 200;

@@ -1,5 +1,5 @@
-// How often something is done with the frames of the screen. The charts are drawn as often as the screen where that is cheap. Where it is not, the scene and the hand come
-// first, and the charts leave frames out.
+// Pacing of work on screen frames. The charts are drawn in every frame if that is cheap. Otherwise the scene and the
+// hand have priority, and the charts skip frames.
 
 const MOST_LEFT_OUT = 6;
 const FRAME_MS = 1000 / 60;

@@ -1,4 +1,4 @@
-// The scene and the charts as they stand, on one canvas, with what they show written on it.
+// Image of the present scene and charts on one canvas, with labels.
 
 import { digits, quantity } from "./si.js";
 import { theme } from "./theme.js";

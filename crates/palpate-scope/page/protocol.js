@@ -1,4 +1,4 @@
-// What the server says in binary frames, and what is said to it. docs/scope.md has the protocol.
+// Binary frames of the server, and messages to the server; docs/scope.md describes the protocol.
 
 /** The version of the protocol that this page speaks. */
 export const PROTOCOL = 1;
@@ -69,7 +69,7 @@ export function readWorld(bytes) {
  * keeps the lowest byte first, as the frames do.
  *
  * @param {ArrayBuffer} bytes
- * @param {number} columns how many `hello` has told of
+ * @param {number} columns number of columns in `hello`
  * @returns {{lane: number, number: number, run: number, rows: number, startS: number, afterS: Float32Array,
  *     values: Float32Array}} `values` holds the columns one after the other, `rows` each
  */

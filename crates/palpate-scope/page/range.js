@@ -16,7 +16,7 @@ export function roundStep(size) {
 export class SteadyRange {
   /**
    * @param {{least: number, zero?: boolean, below?: number}} how `least`: the smallest range; `zero`: 0 is always in it;
-   *     `below`: what is negative is shown down to this part of what is positive
+   *     `below`: largest negative part of the range, as a fraction of the positive part
    */
   constructor({ least, zero = true, below = Infinity }) {
     this.how = { least, zero, below };

@@ -1,4 +1,4 @@
-// What the server refuses, as people read it: the server names values by the keys of its messages.
+// Error messages of the server in the words of the page: the server names values by the keys of its messages.
 
 import { plain } from "./si.js";
 
@@ -28,8 +28,8 @@ export function limitsInWords(limits, unit, write = plain) {
 }
 
 /**
- * The key that a refusal is about, and its words: with the label and the unit of the field, and none of the server's
- * keys. What is about no value that has limits is taken as it is.
+ * The key of a refusal, and its text with the label and unit of the field in place of the server's keys. A text without
+ * a limited value is returned unchanged.
  *
  * @param {string} text @param {object} periodAs `RATE`: a period that is refused was entered as a rate
  */

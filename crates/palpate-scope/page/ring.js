@@ -48,10 +48,10 @@ export class Ring {
   }
 
   /**
-   * Adds the rows of a frame, and lets go of the oldest where there is no room.
+   * Adds the rows of a frame, and discards the oldest rows if there is no space.
    *
    * @param frame as `readSamples` gives it
-   * @param {{grouped?: boolean, settings?: number, keepFromS?: number}} how rows from `keepFromS` on are not let go of
+   * @param {{grouped?: boolean, settings?: number, keepFromS?: number}} how rows from `keepFromS` on are kept
    * @returns {boolean} false if that leaves no room; nothing was added then
    */
   append(frame, { grouped = false, settings = 0, keepFromS = Infinity } = {}) {

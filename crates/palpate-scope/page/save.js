@@ -1,4 +1,4 @@
-// Files that the page hands over to whoever looks at it.
+// Files that the user can save from the page.
 
 import { table } from "./csv.js";
 import { picture } from "./picture.js";
@@ -35,7 +35,7 @@ export async function saveTable(model) {
   const parts = [];
   for (const part of table(model.names, lanes, [...model.settings], model.settingsFrom, about)) {
     parts.push(part);
-    // The page goes on drawing in between.
+    // Let the page draw in between.
     await new Promise((go) => setTimeout(go));
   }
   handOver(new Blob(parts, { type: "text/csv" }), nameOf("csv"));

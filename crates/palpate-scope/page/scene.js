@@ -260,7 +260,7 @@ export class Scene {
     const { context, pxPerN } = this;
     context.fillStyle = colour;
     if (greatest - least > 0.01 * this.forceForFull) {
-      // Where the force has been a moment ago: a contact that buzzes is seen.
+      // Range of the recent force, which makes a buzzing contact visible.
       context.globalAlpha = 0.22;
       const from = y - greatest * pxPerN;
       context.fillRect(x - 5, from, 10, (greatest - least) * pxPerN);

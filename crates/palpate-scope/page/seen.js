@@ -1,4 +1,4 @@
-// What is seen, in one sentence: how much energy each method has created within the last seconds.
+// One-sentence summary: the energy that each method has generated within the last seconds.
 
 import { digits, quantity } from "./si.js";
 

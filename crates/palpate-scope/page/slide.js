@@ -1,6 +1,6 @@
-// Where a value stands on a slider from 0 to 1: by its logarithm, so that every decade has the same room.
+// Position of a value on a slider from 0 to 1, logarithmic: every decade has the same length.
 
-// What a slider that begins at 0 tells apart from 0: this many decades below its other end.
+// Smallest value above 0 of a slider that begins at 0: this many decades below its other end.
 const DECADES = 5;
 
 /**

@@ -244,7 +244,7 @@ class LaneScene {
       this.scene.add(mesh);
       return mesh;
     });
-    // What the world meets in the device's place.
+    // Proxies of the devices.
     this.tools = world.tools.map((tool) => {
       const mesh = solid(tool.shape, theme.lanes[lane], false);
       mesh.position.set(...tool.position_m);
@@ -351,8 +351,8 @@ class Arrows {
 }
 
 /**
- * From where one looks at tools at first, an angle about z [rad]: several stand beside each other, so that the body between two
- * of them hides none.
+ * Initial view direction for several tools, an angle about z [rad]: the tools appear next to each other, so a body
+ * between two of them does not hide either.
  */
 export function across(tools) {
   const [first, last] = [tools[0], tools.at(-1)].map((tool) => tool?.position_m ?? [0, 0, 0]);

@@ -1,4 +1,4 @@
-// How the loop keeps time, what was lost, who looks on, and what is being recorded.
+// Timing of the loop, losses, number of clients, and the recording.
 
 import { bytes, digits, duration, quantity } from "./si.js";
 
@@ -96,7 +96,7 @@ export class Status {
     const { recording } = this.places;
     const said = failed ? `Recording has failed: ${failed}` : text;
     if (recording.textContent !== said) {
-      // What is counted is not read out, with every count; a failure is, once.
+      // Screen readers announce a failure once, and not every count.
       if (failed) {
         recording.setAttribute("role", "alert");
       } else {

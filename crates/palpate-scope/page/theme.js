@@ -1,4 +1,4 @@
-// Colours and fonts for what is drawn on a canvas, from the style sheet: light and dark are chosen there only.
+// Colours and fonts for canvas drawings, from the style sheet: only it selects light or dark.
 
 const NAMES = ["paper", "panel", "ink", "quiet", "rule", "grid", "solid", "fixed", "alarm", "lane-1", "lane-2"];
 

@@ -1,4 +1,4 @@
-// The fields of what the renderer is told of the device: they change no device.
+// Fields of the device's model values; they do not change the device.
 
 import { Field, number } from "./field.js";
 import { say } from "./protocol.js";

@@ -1,4 +1,4 @@
-// The names of several tools, beside each of them; those that the mouse moves stand out.
+// Labels of several tools; tools moved by the mouse are highlighted.
 
 /** How far below a tool its name stands [px]. */
 const BELOW_PX = 4;

@@ -1,4 +1,4 @@
-// What stands above the charts: pause, time shown, zoom, which charts, exports.
+// Toolbar above the charts: pause, visible time, zoom, chart selection, exports.
 
 import { savePicture, saveTable } from "./save.js";
 import { SPANS_S } from "./view.js";

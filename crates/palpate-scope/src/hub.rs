@@ -1,4 +1,4 @@
-//! From the session to its clients: a queue for each, and nobody waits for anybody.
+//! Distribution of the session's messages to its clients: one queue per client, without blocking.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -17,7 +17,7 @@ const KEPT_FOR_TEXT: usize = 64;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClientId(u64);
 
-/// Something on its way to a client.
+/// Pending message to a client.
 #[derive(Clone, Debug)]
 pub enum Outgoing {
     /// A text message.
@@ -26,12 +26,12 @@ pub enum Outgoing {
     Samples(u32, Arc<Frame>),
 }
 
-/// What a client takes from: its messages, and whether it is given up for being too slow.
+/// Receiving end of a client: its messages, and whether the hub has dropped it for being too slow.
 #[derive(Debug)]
 pub struct Seat {
-    /// Who it is.
+    /// Identity of the client.
     pub id: ClientId,
-    /// What is on its way to it.
+    /// Pending messages.
     pub queue: mpsc::Receiver<Outgoing>,
     /// Raised when not even a text finds room any more.
     pub is_given_up: Arc<AtomicBool>,
@@ -41,7 +41,7 @@ pub struct Seat {
 struct Client {
     id: ClientId,
     queue: mpsc::Sender<Outgoing>,
-    /// Number of the next frame, for each lane.
+    /// Number of the next frame of each rendering.
     frames: [u32; 2],
     is_given_up: Arc<AtomicBool>,
 }
@@ -53,7 +53,7 @@ struct Inner {
     state: Utf8Bytes,
 }
 
-/// Everybody who is served.
+/// All connected clients.
 #[derive(Debug, Default)]
 pub struct Hub {
     inner: Mutex<Inner>,
@@ -61,7 +61,7 @@ pub struct Hub {
 }
 
 impl Hub {
-    /// Somebody new: the first messages are greeting and state.
+    /// Adds a client; its first messages are the greeting and the state.
     pub fn join(&self) -> Seat {
         let (queue, receiver) = mpsc::channel(QUEUE);
         let id = ClientId(self.next.fetch_add(1, Ordering::Relaxed));
@@ -86,12 +86,12 @@ impl Hub {
         }
     }
 
-    /// Somebody is gone.
+    /// Removes a client.
     pub fn leave(&self, id: ClientId) {
         self.lock().clients.retain(|client| client.id != id);
     }
 
-    /// What every client is greeted with; those who are there are told, too.
+    /// Sets the greeting for new clients, and sends it to the present ones.
     pub fn set_hello(&self, text: String) {
         let mut inner = self.lock();
         if inner.hello.as_str() != text {
@@ -101,7 +101,7 @@ impl Hub {
         }
     }
 
-    /// The state, for all and for whoever comes.
+    /// Sets the state for new clients, and sends it to the present ones.
     pub fn set_state(&self, text: String) {
         let mut inner = self.lock();
         if inner.state.as_str() != text {
@@ -116,8 +116,8 @@ impl Hub {
         self.lock().tell_all(&text.into());
     }
 
-    /// A text for all that is made of how many they are, with those that are given up and have not gone yet. Nobody comes or goes
-    /// meanwhile: whoever hears it is counted.
+    /// Sends a text that contains the number of clients. The number includes dropped clients that have not left yet.
+    /// The lock is held meanwhile, so every recipient is counted.
     pub fn tell_all_counted(&self, text: impl FnOnce(usize) -> String) {
         let inner = self.lock();
         inner.tell_all(&text(inner.clients.len()).into());
@@ -131,7 +131,7 @@ impl Hub {
         }
     }
 
-    /// A frame for all. Whoever has no room for it finds its number missing.
+    /// Sends a frame to all clients. A client without space in its queue detects the gap in the frame numbers.
     pub fn show(&self, frame: Frame) {
         let frame = Arc::new(frame);
         for client in &mut self.lock().clients {
@@ -147,13 +147,13 @@ impl Hub {
         }
     }
 
-    /// Nothing more will come.
+    /// Closes all clients' queues.
     pub fn close(&self) {
         self.lock().clients.clear();
     }
 
     fn lock(&self) -> std::sync::MutexGuard<'_, Inner> {
-        // Whoever panicked left a list of clients, which is as good as before.
+        // A panic leaves the list of clients valid.
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -192,7 +192,7 @@ mod tests {
         rows.take_frame(0, 0).unwrap()
     }
 
-    /// Who does not take its messages loses samples, by number, and no text; the others lose nothing.
+    /// A slow client loses samples, detectable by their numbers, and no text; the others lose nothing.
     #[test]
     fn a_slow_client_loses_frames_by_number_and_never_a_text() {
         let hub = Hub::default();
@@ -236,7 +236,7 @@ mod tests {
         assert_eq!(clients(&hub), 1);
     }
 
-    /// Whoever hears how many there are is one of them, also who has come while it was being said.
+    /// A client that receives the number of clients is counted, even if it joins at that moment.
     #[test]
     fn whoever_is_told_how_many_there_are_is_counted() {
         let hub = Hub::default();

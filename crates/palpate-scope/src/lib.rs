@@ -1,11 +1,11 @@
-//! A live page on a running loop.
+//! Live web page for a running loop.
 //!
-//! A [`Session`] runs one or two loops and listens to them; a [`Server`] serves a page that shows what
-//! they do, leads the hand and changes what is rendered. `docs/scope.md` says what page and server
-//! tell each other. The loops wait for neither.
+//! A [`Session`] runs one or two loops and receives their ticks. A [`Server`] serves a page that shows them, moves the
+//! hand and changes the rendering. `docs/scope.md` describes the protocol between page and server. The loops never wait
+//! for either.
 //!
-//! Without the feature `server` there is only what page and loop tell each other: [`message`], [`rows`] and
-//! [`Settings`], for a loop that runs where the page does.
+//! Without the feature `server` the crate has only the protocol: [`message`], [`rows`] and [`Settings`], for a loop
+//! that runs in the page itself.
 
 #[cfg(feature = "server")]
 mod hub;

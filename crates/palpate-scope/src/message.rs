@@ -1,4 +1,4 @@
-//! What page and server tell each other in text; `docs/scope.md` has every field.
+//! Text messages between page and server; `docs/scope.md` describes every field.
 
 use palpate_scene::method::{MethodName, SettingKey, deserialize_method};
 use palpate_scene::{Scene, in_plain_words};
@@ -7,26 +7,26 @@ use serde_json::{Map, Value};
 
 use crate::rows::columns;
 
-/// What a client asks for.
+/// Request of a client.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ClientRequest {
-    /// Where the pointer's hand wants to be `[m]`; none lets go.
+    /// Target of the pointer's hand `[m]`; `None` releases the device.
     Hand(Option<f64>),
-    /// Where the hand of a device wants to be in a world.
+    /// Target position of the hand of a device in a world.
     Tool {
         /// Number of the device, in the order of the world's tools; 0 if it is not given.
         device: usize,
-        /// The place `[m]`; none lets go.
+        /// The position `[m]`; `None` releases the device.
         position: Option<[f64; 3]>,
     },
-    /// How the hand of a device wants to be turned in a world.
+    /// Target orientation of the hand of a device in a world.
     Turn {
         /// Number of the device, in the order of the world's tools; 0 if it is not given.
         device: usize,
         /// A unit quaternion `[w, x, y, z]`; none is as it began.
         orientation: Option<[f64; 4]>,
     },
-    /// What is to be rendered.
+    /// Changes the settings.
     Set(Set),
     /// Loops, devices and objects begin again.
     Restart,
@@ -36,7 +36,7 @@ pub enum ClientRequest {
     Record(bool),
 }
 
-/// What is to be rendered; what is not given stays.
+/// Settings to change; missing fields stay unchanged.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Set {
@@ -49,19 +49,19 @@ pub struct Set {
     pub virtual_force_n: Option<f64>,
     /// Period `[s]`.
     pub period_s: Option<f64>,
-    /// Mass of the device as the renderer is told `[kg]`.
+    /// Model value of the device mass `[kg]`.
     pub told_device_mass_kg: Option<f64>,
-    /// Delay as the renderer is told `[s]`.
+    /// Model value of the delay `[s]`.
     pub told_delay_s: Option<f64>,
-    /// Lag as the renderer is told `[s]`.
+    /// Model value of the lag `[s]`.
     pub told_lag_s: Option<f64>,
-    /// Gain as the renderer is told.
+    /// Model value of the gain.
     pub told_gain: Option<f64>,
-    /// Methods, one for each lane.
+    /// Methods, one for each rendering.
     pub lanes: Option<Vec<LaneChoice>>,
 }
 
-/// Method of a lane.
+/// Method of a rendering.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LaneChoice {
@@ -77,19 +77,19 @@ fn by_name<S: Serializer>(method: &MethodName, serializer: S) -> Result<S::Ok, S
     serializer.serialize_str(method.name())
 }
 
-/// A value that is there, be it null.
+/// Distinguishes `null` from a missing value.
 fn given<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Option<f64>>, D::Error> {
     Option::deserialize(deserializer).map(Some)
 }
 
-/// What becomes of a text.
+/// Result of reading a text.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ClientMessage {
-    /// It is a request.
+    /// Valid request.
     Request(ClientRequest),
-    /// It is one with wrong values: its type, and what is wrong.
+    /// A request with invalid values: its type, and the error.
     Refused(&'static str, String),
-    /// It is nothing that this server knows.
+    /// Unknown type of request.
     Unknown(&'static str),
 }
 
@@ -184,13 +184,13 @@ fn request(kind: &str, fields: Map<String, Value>) -> Result<ClientRequest, Stri
     })
 }
 
-/// What the server says.
+/// Message of the server.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum ServerMessage<'a> {
     /// First of all.
     Hello {
-        /// Version of what is said here.
+        /// Version of this protocol.
         protocol: u32,
         /// Version of palpate.
         version: &'a str,
@@ -200,13 +200,13 @@ pub enum ServerMessage<'a> {
         columns: Vec<ToldColumn>,
         /// Methods there are.
         methods: Vec<Method>,
-        /// What may be set.
+        /// Limits of the settings.
         limits: crate::settings::Limits,
         /// The device.
         device: DeviceSaid<'a>,
         /// 1 if the object lies at greater positions than the device, else -1.
         side: i8,
-        /// What to show of the axis at first `[m]`.
+        /// Initially visible range of the axis `[m]`.
         view_m: [f64; 2],
     },
     /// After the greeting, and whenever it changes.
@@ -219,41 +219,41 @@ pub enum ServerMessage<'a> {
         virtual_force_n: f64,
         /// Period `[s]`.
         period_s: f64,
-        /// What the renderer is told of the device.
+        /// Model values of the device.
         #[serde(flatten)]
         told: ToldState,
         /// The lanes.
         lanes: Vec<LaneState>,
         /// The recording that is being made.
         recording: Option<RecordingState>,
-        /// Where the hand wants to be `[m]`.
+        /// Target of the hand `[m]`.
         hand_m: Option<f64>,
     },
     /// Twice a second.
     Status {
-        /// How many are served.
+        /// Number of clients.
         clients: usize,
         /// The lanes.
         lanes: Vec<LaneStatus>,
         /// The recording that is being made.
         recording: Option<RecordingStatus>,
     },
-    /// Something that happened.
+    /// An event.
     Note {
         /// Lane, from 0.
         lane: usize,
-        /// When `[s]`.
+        /// Time `[s]`.
         t_s: f64,
-        /// What kind of thing.
+        /// Kind of the event.
         kind: &'a str,
         /// What.
         text: &'a str,
     },
-    /// What is wrong with a message.
+    /// Error in a message.
     Refused {
         /// Its type.
         about: &'a str,
-        /// What is wrong, and what is allowed.
+        /// The error and the allowed values.
         text: &'a str,
     },
     /// The loop is over.
@@ -264,7 +264,7 @@ pub enum ServerMessage<'a> {
 }
 
 impl<'a> ServerMessage<'a> {
-    /// What is said first, of `scene` on a device, with the limits of what may be set.
+    /// Creates the greeting: `scene` on a device, and the limits of the settings.
     #[must_use]
     pub fn hello(
         scene: &'a Scene,
@@ -297,7 +297,7 @@ impl<'a> ServerMessage<'a> {
         }
     }
 
-    /// As it is sent.
+    /// Returns the message as JSON text.
     #[must_use]
     pub fn text(&self) -> String {
         // Keys are strings and nothing else can fail.
@@ -318,7 +318,7 @@ impl From<&palpate_record::recording::Column> for ToldColumn {
     fn from(column: &palpate_record::recording::Column) -> Self {
         Self {
             name: column.name,
-            // A column without a unit is told as one with an empty text.
+            // A column without a unit has an empty text as its unit.
             unit: if column.unit == "1" { "" } else { column.unit },
         }
     }
@@ -329,7 +329,7 @@ impl From<&palpate_record::recording::Column> for ToldColumn {
 pub struct Method {
     /// Its name.
     pub name: &'static str,
-    /// What it is.
+    /// Title of the column.
     pub title: &'static str,
     /// Whether it takes a damping.
     pub damping: bool,
@@ -344,13 +344,13 @@ pub struct DeviceSaid<'a> {
     pub axes: usize,
     /// Whether the page leads it.
     pub pointer: bool,
-    /// The most that may reach it `[N]`, if it says so.
+    /// Largest force `[N]`, if known.
     pub largest_force_n: Option<f64>,
-    /// How many lanes it can have.
+    /// Largest number of renderings.
     pub lanes: usize,
 }
 
-/// What the renderer is told of the device.
+/// Model values of the device.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ToldState {
     /// Mass of the device `[kg]`.
@@ -363,15 +363,15 @@ pub struct ToldState {
     pub told_gain: f64,
 }
 
-/// A lane of the state.
+/// State of a rendering.
 #[derive(Clone, Debug, Serialize)]
 pub struct LaneState {
-    /// What it renders by.
+    /// Its method and settings.
     #[serde(flatten)]
     pub choice: LaneChoice,
     /// Whether its loop runs.
     pub running: bool,
-    /// What holds its force at none, if something does.
+    /// Reason for a zero force, after a safety stop.
     pub trip: Option<String>,
     /// The method whose held forces are the reason for that, if a method's are: it may not be the one
     /// that renders now.
@@ -381,34 +381,34 @@ pub struct LaneState {
 /// The recording of the state.
 #[derive(Clone, Debug, Serialize)]
 pub struct RecordingState {
-    /// Names of its files, one for each lane.
+    /// Names of its files, one for each rendering.
     pub files: Vec<String>,
     /// Time of the run at which it began `[s]`.
     pub since_s: f64,
 }
 
-/// A lane of the status.
+/// Status of a rendering.
 #[derive(Clone, Debug, Serialize)]
 pub struct LaneStatus {
-    /// Time of the newest tick that was heard of `[s]`.
+    /// Time of the newest received tick `[s]`.
     pub t_s: f64,
-    /// Ticks that were heard of.
+    /// Number of received ticks.
     pub ticks: u64,
     /// Deadlines that were missed.
     pub missed_deadlines: u64,
     /// Ticks without a fresh sample.
     pub without_sample: u64,
-    /// How often the supervisor has commanded no force.
+    /// Number of zero-force commands of the supervisor.
     pub supervisor_cuts: u64,
-    /// How late ticks began.
+    /// Delays of the tick starts.
     pub lateness_s: Spread,
-    /// How long they took.
+    /// Durations of the ticks.
     pub tick_s: Spread,
     /// Ticks that found no room on their way here.
     pub untold: u64,
 }
 
-/// Of durations `[s]`.
+/// Distribution of durations `[s]`.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Spread {
     /// Half do not exceed it.
@@ -428,7 +428,7 @@ pub struct RecordingStatus {
     pub lost: u64,
     /// Size of its files.
     pub bytes: u64,
-    /// Why it is written no more, if it is not.
+    /// Reason why the recording has stopped, if it has.
     pub failed: Option<String>,
 }
 

@@ -1,8 +1,8 @@
-//! How often something may happen.
+//! Rate limiter.
 
 use std::time::Instant;
 
-/// So many at once, and then so many each second.
+/// Token bucket: a burst size, and a rate per second.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
     at_once: f64,
@@ -12,7 +12,7 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Nothing has happened yet.
+    /// Creates a full bucket.
     pub fn new(at_once: f64, per_second: f64) -> Self {
         Self {
             at_once,

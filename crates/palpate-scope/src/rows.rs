@@ -1,18 +1,18 @@
-//! From ticks to what a page can draw: few enough rows, and every peak in them.
+//! Reduction of ticks to rows that a page can draw, with every peak preserved.
 
 use palpate_record::recording::{self, Column, ContactTick, Flags, Kind, Row, Tick};
 
-/// How many columns a frame has at least.
+/// Smallest number of columns of a frame.
 const WIDTH: usize = live(Tick::COLUMNS) + live(ContactTick::COLUMNS);
 
-/// The columns of a frame, in their order: those of a row that the live page is sent. Further ones of [`Rows::with_further`]
-/// come behind them.
+/// Returns the columns of a frame, in their order: those of a live row. The additional columns of
+/// [`Rows::with_further`] follow.
 pub fn columns() -> impl Iterator<Item = &'static Column> {
     let all = recording::columns().iter().copied();
     all.filter(|column| column.is_live())
 }
 
-/// How many of these columns the live page is sent.
+/// Returns how many of these columns are part of a live row.
 const fn live(columns: &[Column]) -> usize {
     let (mut at, mut count) = (0, 0);
     while at < columns.len() {
@@ -26,12 +26,12 @@ const fn live(columns: &[Column]) -> usize {
 
 /// Below this period, ticks are taken together `[s]`.
 const SHORTEST: f64 = 0.001;
-/// How long a group lasts at least `[s]`.
+/// Shortest duration of a group `[s]`.
 const GROUP: f64 = 0.002;
 /// A period that was rounded is not below another by less than this part.
 const ROUNDING: f64 = 1e-9;
 
-/// The rows of one lane that have not been sent yet.
+/// Pending rows of one rendering.
 #[derive(Clone, Debug)]
 pub struct Rows {
     period: f64,
@@ -67,7 +67,7 @@ impl Extremes {
         }
     }
 
-    /// NaN is no value: it neither is an extreme nor hides one.
+    /// Adds a value; NaN is ignored.
     fn add(&mut self, value: f32) {
         if value.is_nan() {
             return;
@@ -98,7 +98,7 @@ impl Rows {
         Self::with_further(period, 0)
     }
 
-    /// The same, with so many columns behind those of [`columns`].
+    /// Creates rows with `further` additional columns after those of [`columns`].
     #[must_use]
     pub fn with_further(period: f64, further: usize) -> Self {
         Self {
@@ -190,7 +190,7 @@ impl Rows {
 
 /// Bytes before the rows.
 const HEADER: usize = 24;
-/// Where a frame's number stands.
+/// Byte range of a frame's number.
 const NUMBER: std::ops::Range<usize> = 8..12;
 
 /// A frame of samples, as `docs/scope.md` lays it out.
@@ -202,7 +202,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame of these bytes, whose number is put where that of a frame of samples stands.
+    /// Creates a frame of these bytes; its number is inserted at the position that frames of samples use.
     #[cfg(feature = "server")]
     pub(crate) fn new(lane: u8, bytes: Vec<u8>) -> Self {
         Self { lane, bytes }
@@ -287,7 +287,7 @@ mod tests {
         assert!(rows.take_frame(1, 3).is_none());
     }
 
-    /// A peak of one tick at 4 kHz, up or down, stands in the frame with its place in the order.
+    /// A peak of one tick at 4 kHz, up or down, is in the frame in its order.
     #[test]
     fn no_peak_of_a_fast_loop_is_lost() {
         let period = 1.0 / 4000.0;
@@ -324,7 +324,7 @@ mod tests {
         }
     }
 
-    /// Further columns stand behind the others, ticks and groups of them alike.
+    /// Additional columns follow the others, for ticks and for groups of ticks.
     #[test]
     fn further_columns_stand_behind_the_others() {
         for (period, ticks) in [(0.001, 4), (0.00025, 16)] {

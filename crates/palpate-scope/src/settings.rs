@@ -1,4 +1,4 @@
-//! What is rendered, as far as a page can change it.
+//! Settings of a session that a page can change.
 
 use palpate::{LARGEST_DELAY, Mass, MethodParams as _, Parameter, ParameterValue, Side};
 use palpate_rt::Rendering;
@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::message::{LaneChoice, Set, ToldState};
 
-/// What may be set: the least and the greatest of each.
+/// Limits of the settings: the least and the greatest value of each.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Limits {
     /// Stiffness `[N/m]`.
@@ -22,18 +22,18 @@ pub struct Limits {
     pub period_s: [f64; 2],
     /// Damping of a method `[N s/m]`.
     pub damping_n_s_per_m: [f64; 2],
-    /// Mass of the device as the renderer is told `[kg]`.
+    /// Model value of the device mass `[kg]`.
     pub told_device_mass_kg: [f64; 2],
-    /// Delay as the renderer is told `[s]`; at most as many periods as a renderer can be told.
+    /// Model value of the delay `[s]`; at most the largest number of periods that a renderer supports.
     pub told_delay_s: [f64; 2],
-    /// Lag as the renderer is told `[s]`.
+    /// Model value of the lag `[s]`.
     pub told_lag_s: [f64; 2],
-    /// Gain as the renderer is told.
+    /// Model value of the gain.
     pub told_gain: [f64; 2],
 }
 
 impl Limits {
-    /// What a desktop device and a hand make sense of, and what `settings` have of `scene`.
+    /// Returns limits for a desktop device and a hand, extended to contain `settings` and `scene`.
     #[must_use]
     pub fn around(settings: &Settings, scene: &Scene) -> Self {
         let told = settings.told(scene);
@@ -55,7 +55,7 @@ impl Limits {
     }
 }
 
-/// What is rendered.
+/// Settings of a session.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// Stiffness `[N/m]`.
@@ -66,16 +66,16 @@ pub struct Settings {
     pub virtual_force: f64,
     /// Period of the loop `[s]`.
     pub period: f64,
-    /// Mass of the device as the renderer is told `[kg]`, where it is not as the scene says.
+    /// Model value of the device mass `[kg]`; `None`: as in the scene.
     pub told_device_mass: Option<f64>,
-    /// What the renderer is told of delay, lag and gain, where it is not as the scene says.
+    /// Model values of delay, lag and gain, if they differ from the scene.
     pub told: Told,
-    /// Methods, one for each lane.
+    /// Methods, one for each rendering.
     pub lanes: Vec<LaneChoice>,
 }
 
 impl Settings {
-    /// What `scene` renders by `methods`, one for each lane.
+    /// Returns the settings of `scene` with `methods`, one for each rendering.
     #[must_use]
     pub fn of(scene: &Scene, methods: &[MethodName]) -> Self {
         Self {
@@ -98,11 +98,11 @@ impl Settings {
         }
     }
 
-    /// These settings with what `set` changes.
+    /// Returns these settings with the changes of `set`.
     ///
     /// # Errors
-    /// A value outside its limits, a method that takes no damping, more lanes than the device has: in
-    /// words, with what is allowed.
+    /// A value is outside its limits, a method takes no damping, or there are more renderings than the device supports.
+    /// The message states the allowed values.
     pub fn with(&self, set: &Set, limits: &Limits, most_lanes: usize) -> Result<Self, String> {
         let mut new = self.clone();
         if let Some(value) = set.stiffness_n_per_m {
@@ -152,7 +152,7 @@ impl Settings {
         Ok(new)
     }
 
-    /// What the renderer of `scene` is told of the device.
+    /// Returns the model values of the device for the renderer of `scene`.
     #[must_use]
     pub fn told(&self, scene: &Scene) -> ToldState {
         let mut scene = scene.clone();
@@ -174,7 +174,7 @@ impl Settings {
         scene.told.gain = self.told.gain.or(scene.told.gain);
     }
 
-    /// `scene` as a lane renders it.
+    /// Returns `scene` with the settings of a rendering.
     #[must_use]
     pub fn scene(&self, scene: &Scene, lane: LaneChoice) -> Scene {
         let mut scene = scene.clone();
@@ -195,10 +195,10 @@ impl Settings {
         scene
     }
 
-    /// What each lane renders.
+    /// Returns the renderings.
     ///
     /// # Errors
-    /// What the renderer does not take, in words.
+    /// A message if the renderer rejects the settings.
     pub fn renderings(&self, scene: &Scene) -> Result<Vec<Rendering>, String> {
         self.lanes
             .iter()
@@ -214,7 +214,7 @@ impl Settings {
     }
 }
 
-/// A parameter out of range, by the field of the page that says it.
+/// Describes a parameter that is out of range by its field on the page.
 fn by_field(error: &SceneParameterError) -> String {
     let SceneParameter::Rendered(parameter) = error.parameter else {
         return error.to_string();
@@ -231,7 +231,7 @@ fn by_field(error: &SceneParameterError) -> String {
     error.called(field).to_string()
 }
 
-/// The damping that `scene` gives `method`; what it derives is given as what comes of it.
+/// Returns the damping of `method` in `scene`; a derived value is returned as the resulting damping.
 fn damping(scene: &Scene, method: MethodName) -> Option<f64> {
     if !scene.settings.get(&method)?.has(SettingKey::DAMPING) {
         return None;
@@ -247,10 +247,10 @@ fn damping(scene: &Scene, method: MethodName) -> Option<f64> {
         })
 }
 
-/// Whether a device that has `most` lanes can have `lanes` of them.
+/// Checks whether a device that supports `most` renderings can have `lanes` of them.
 ///
 /// # Errors
-/// It cannot, in words.
+/// A message if it cannot.
 pub fn check_lanes(lanes: usize, most: usize) -> Result<(), String> {
     let allowed = match most {
         _ if (1..=most).contains(&lanes) => return Ok(()),
@@ -321,7 +321,7 @@ mod tests {
             assert_eq!(rendering.contact.object_mass, Mass::Infinite);
             assert_eq!(rendering.virtual_force, scene.virtual_force);
         }
-        // A lane without a damping has the method's own, not the file's.
+        // A rendering without a given damping uses that of the method, not of the file.
         let set = Set {
             lanes: Some(vec![LaneChoice {
                 method: MethodName::Hfcr,
@@ -362,7 +362,7 @@ mod tests {
         let told = after.renderings(&scene).unwrap()[0].loop_params.actuation;
         assert_eq!((told.delay, told.lag, told.gain), (0.005, 0.001, 0.9));
         assert_eq!(after.told(&scene).told_device_mass_kg, 0.2);
-        // Eight periods are the most that a renderer can be told.
+        // The longest model delay is eight periods.
         let late = Set {
             period_s: Some(0.001),
             told_delay_s: Some(0.009),

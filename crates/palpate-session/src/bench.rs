@@ -1,4 +1,4 @@
-//! How the loop keeps time on this machine.
+//! Loop timing on this machine.
 
 use std::fmt;
 use std::io;
@@ -14,10 +14,10 @@ use serde::Serialize;
 
 use crate::report::TimingReport;
 
-/// Name and version of the JSON report, which is a list of these.
+/// Name and version of the JSON report, which is a list of [`BenchReport`].
 const FORMAT: &str = "palpate bench loop 1";
 
-/// The report on one rate.
+/// Report on one rate.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct BenchReport {
@@ -27,7 +27,7 @@ pub struct BenchReport {
     measured: Measured,
 }
 
-/// A loop that was measured.
+/// Measurements of a loop.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct Measured {
@@ -37,7 +37,7 @@ pub struct Measured {
 }
 
 impl BenchReport {
-    /// Of a loop that was measured.
+    /// Creates the report of a measured loop.
     #[must_use]
     pub fn of(measured: Measured) -> Self {
         Self {
@@ -46,28 +46,28 @@ impl BenchReport {
         }
     }
 
-    /// The loop that was measured.
+    /// Returns the measurements of the loop.
     #[must_use]
     pub fn measured(&self) -> &Measured {
         &self.measured
     }
 }
 
-/// Why a loop could not be measured.
+/// Reason for a failed measurement.
 #[derive(Debug, thiserror::Error)]
 pub enum MeasureError {
-    /// No loop has such a rate.
+    /// The rate is invalid.
     #[error(transparent)]
     Rate(#[from] SetupError),
-    /// The system gives no thread.
+    /// The system cannot start a thread.
     #[error("no thread for the loop: {0}")]
     Thread(io::Error),
 }
 
-/// Runs a loop of coupled rendering at `rate` `[Hz]` on no device, for so long.
+/// Runs a loop of coupled rendering at `rate` `[Hz]` without a device, for the given duration.
 ///
 /// # Errors
-/// The rate is none, or there is no thread.
+/// The rate is invalid, or the system cannot start a thread.
 pub fn measure(
     clock: &MonotonicClock,
     request: Request,
@@ -75,7 +75,7 @@ pub fn measure(
     lasts: Duration,
 ) -> Result<Measured, MeasureError> {
     let period = 1.0 / rate;
-    // Pressed 1 mm into a wall, so that every tick renders.
+    // The device is pressed 1 mm into a wall, so that every tick renders.
     let rendering = Rendering {
         contact: Contact::object(1000.0, f64::INFINITY),
         loop_params: LoopParams::new(period),

@@ -1,4 +1,4 @@
-//! A loop on its thread, from its first tick to its end, whatever it renders.
+//! A loop on its own thread, from its first tick to its end, for any rendering.
 
 use std::fmt;
 use std::io;
@@ -14,38 +14,38 @@ use palpate_rt::{Account, ControlLoop, LoopEnd, LoopThread, Recorder, Renders, S
 
 use crate::guardian::Guarding;
 
-/// A loop that ran.
+/// A finished loop.
 pub struct Ran<D: Device, C: Clock, R: Renders> {
-    /// How it ended.
+    /// End state of the loop.
     pub end: LoopEnd<D, C, R>,
-    /// What the machine granted.
+    /// Answers of the machine to the real-time requests.
     pub answers: Vec<Answer>,
-    /// What was heard of it.
+    /// Account of the ticks and events that the recorder received.
     pub account: Account,
-    /// Why it could not be written, if it was to be and could not.
+    /// Write error of the recording, if any.
     pub unwritten: Option<WriteError>,
 }
 
-/// Why a loop could not begin.
+/// Reason why a loop cannot start.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DriveError {
-    /// Its recording cannot be written.
+    /// The recording cannot be written.
     #[error(transparent)]
     Record(#[from] WriteError),
-    /// The system gives no thread that listens to it.
+    /// The system cannot start the listener thread.
     #[error("no thread to listen: {0}")]
     Listener(io::Error),
-    /// The system gives it no thread.
+    /// The system cannot start the loop thread.
     #[error("no thread for the loop: {0}")]
     Thread(io::Error),
 }
 
-/// Runs a loop until `stop` is raised, or its last period or the loss of its device ends it, and records it if it is to.
-/// What the machine refuses, and what is lost on the way, is `told` at once.
+/// Runs a loop until `stop` is raised, or until its last period or the loss of its device ends it. Records it if
+/// `record` is set. Calls `told` immediately for refused real-time requests and for losses.
 ///
 /// # Errors
-/// It could not begin.
+/// The loop cannot start.
 pub fn drive<D: Device + 'static, C: Clock, R: Renders + 'static>(
     control: ControlLoop<D, C, R>,
     record: Option<(&Path, &Receipt)>,
@@ -58,7 +58,7 @@ pub fn drive<D: Device + 'static, C: Clock, R: Renders + 'static>(
         Some((out, receipt)) => Recorder::begin(out, receipt)?,
         None => Recorder::without_file().map_err(DriveError::Listener)?,
     };
-    // Nobody waits for a loop that runs as fast as it can.
+    // A loop on a simulated clock runs as fast as it can and may wait for its reader.
     let tap = if C::RUNS { tap } else { tap.waiting() };
     let running =
         LoopThread::start(control.tapped(tap), request, stop, most).map_err(DriveError::Thread)?;
@@ -72,7 +72,7 @@ pub fn drive<D: Device + 'static, C: Clock, R: Renders + 'static>(
     let answers = running.answers().to_vec();
     tell_of_losses(&running, &recorder, guarding, told);
     let end = running.join();
-    // What the run was is told whether or not it could be written.
+    // The result of the run is reported even if the recording cannot be written.
     let (account, unwritten) = recorder.finish();
     Ok(Ran {
         end,
@@ -82,11 +82,11 @@ pub fn drive<D: Device + 'static, C: Clock, R: Renders + 'static>(
     })
 }
 
-/// How often it is looked whether the loop has ended, or can no longer be written down.
+/// Polling interval for the end of the loop and for write errors.
 const LOOK_EVERY: Duration = Duration::from_millis(10);
 
-/// Waits for the end of the loop. A recording that cannot be written and a guardian that is lost are told
-/// at once: the rest of a session would be for nothing, and nobody would know.
+/// Waits for the end of the loop. Reports an unwritable recording or a lost watchdog process immediately: the rest of
+/// the session would be useless and the operator would not notice.
 fn tell_of_losses<D: Device, C: Clock, R: Renders>(
     running: &LoopThread<D, C, R>,
     recorder: &Recorder,

@@ -1,4 +1,4 @@
-//! Guardians of devices that hold their last force.
+//! Watchdog processes of devices that hold their last force.
 
 use std::time::Duration;
 
@@ -7,38 +7,38 @@ use palpate_device::Capabilities;
 use palpate_rt::guardian::Unguarded;
 use serde::Serialize;
 
-/// How the devices of a session are guarded.
+/// Watchdog settings of a session and their results.
 #[derive(Clone, Debug)]
 pub struct Guarding {
-    /// How long the loop may be silent while a force is on.
+    /// Maximum silence of the loop while a force is on.
     pub limit: Duration,
-    /// What the guardians have done.
+    /// Results of the watchdog processes.
     #[cfg(unix)]
     pub account: std::sync::Arc<palpate_rt::guardian::GuardianAccount>,
 }
 
-/// The guardian of a run, for reports.
+/// Report on the watchdog process of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct GuardianReport {
-    /// Whether there was one.
+    /// Whether a watchdog process ran.
     on: bool,
-    /// How long the loop might be silent `[s]`.
+    /// Maximum silence of the loop `[s]`.
     silence_s: Option<f64>,
-    /// Whether the machine served the guardian before everybody else.
+    /// Whether the watchdog process had the highest real-time priority.
     first: Option<bool>,
-    /// How often it commanded no force.
+    /// Number of zero-force commands by the watchdog process.
     cuts: u64,
-    /// Whether it was lost before the device was closed.
+    /// Whether the watchdog process was lost before the device was closed.
     gone: bool,
-    /// How: `ended` or `not-listening`.
+    /// Kind of loss: `ended` or `not-listening`.
     lost: Option<&'static str>,
     #[serde(skip)]
     lost_in_words: Option<&'static str>,
 }
 
 impl Guarding {
-    /// Guardians that command no force after `limit` of silence.
+    /// Creates settings of watchdog processes that command zero force after `limit` of silence.
     #[must_use]
     pub fn new(limit: Duration) -> Self {
         Self {
@@ -48,7 +48,8 @@ impl Guarding {
         }
     }
 
-    /// How a guardian was lost before its device was closed, if one was: a key and a sentence.
+    /// Returns how a watchdog process was lost before its device was closed, as a key and a sentence. Returns `None`
+    /// if none was lost.
     #[must_use]
     pub fn lost(&self) -> Option<(&'static str, &'static str)> {
         #[cfg(unix)]
@@ -64,14 +65,15 @@ impl Guarding {
         lost
     }
 
-    /// How several devices were guarded, all of them in one; `None`: none of them holds its force by itself.
+    /// Returns one report for several devices. Returns `None` if no device holds its last force.
     #[must_use]
     pub fn report_of(&self, on: bool, devices: &[&Capabilities]) -> Option<GuardianReport> {
         let holds = devices.iter().find(|device| device.holds_last_force)?;
         self.report(on, holds)
     }
 
-    /// How a device was guarded, if guardians were `on`; `None`: it holds no force by itself.
+    /// Returns the report of a device; `on` states whether watchdog processes ran. Returns `None` if the device does
+    /// not hold its last force.
     #[must_use]
     pub fn report(&self, on: bool, device: &Capabilities) -> Option<GuardianReport> {
         if !device.holds_last_force {

@@ -1,12 +1,13 @@
-//! What a loop in real time on a device is, beside its ticks: how a device is excited and watched while it is calibrated,
-//! what its guardian did, and the reports on a loop, on this machine, and on the devices that are here.
+//! Real-time loops on a device: excitation and monitoring of a device during calibration, the result of the watchdog
+//! process, and reports on a loop, on this machine and on its devices.
 //!
-//! [`drive`] runs a loop of `palpate_rt` to its end and tells what is lost meanwhile. [`RunReport`] says how a loop of `palpate_rt` went, [`BenchReport`] how one keeps time without a device, and
-//! [`MachineReport`] what the machine grants. [`DeviceList`] has the devices that can be opened, [`MotorsReport`] how the
-//! motors of one are wired. [`Shaker`] shakes a device by the excitation of `palpate_calibrate`, through the safety layer;
-//! [`Watched`] lets a supervisor watch it. [`rendered`] makes what a loop renders of a world on its devices, and [`RecordedWorld`] reads
-//! from a recording the world and where its devices went. Reports are types as those of `palpate_study`: fields, a text, and a JSON whose
-//! schema is in `docs/schema` (feature `schema`).
+//! [`drive`] runs a loop of `palpate_rt` to its end and reports losses meanwhile. [`RunReport`] describes a loop of
+//! `palpate_rt`, [`BenchReport`] the timing of a loop without a device, and [`MachineReport`] the real-time
+//! capabilities of the machine. [`DeviceList`] lists the devices that can be opened, and [`MotorsReport`] the wiring
+//! of a device's motors. [`Shaker`] shakes a device by the excitation of `palpate_calibrate`, through the safety
+//! layer; [`Watched`] adds a supervisor. [`rendered`] creates the rendering of a world on its devices.
+//! [`RecordedWorld`] reads the world and the device paths from a recording. Reports are types like those of
+//! `palpate_study`: fields, a text, and a JSON whose schema is in `docs/schema` (feature `schema`).
 
 mod bench;
 mod driving;

@@ -1,4 +1,4 @@
-//! The devices that a loop can run on here.
+//! Devices that a loop can run on here.
 
 use std::fmt;
 use std::time::Duration;
@@ -11,12 +11,12 @@ use serde::Serialize;
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate devices 1";
 
-/// What is said of every 2DIY, since it may hurt.
+/// Warning for every 2DIY, since it can cause injury.
 pub const LATCH_WARNING: &str = "the board of a 2DIY has no watchdog: if the cable is pulled, it may \
      hold its last torque until its power is switched off; if the program is killed, a guardian takes \
      the torque off, unless it was started with --guardian off";
 
-/// The devices that a loop can run on here.
+/// Devices that a loop can run on here.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct DeviceList {
@@ -44,7 +44,7 @@ struct Inverse3Report {
     open: String,
 }
 
-/// How long a service may take to answer `[s]`.
+/// Time limit for the answer of a service.
 const PATIENCE: Duration = Duration::from_millis(500);
 
 impl ServiceReport {
@@ -131,7 +131,7 @@ impl From<Port> for PortReport {
 }
 
 impl DeviceList {
-    /// Those that are always there, those on serial ports, and those of the Inverse Service at `service`.
+    /// Lists the built-in devices, the devices on serial ports, and the devices of the Inverse Service at `service`.
     ///
     /// # Errors
     /// The serial ports cannot be listed.

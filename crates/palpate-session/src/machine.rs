@@ -1,4 +1,4 @@
-//! What this machine grants a loop, and how a loop and a guardian do on it.
+//! Real-time capabilities of this machine, with a test of a loop and a watchdog process.
 
 use std::fmt;
 use std::io;
@@ -19,12 +19,12 @@ use crate::list::LATCH_WARNING;
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate doctor 1";
 
-/// Rate of the loop that is tried `[Hz]`.
+/// Rate of the test loop `[Hz]`.
 pub const RATE: f64 = 1000.0;
-/// For how long `[s]`.
+/// Duration of the test loop `[s]`.
 pub const SECONDS: f64 = 2.0;
 
-/// What a machine grants a loop.
+/// Real-time capabilities of a machine.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct MachineReport {
@@ -37,26 +37,26 @@ pub struct MachineReport {
     loop_at_1000_hz: Measured,
 }
 
-/// How the guardian of a device that holds its last force does here.
+/// Test result of the watchdog process of a device that holds its last force.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 struct TriedReport {
     starts: bool,
     why_not: Option<String>,
-    /// Whether it is served before everybody else.
+    /// Whether the watchdog process has the highest real-time priority.
     first: bool,
-    /// Silence of the loop that it was told to wait for `[s]`.
+    /// Silence of the loop after which it shall command zero force `[s]`.
     silence_s: f64,
-    /// How long after that no force was commanded `[s]`.
+    /// Delay of the zero-force command after that silence `[s]`.
     late_median_s: Option<f64>,
     late_longest_s: Option<f64>,
 }
 
-/// How often a guardian is tried.
+/// Number of watchdog tests.
 const SILENCES: usize = 20;
 
 impl TriedReport {
-    /// At the rate of the loop that is tried. `command` starts a guardian.
+    /// Tests the watchdog process that `command` starts, at the rate of the test loop.
     fn tried(command: io::Result<Command>) -> Self {
         let period = Duration::from_secs_f64(1.0 / RATE);
         let limit = SafetyParams::default().stall_after(period);
@@ -113,7 +113,7 @@ impl fmt::Display for TriedReport {
     }
 }
 
-/// A device that is plugged in and has something to be minded.
+/// A plugged-in device with advice for its user.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 struct DeviceReport {
@@ -132,8 +132,8 @@ struct AskedReport {
 }
 
 impl MachineReport {
-    /// Of a machine that gave these `answers` to what a loop asks for, where a loop was `measured` at [`RATE`] for
-    /// [`SECONDS`]. `guardian` starts a guardian, which is tried.
+    /// Creates the report of a machine from its `answers` to the requests of a loop and from a loop `measured` at
+    /// [`RATE`] for [`SECONDS`]. `guardian` is the command of the watchdog process; it is started and tested.
     #[must_use]
     pub fn new(answers: &[Answer], measured: Measured, guardian: io::Result<Command>) -> Self {
         let guardian = TriedReport::tried(guardian);
@@ -197,7 +197,7 @@ impl fmt::Display for MachineReport {
 }
 
 impl MachineReport {
-    /// All of it, in lines of whatever length.
+    /// Writes the whole report, without line wrapping.
     fn write(&self, f: &mut impl fmt::Write) -> fmt::Result {
         writeln!(f, "What a loop asks for")?;
         for asked in &self.asked {

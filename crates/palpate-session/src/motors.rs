@@ -1,4 +1,4 @@
-//! Whether each motor of a device turns its own joint.
+//! Check that each motor of a device turns its own joint.
 
 use palpate_haply::two_diy::Checked;
 use serde::Serialize;
@@ -6,7 +6,7 @@ use serde::Serialize;
 /// Name and version of the JSON report on motors.
 const MOTORS_FORMAT: &str = "palpate devices check 1";
 
-/// What the motors of a device did.
+/// Result of a motor check.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct MotorsReport {
@@ -17,7 +17,7 @@ pub struct MotorsReport {
 }
 
 impl MotorsReport {
-    /// Of what was `checked` on a board of this name.
+    /// Creates the report of the `checked` motors of a board with this name.
     #[must_use]
     pub fn new(board: &'static str, checked: &[Checked]) -> Self {
         let motors = checked.iter().map(|checked| MotorReport {
@@ -32,11 +32,11 @@ impl MotorsReport {
     }
 }
 
-/// What a motor did.
+/// Result of one motor.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 struct MotorReport {
-    /// By how much each joint turned `[degrees]`.
+    /// Rotation of each joint `[degrees]`.
     turned_deg: [f64; 2],
     verdict: &'static str,
 }

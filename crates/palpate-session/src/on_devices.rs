@@ -1,11 +1,11 @@
-//! What a loop renders of a world, on devices that stand in it.
+//! Rendering of a world on its devices.
 
 use palpate_rt::{OnDevice, RenderedWorld, SetupError};
 use palpate_scene::world::WorldScene;
 use palpate_sim::device::{Told, told_of_devices};
 use palpate_world::{Tool, WorldError};
 
-/// Why a loop cannot render a world on its devices.
+/// Reason why a loop cannot render a world on its devices.
 #[derive(Debug)]
 pub enum NotRendered {
     /// Faults of the world, at least one.
@@ -14,11 +14,12 @@ pub enum NotRendered {
     Devices(SetupError),
 }
 
-/// What a loop renders of `scene` by `method`, on devices that stand in its world, in the order of the scene, and are given no more
-/// than their limits say. The renderer is told how coarse the sensors of the devices are, and which axes of the world they lack.
+/// Creates the rendering of `scene` by `method` on the devices of its world, in the order of the scene. The limits of
+/// each device bound its forces. The renderer gets the sensor quantum of each device and the axes of the world that
+/// it lacks.
 ///
 /// # Errors
-/// A world that the method cannot render; devices that do not fit it.
+/// The method cannot render the world, or the devices do not fit it.
 pub fn rendered(
     scene: &WorldScene,
     method: &str,
@@ -38,8 +39,8 @@ pub fn rendered(
     RenderedWorld::of_devices(&scene.world, renderer, method, frames).map_err(NotRendered::Devices)
 }
 
-/// Which axes of the scene's devices those of the loop lack, in words: the loop renders none there, and what the scene is
-/// simulated with has a motor.
+/// Describes the axes of the scene's devices that the loop's devices lack. The loop renders no force along them, but
+/// a simulation of the scene has a motor there.
 #[must_use]
 pub fn lacking_axes(scene: &WorldScene, on: &[OnDevice]) -> Vec<String> {
     let of_one = |(tool, on): (&Tool, &OnDevice)| {

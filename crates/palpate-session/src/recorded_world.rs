@@ -1,4 +1,4 @@
-//! What the recording of a loop that rendered a world holds, to be rendered again.
+//! World and device paths of a recorded loop, for rendering them again.
 
 use palpate_record::recording::Recording;
 use palpate_rt::{NoFrame, frames_of_devices};
@@ -8,49 +8,49 @@ use palpate_study::recording::{WorldPathError, world_path};
 use palpate_study::text::counted;
 use palpate_testbed::world::LedPath;
 
-/// A world that a loop rendered, and where its devices went.
+/// A world rendered by a recorded loop, with its device paths.
 #[derive(Clone, Debug)]
 pub struct RecordedWorld {
-    /// The world, as it begins. Its devices have the axes that the recorded ones had: their motors could not push along an axis
-    /// that they lack, so nothing is judged there.
+    /// The world in its initial state. Its devices have the axes of the recorded devices: the motors cannot push
+    /// along a missing axis, so that axis is not evaluated.
     pub file: WorldFile,
-    /// Where the devices went, and how they were turned.
+    /// Positions and orientations of the devices over time.
     pub path: LedPath,
-    /// How many ticks have no position of each device: straight lines stand there.
+    /// Number of ticks without a position of each device; the path interpolates linearly over them.
     pub without_position: u64,
 }
 
-/// Why a recorded world cannot be rendered again.
+/// Reason why a recorded world cannot be rendered again.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordedWorldError {
-    /// The recording is of no world.
+    /// The recording contains no world.
     #[error("{0}: it is a recording of one contact")]
     OneContact(String),
-    /// The world that it holds is not one.
+    /// The recorded world is invalid.
     #[error(transparent)]
     World(#[from] SceneErrors),
-    /// It does not say where a device stood.
+    /// The recording lacks the frame of a device.
     #[error("{name}: {error}")]
     NoFrame {
-        /// The recording.
+        /// Name of the recording.
         name: String,
-        /// Which device.
+        /// The missing frame and its device.
         error: NoFrame,
     },
-    /// Where the devices went is no motion.
+    /// The recorded path is not a valid motion.
     #[error(transparent)]
     Path(#[from] WorldPathError),
 }
 
 impl RecordedWorld {
-    /// Text of the receipt that holds the world; a recording without it is of one contact.
+    /// Name of the metadata text that contains the world; a recording of one contact lacks it.
     pub const TEXT: &str = "world";
 
-    /// The world of a recording. Files of meshes are looked for beside the recording.
+    /// Reads the world of a recording. Mesh files are searched beside the recording.
     ///
     /// # Errors
-    /// A recording of one contact, or one that lacks something of its world.
+    /// The recording is of one contact, or a part of its world is missing or invalid.
     pub fn of(recording: &Recording) -> Result<Self, RecordedWorldError> {
         let name = recording.path().display().to_string();
         let Some(text) = recording.receipt.texts.get(Self::TEXT) else {
@@ -76,7 +76,7 @@ impl RecordedWorld {
         })
     }
 
-    /// Says how many ticks have no position of each device; none if all have one.
+    /// Returns a sentence with the number of ticks without a position of each device; `None` if all ticks have one.
     #[must_use]
     pub fn gaps(&self) -> Option<String> {
         let ticks = counted(self.without_position, "tick");

@@ -1,4 +1,4 @@
-//! What a loop in real time has to say.
+//! Report on a real-time loop.
 
 use std::fmt;
 use std::time::Duration;
@@ -20,10 +20,10 @@ use palpate_study::text::{counted, digits, hanging, lines, number, plain_table};
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate run 1";
 
-/// Events that are shown; JSON and recordings have more.
+/// Number of events in the text; JSON and recordings contain more.
 const SHOWN: usize = 8;
 
-/// A run, for people and programs.
+/// Report on a run, as text and as JSON.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct RunReport {
@@ -34,41 +34,42 @@ pub struct RunReport {
     device: String,
     period_s: f64,
     ending: &'static str,
-    /// What was asked of the machine, and what came of it.
+    /// Real-time requests and the answers of the machine.
     realtime: Vec<AnswerReport>,
     timing: TimingReport,
-    /// What holds the force at none at the end, if something does.
+    /// Safety stop that keeps the force at zero at the end, if any.
     trip: Option<&'static str>,
     #[serde(skip)]
     trip_in_words: &'static str,
     #[serde(skip)]
     several: bool,
-    /// Which of several devices has tripped, by its name in the world.
+    /// World name of the device with the safety stop, if there are several devices.
     #[serde(skip_serializing_if = "Option::is_none")]
     tripped_device: Option<String>,
     supervisor_cuts: u64,
-    /// How long the loop ran.
+    /// Duration of the loop.
     lasted_s: f64,
-    /// For how much of that no force was delivered, stalls included.
+    /// Part of that duration without a delivered force, stalls included.
     motors_off_s: f64,
-    /// Ticks at whose end safety had tripped.
+    /// Number of ticks that ended with a safety stop.
     motors_off_ticks: u64,
     #[serde(skip)]
     time: LoopTime,
-    /// Who would take the force off a device that holds its last one.
+    /// Watchdog process of a device that holds its last force.
     guardian: Option<GuardianReport>,
     peak_force_n: f64,
     deepest_penetration_m: f64,
-    /// Created energy of the forces that the motors held, if the loop is as modelled (delay, lag, gain); what passed while the
-    /// motors were off is work from outside.
+    /// Generated energy of the forces that the motors held, if the loop is as modelled (delay, lag, gain). Energy
+    /// that passes while the motors are off counts as external work.
     leak_held_j: f64,
-    /// The most that they had created up to any tick, if the loop is as modelled: what passes again is less at the end.
+    /// Maximum generated energy up to any tick, if the loop is as modelled. A part that dissipates later is missing
+    /// at the end.
     most_created_energy_j: f64,
     port_work_j: f64,
     outside_work_j: f64,
     events: Vec<EventReport>,
     all_events: u64,
-    /// Ticks and events that nobody had time to write down.
+    /// Number of ticks and events that the recorder lost.
     untold: u64,
     untold_ticks: u64,
     recording: Option<RecordingReport>,
@@ -91,12 +92,12 @@ struct EventReport {
     text: String,
 }
 
-/// What the file says, read back.
+/// Content of the recording file, read back.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 struct RecordingReport {
     file: String,
-    /// Whether it is whole and holds as many ticks as the loop counted.
+    /// Whether the file is complete and contains as many ticks as the loop counted.
     complete: bool,
     finished: bool,
     ticks: u64,
@@ -108,21 +109,21 @@ struct RecordingReport {
     in_a_line: String,
 }
 
-/// How a loop kept time.
+/// Timing of a loop.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct TimingReport {
     ticks: u64,
     missed_deadlines: u64,
     without_sample: u64,
-    /// Ticks whose sample the renderer has refused: it asked for no force.
+    /// Number of ticks whose sample the renderer rejected; they render no force.
     refused: u64,
     lateness_s: Percentiles,
     tick_s: Percentiles,
     round_trip_s: Percentiles,
 }
 
-/// Of durations `[s]`.
+/// Percentiles of durations `[s]`.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 struct Percentiles {
@@ -162,7 +163,7 @@ impl From<&LoopStatistics> for TimingReport {
     }
 }
 
-/// What was run.
+/// Title, method and period of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Subject<'a> {
     /// Title of the scene.
@@ -173,7 +174,7 @@ pub struct Subject<'a> {
     pub period: f64,
 }
 
-/// Sums of a loop's books `[J]`.
+/// Sums of a loop's energy ledger `[J]`.
 #[derive(Clone, Copy, Debug)]
 pub struct Energies {
     leak_held: f64,
@@ -182,7 +183,7 @@ pub struct Energies {
 }
 
 impl Energies {
-    /// Of a world: summed over its devices, contacts and bodies.
+    /// Returns the energies of a world, summed over its devices, contacts and bodies.
     #[must_use]
     pub fn of_world<D: Device, C: Clock>(
         end: &LoopEnd<D, C, RenderedWorld>,
@@ -197,7 +198,7 @@ impl Energies {
 }
 
 impl RunReport {
-    /// What there is to say of a loop on `device` that came to this `end`; a `recording` of it was read back.
+    /// Creates the report of a loop on `device` with this `end`; `recording` is its recording, read back.
     #[must_use]
     pub fn new<D: Device, C: Clock, R: Renders>(
         subject: Subject<'_>,
@@ -210,7 +211,7 @@ impl RunReport {
         Self::of_devices(subject, &[device], &[""], end, answers, account, recording)
     }
 
-    /// The same of a loop on several `devices`, which have these `names` in its world.
+    /// Creates the report of a loop on several `devices` with their `names` in its world.
     #[must_use]
     pub fn of_devices<D: Device, C: Clock, R: Renders>(
         subject: Subject<'_>,
@@ -285,7 +286,7 @@ impl RunReport {
 }
 
 impl RunReport {
-    /// The same, with these energies in place of those of one contact.
+    /// Replaces the energies of one contact by these energies.
     #[must_use]
     pub fn with_energies(self, energies: Energies) -> Self {
         Self {
@@ -296,14 +297,14 @@ impl RunReport {
         }
     }
 
-    /// The same, with what is to be said of the device's guardian.
+    /// Sets the report on the device's watchdog process.
     #[must_use]
     pub fn guarded(self, guardian: Option<GuardianReport>) -> Self {
         Self { guardian, ..self }
     }
 }
 
-/// What to say of a safety stop that is on at the end.
+/// Describes a safety stop that is active at the end.
 fn trip_in_words(trip: Option<Trip>) -> &'static str {
     match trip {
         Some(Trip::DeviceLost) => "at the end the device was gone",
@@ -324,7 +325,7 @@ fn event(event: &Event) -> EventReport {
 }
 
 impl RunReport {
-    /// That there was no force for a part of the time, after how it ended.
+    /// Returns the clause about the time without force, which follows the end of the loop.
     fn but_no_force(&self) -> String {
         let (ticks, off, of_samples) = (
             self.timing.ticks,
@@ -343,7 +344,7 @@ impl RunReport {
         }
     }
 
-    /// All of it, in lines of whatever length.
+    /// Writes the whole report, without line wrapping.
     fn write(&self, f: &mut impl fmt::Write) -> fmt::Result {
         writeln!(f, "{}", self.title)?;
         writeln!(

@@ -1,4 +1,4 @@
-//! The JSON schema of every report of this crate, as `docs/schema` has it.
+//! JSON schemas of the reports of this crate; the files are in `docs/schema`.
 
 #[path = "../../palpate-study/src/schemas/files.rs"]
 mod files;

@@ -1,16 +1,16 @@
-//! Before the excitation: the hand brings the device to where it is calibrated, and holds it still.
+//! Phase before the excitation: the hand moves the device to the calibration position and holds it still.
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
 use palpate_device::Vector;
 
-/// How long the device has to be still.
+/// Required duration of the rest.
 const STILL_FOR: Duration = Duration::from_millis(500);
-/// How long it is waited for that.
+/// Time limit for coming to rest.
 pub const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Whether a device has come to rest.
+/// Detector of a device at rest.
 #[derive(Clone, Debug)]
 pub struct Settling {
     /// Largest distance from the mean over [`STILL_FOR`], root mean square `[m]`.
@@ -19,7 +19,7 @@ pub struct Settling {
 }
 
 impl Settling {
-    /// Nothing is known of the device yet. `limit` is how far it may tremble, root mean square `[m]`.
+    /// Creates a detector without samples. `limit` is the maximum tremor, root mean square `[m]`.
     pub fn within(limit: f64) -> Self {
         Self {
             limit,
@@ -27,7 +27,7 @@ impl Settling {
         }
     }
 
-    /// Takes a sample; whether the device has been still for long enough.
+    /// Adds a sample and returns whether the device has been at rest for long enough.
     pub fn is_still_at(&mut self, time: Duration, position: Vector) -> bool {
         self.recent.push_back((time, position));
         let mut is_long_enough = false;
@@ -40,7 +40,7 @@ impl Settling {
         is_long_enough && self.deviation() <= self.limit
     }
 
-    /// Root mean square of the distance from the mean `[m]`.
+    /// Returns the root mean square of the distance from the mean `[m]`.
     fn deviation(&self) -> f64 {
         let count = self.recent.len() as f64;
         let variance: f64 = (0..3)
@@ -64,7 +64,7 @@ mod tests {
         let came_to_rest = 0.8;
         let still = (0..3000).find(|ms| {
             let time = f64::from(*ms) * 1e-3;
-            // It begins at rest: what is not yet long enough does not count.
+            // The device begins at rest, but not for long enough.
             let part = ((time - 0.2) / (came_to_rest - 0.2)).clamp(0.0, 1.0);
             let position = [0.0, 0.015 * part, 0.0];
             settling.is_still_at(Duration::from_secs_f64(time), position)

@@ -1,4 +1,4 @@
-//! The loop that shakes a device: the excitation, and the safety layer between it and the motor.
+//! Loop that shakes a device: the excitation, and the safety layer between excitation and motor.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -15,30 +15,30 @@ use palpate_study::calibration::ExcitedMotion;
 
 use crate::settling::{PATIENCE, Settling};
 
-/// Part of the samples that may be missing.
+/// Maximum share of missing samples.
 const MOST_MISSING: f64 = 0.02;
 
-/// Why a device could not be excited to the end.
+/// Reason for an incomplete excitation.
 #[derive(Debug, thiserror::Error)]
 pub enum ShakeError {
-    /// A parameter of the excitation out of its range.
+    /// A parameter of the excitation is out of range.
     #[error(transparent)]
     Params(#[from] ExcitationError),
-    /// A limit out of its range.
+    /// A limit is out of range.
     #[error(transparent)]
     Safety(#[from] SafetyError),
     /// The device cannot be read or written.
     #[error("the device: {0}")]
     Lost(DeviceError),
-    /// Somebody ended it.
+    /// A signal stopped the excitation.
     #[error("stopped by a signal before the end: no calibration, and no force")]
     Signalled,
-    /// It, or its hand, does not let anything be said of it.
+    /// The motion of the device or of its hand does not allow a calibration.
     #[error(transparent)]
     Declined(#[from] ShakeDeclined),
 }
 
-/// Why an excitation says nothing of the device.
+/// Reason why an excitation does not allow a calibration.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShakeDeclined {
@@ -49,12 +49,12 @@ pub enum ShakeDeclined {
          grants, helps"
     )]
     Missing {
-        /// Samples that are missing.
+        /// Number of missing samples.
         missed: usize,
-        /// Samples of the whole.
+        /// Number of all samples.
         length: usize,
     },
-    /// It did not come to rest.
+    /// The device did not come to rest.
     #[error(
         "no calibration: the device was never still for half a second within {:.0} s: it moved by \
          more than {:.2} mm, root mean square",
@@ -62,30 +62,30 @@ pub enum ShakeDeclined {
         tremor * 1e3
     )]
     NeverStill {
-        /// How long it was waited for.
+        /// Time limit for coming to rest.
         within: Duration,
-        /// How far it might tremble, root mean square `[m]`.
+        /// Maximum tremor, root mean square `[m]`.
         tremor: f64,
     },
     /// The excitation stopped.
     #[error("stopped: {0}")]
     Stopped(Stop),
-    /// It went too far in another direction than the axis.
+    /// The device moved too far across the axis.
     #[error(
         "stopped: the device is {:.1} mm from where it started, across the axis that is \
          calibrated: guide it along the axis",
         away * 1e3
     )]
     Across {
-        /// How far it is from its start `[m]`.
+        /// Distance from the start `[m]`.
         away: f64,
     },
-    /// Safety took the force off.
+    /// The safety layer took the force off.
     #[error("stopped: safety took the force off ({})", .0.name())]
     Tripped(Trip),
 }
 
-/// The loop: sleep, sample, ask the excitation, pass through safety, command.
+/// Loop that sleeps, reads a sample, evaluates the excitation, applies the safety layer, and commands the force.
 pub struct Shaker<C> {
     device: Box<dyn Device>,
     axis: AlongAxis<f64, 3>,
@@ -95,13 +95,13 @@ pub struct Shaker<C> {
     heartbeat: Arc<Heartbeat>,
     stall_limit: Duration,
     motion: ExcitedMotion,
-    /// How long the hand has to bring the device to its place; none: it is there.
+    /// Time for the hand to move the device to its position; `None`: it is there.
     wait: Option<Duration>,
-    /// How far a device that is still may tremble, root mean square `[m]`.
+    /// Maximum tremor of a device at rest, root mean square `[m]`.
     tremor: f64,
-    /// Where the device was at first `[m]`.
+    /// Initial position of the device `[m]`.
     start: Option<Vector>,
-    /// How far it may go from there in any direction `[m]`.
+    /// Maximum distance from there in any direction `[m]`.
     reach: f64,
     /// Time of the last sample.
     last: Option<Duration>,
@@ -109,10 +109,10 @@ pub struct Shaker<C> {
 }
 
 impl<C: Clock> Shaker<C> {
-    /// A loop of `period`, which `params` say too, that has not begun, along an axis of a device that is open.
+    /// Creates a loop that has not started, along an axis of an open device. `period` is also the period of `params`.
     ///
     /// # Errors
-    /// A parameter of the excitation out of its range.
+    /// A parameter of the excitation is out of range.
     pub fn new(
         (device, axis): (Box<dyn Device>, AlongAxis<f64, 3>),
         (clock, period): (C, Duration),
@@ -123,7 +123,7 @@ impl<C: Clock> Shaker<C> {
         let limits = SafetyParams::for_device(device.capabilities());
         let limits = SafetyParams {
             largest_force: params.largest_force.min(limits.largest_force),
-            // Nothing is rendered that could create energy.
+            // No contact is rendered, so no energy is generated by rendering.
             oscillation: OscillationParams {
                 energy: f64::INFINITY,
                 ..limits.oscillation
@@ -148,20 +148,20 @@ impl<C: Clock> Shaker<C> {
         })
     }
 
-    /// The same loop, but it begins when the device is still, and not before `wait` has passed.
+    /// Delays the start until the device is at rest, and at least by `wait`.
     #[must_use]
     pub fn waiting(self, wait: Option<Duration>) -> Self {
         Self { wait, ..self }
     }
 
-    /// Shakes the device until the excitation is complete; the motion, without gaps.
+    /// Shakes the device until the excitation is complete and returns the motion without gaps.
     ///
     /// # Errors
-    /// The device is lost or does not come to rest, safety or the excitation stopped it, a signal came,
+    /// The device is lost or does not come to rest, the safety layer or the excitation stopped it, a signal arrived,
     /// or too many samples are missing.
     pub fn run(mut self, stop: &StopFlag) -> Result<ExcitedMotion, ShakeError> {
         let ended = self.until_still(stop).and_then(|()| self.until_done(stop));
-        // A device that does not take it is asked again once; more cannot be done here.
+        // Retry once if the device rejects the command; no other remedy is possible here.
         if self.device.write(Wrench::NONE).is_err() {
             let _ = self.device.write(Wrench::NONE);
         }
@@ -177,7 +177,7 @@ impl<C: Clock> Shaker<C> {
         Ok(motion)
     }
 
-    /// Waits without force until the device is still.
+    /// Waits without force until the device is at rest.
     fn until_still(&mut self, stop: &StopFlag) -> Result<(), ShakeError> {
         let Some(wait) = self.wait else {
             return Ok(());
@@ -202,7 +202,7 @@ impl<C: Clock> Shaker<C> {
         Err(ShakeDeclined::NeverStill { within, tremor }.into())
     }
 
-    /// What the device says; nothing where it has nothing new.
+    /// Reads a sample; `None` if there is no new one.
     fn read(&mut self) -> Result<Option<Pose>, ShakeError> {
         match self.device.read() {
             Ok(pose) if self.last.is_none_or(|last| pose.time > last) => Ok(Some(pose)),
@@ -277,7 +277,7 @@ impl<C: Clock> Shaker<C> {
         self.command(verdict.wrench)
     }
 
-    /// Commands a wrench, and notes what the device says that it holds.
+    /// Commands a wrench and records the wrench that the device reports as held.
     fn command(&mut self, wrench: Wrench) -> Result<(), ShakeError> {
         let sent = self.write(wrench)?;
         let along = self.axis.vector(1.0);

@@ -1,4 +1,4 @@
-//! A supervisor beside a loop that is not `palpate_rt`'s.
+//! Supervisor of a loop outside `palpate_rt`.
 
 use std::io;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use palpate_device::clock::Clock;
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::{Heartbeat, Supervisor};
 
-/// A supervisor on a thread of its own, where the device has a second way to command no force.
+/// A supervisor on its own thread, for a device with a second way to command zero force.
 #[derive(Debug)]
 pub struct Watched {
     ended: Arc<AtomicBool>,
@@ -19,10 +19,10 @@ pub struct Watched {
 }
 
 impl Watched {
-    /// Watches the loop of this heartbeat, and commands no force `stall_limit` after its last beat.
+    /// Watches the loop of this heartbeat and commands zero force `stall_limit` after its last beat.
     ///
     /// # Errors
-    /// The system gives no thread.
+    /// The system cannot start a thread.
     pub fn start<C: Clock>(
         device: &mut dyn Device,
         heartbeat: &Arc<Heartbeat>,
@@ -31,7 +31,7 @@ impl Watched {
         stall_limit: Duration,
     ) -> io::Result<Self> {
         let ended = Arc::new(AtomicBool::new(false));
-        // On a clock that only sleepers move, nobody is late.
+        // On a simulated clock, which only sleeping threads advance, no thread is late.
         let zero = device.zero_writer().filter(|_| C::RUNS);
         let start = |zero| {
             let supervisor = Supervisor::new(Arc::clone(heartbeat), zero, stall_limit);
@@ -43,7 +43,7 @@ impl Watched {
             Builder::new()
                 .name("palpate supervisor".to_owned())
                 .spawn(move || {
-                    // What is refused here is refused to the loop, which says so.
+                    // The loop requests the same and reports the refusal.
                     let _ = request.ask();
                     supervisor.watch(&clock, stall_limit / 4, &ended);
                 })
@@ -52,7 +52,7 @@ impl Watched {
         Ok(Self { ended, thread })
     }
 
-    /// Ends it, and waits until it has ended.
+    /// Stops the supervisor and waits for its end.
     pub fn end(self) {
         self.ended.store(true, Ordering::Release);
         if let Some(thread) = self.thread {

@@ -1,4 +1,4 @@
-//! Calibration of the emulated devices in simulated time: what was put in is found.
+//! Calibration of the emulated devices in simulated time recovers the emulated values.
 #![cfg(unix)]
 #![allow(missing_docs, clippy::cast_possible_truncation)]
 
@@ -23,7 +23,7 @@ const PUT_IN: ActuatorParams = ActuatorParams {
     lag: 0.2e-3,
 };
 
-/// Calibrates `device` along `normal`: from where it is, or from where it comes to rest after `wait`.
+/// Calibrates `device` along `normal`: from its current position, or from its rest position after `wait`.
 fn calibrated(
     device: impl Device + 'static,
     clock: &SteppedClock,
@@ -44,8 +44,8 @@ fn calibrated(
     Ok(measured.unwrap().fitted.calibration)
 }
 
-/// Refuses a calibration that is further from what was put in than three of its deviations, or than
-/// `worst` `[s]` and `worst_mass` of the mass.
+/// Fails if the calibration deviates from the emulated values by more than three standard deviations, or by more than
+/// `worst` `[s]` or `worst_mass` of the mass.
 #[allow(clippy::print_stdout)] // what was measured
 fn check(found: &Calibration, (delay, worst): (f64, f64), (mass, worst_mass): (f64, f64)) {
     for (quantity, put_in, worst) in [
@@ -64,7 +64,7 @@ fn check(found: &Calibration, (delay, worst): (f64, f64), (mass, worst_mass): (f
     }
 }
 
-/// The third generation in the middle of its workspace, in a relaxed hand.
+/// A third-generation board in the middle of its workspace, in a relaxed hand.
 fn in_a_hand(board: Board, usb: Usb) -> Settings {
     let settings = Settings {
         angles: Some([130.0, 50.0]),
@@ -96,7 +96,7 @@ fn an_emulated_2diy_is_found_as_it_was_made() {
         hand: Hand::None,
         ..in_a_hand(Board::M0, latency)
     };
-    // A sample travels to the host, and its force to the board: two latencies, or two frames.
+    // A sample travels to the host and its force to the board: two latencies, or two frames.
     for (settings, period, delay, worst) in [
         (in_a_hand(Board::M3, latency), 1e-3, 0.3e-3, 0.08e-3),
         (free, 1e-3, 0.3e-3, 0.06e-3),
@@ -141,7 +141,7 @@ fn an_emulated_inverse3_is_found_as_it_was_made() {
     }
 }
 
-/// A 2DIY is opened in its start pose, and the hand takes it from there to where it is calibrated.
+/// A 2DIY is opened in its start pose, and the hand moves it from there to the calibration position.
 #[test]
 fn a_device_is_calibrated_where_the_hand_brings_it() {
     let place = [0.019, 0.08];

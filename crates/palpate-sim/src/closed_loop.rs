@@ -22,7 +22,7 @@ use palpate_scene::{Delay, Measure, Scene, SetupError};
 
 pub use crate::loop_error::LoopError;
 
-/// A scene on the bench: its ideal is computed once and judges every method.
+/// A scene on the testbed. Its ideal is computed once and is the reference solution for every method.
 #[derive(Clone, Debug)]
 pub struct Bench<'a> {
     scene: &'a Scene,
@@ -56,14 +56,13 @@ impl<'a> Bench<'a> {
         Self::on(scene, Plant::of(scene, sign)?, is_free(scene))
     }
 
-    /// As [`new`](Self::new), with `device` in the place of the scene's device and hand. It starts where
-    /// it is, on the scene's side of the object, in the user's frame. Of the scene's device, only what a
-    /// renderer is told of it still counts: its effective mass and its encoder's quantum; the encoder
-    /// itself, too. The ideal is integrated on a copy of `device`, so [`DevicePlant::advance`] should be exact,
-    /// or much more accurate than what is to be measured.
+    /// Like [`new`](Self::new), but `device` replaces the scene's device and hand. It starts in its present state, on
+    /// the scene's side of the object, in the user's frame. The scene's device then determines only the model values of
+    /// the renderer (effective mass and encoder quantum) and the encoder itself. The ideal is integrated on a copy of
+    /// `device`, so [`DevicePlant::advance`] should be exact, or much more accurate than the effects to be measured.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// Those of [`new`](Self::new).
     pub fn with_device(
         scene: &'a Scene,
         device: impl OwnDevice + 'static,
@@ -157,29 +156,28 @@ impl<'a> Bench<'a> {
         self.scene
     }
 
-    /// Runs the loop by `method` over the window and judges it.
+    /// Runs the loop by `method` over the window and evaluates it.
     ///
-    /// Sample, render, hold: at each sample instant the renderer sees the measured position and the
-    /// measured time since the sample before, and each of its forces is held from when it reaches the
-    /// motor until the next one does, while the device moves under what the actuator gives of it. The
-    /// renderer is told what a driver knows: the command that was sent, as far as the motor's limit let
-    /// it.
+    /// At each sample instant the renderer receives the measured position and the measured time since the previous
+    /// sample. Each of its forces is held from its arrival at the motor until the next one arrives, while the device
+    /// moves under the actuator's output. The renderer receives the commanded force after the motor's limit, as a
+    /// driver would report it.
     ///
     /// # Errors
-    /// Settings that do not make this method.
+    /// The settings are invalid for this method.
     pub fn run(&self, method: MethodName) -> Result<Run, LoopError> {
         self.run_built_in(&self.timeline, self.scene, method)
     }
 
-    /// One run for each of `methods`, in their order.
+    /// Runs each of `methods`, in their order.
     ///
     /// # Errors
-    /// Of the first method that cannot run; see [`run`](Self::run).
+    /// The error of the first method that cannot run; see [`run`](Self::run).
     pub fn run_all(&self, methods: &[MethodName]) -> Result<Vec<Run>, LoopError> {
         methods.iter().map(|&method| self.run(method)).collect()
     }
 
-    /// Runs the loop by a method of the caller's own and judges it, as [`run`](Self::run) does.
+    /// Runs the loop by a caller-defined method and evaluates it, as [`run`](Self::run) does.
     ///
     /// # Errors
     /// The first parameter outside its range.
@@ -193,12 +191,12 @@ impl<'a> Bench<'a> {
         self.run_along(&self.timeline, self.scene, &renderer, method, parameters)
     }
 
-    /// As [`run`](Self::run), for `scene` in the place of this bench's own: a copy of it with other
-    /// settings of its methods, another guard, another mass or actuator that the renderer is told, or, if
-    /// the loop is perfect otherwise, another delay. The ideal depends on none of them, so one bench serves all such scenes.
+    /// Like [`run`](Self::run), for a variant of this bench's scene: a copy with other settings of its methods, another
+    /// guard, another model mass or model actuator, or, if the loop is perfect otherwise, another delay. The ideal
+    /// depends on none of them, so one bench serves all such scenes.
     ///
     /// # Errors
-    /// As [`run`](Self::run), and a scene that differs in anything else.
+    /// Those of [`run`](Self::run), or `scene` differs in anything else.
     pub fn run_varied(&self, scene: &Scene, method: MethodName) -> Result<Run, LoopError> {
         if !self.judges(scene) {
             return Err(LoopError::AnotherScene);
@@ -372,7 +370,7 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// What was delivered since a command began to act.
+/// Delivered force since a command began to act.
 #[derive(Default)]
 struct HeldSince {
     first: Option<f64>,
@@ -400,8 +398,8 @@ impl HeldSince {
 }
 
 impl Bench<'_> {
-    /// What a lossless loop did to its energy. With friction or a hand of its own there is no such
-    /// energy to compare with.
+    /// Returns the effect of a lossless loop on its energy. With friction or a passive hand, energy is not conserved
+    /// and cannot be compared.
     fn energy_judgement(&self, held: &[f64], record: &[Snapshot]) -> Option<EnergyJudgement> {
         match (&self.motion, &self.plant) {
             (IdealMotion::Exact(ideal), Plant::Free(_)) => Some(
@@ -433,8 +431,8 @@ fn record_until(record: &[Snapshot], time: Option<f64>) -> &[Snapshot] {
     &record[..end]
 }
 
-/// Whether device and object ever move ten times as energetically against each other as the ideal's
-/// `fastest` relative speed `[m/s]`, or anything is no number.
+/// Returns whether device and object ever move relative to each other with ten times the energy of the ideal's
+/// `fastest` relative speed `[m/s]`, or any value is not finite.
 fn ran_away(record: &[Snapshot], fastest: f64) -> bool {
     record.iter().any(|at| {
         let approach = at.device_velocity - at.object_velocity;
@@ -453,7 +451,7 @@ fn nearest_point(position: f64, last: usize) -> usize {
     index.min(last)
 }
 
-/// When the ideal, which has no safety box, goes where that of the scene would end it `[s]`.
+/// Returns the time `[s]` at which the ideal, which has no safety box, leaves the scene's safety box.
 fn leaves_box_at(scene: &Scene, reference: &Reference) -> Option<f64> {
     let [low, high] = scene.device.pantograph()?.linkage.safety_box?.y;
     let outside = |point: &&IdealPoint| !(low..=high).contains(&point.device_position);
@@ -483,7 +481,7 @@ fn exact_ideal(scene: &Scene, sign: f64) -> Result<Ideal, InvalidParameter> {
     })
 }
 
-/// An integrated ideal, and the timeline of the loop that it judges.
+/// An integrated ideal, and the timeline of the loop that it is the reference for.
 struct Integrated {
     timeline: Timeline,
     /// The ideal force, cut where the loop changes its own.
@@ -506,7 +504,7 @@ fn integrated_ideal(
         Measure::Collisions(asked) => Stop::AfterCollisions(asked),
         Measure::Duration(duration) => Stop::AfterPeriods(whole_periods(duration, period)?),
     };
-    // A motor's limit is no part of the ideal.
+    // The ideal has no motor limit.
     let plant = plant.without_motor_limits(scene, sign)?;
     #[expect(
         clippy::cast_possible_truncation,

@@ -1,4 +1,4 @@
-//! What acts on a recorded device: each force after the loop's delay, through its actuator.
+//! Force on a recorded device: each command after the loop's delay, through its actuator.
 
 use palpate::Actuation;
 use palpate_testbed::InvalidParameter;
@@ -7,32 +7,32 @@ use palpate_testbed::device::DevicePlant;
 
 use crate::run::Held;
 
-/// When each command of a loop begins to act.
+/// Times at which the commands of a loop begin to act.
 #[derive(Clone, Debug)]
 pub(crate) struct Delivery {
     /// The samples `[s]`; the last one ends the window.
     times: Vec<f64>,
-    /// When the command of each sample begins `[s]`; those after the window's end are left out.
+    /// Start of each sample's command `[s]`, within the window.
     arrivals: Vec<f64>,
-    /// Where the force is cut into intervals `[s]`, the window's end included.
+    /// Edges of the force intervals `[s]`, including the window's end.
     edges: Vec<f64>,
     actuator: Actuator,
 }
 
 /// The force on the object that acted.
 pub(crate) struct Delivered {
-    /// At each sample `[N]`.
+    /// Force at each sample `[N]`.
     pub at_samples: Vec<f64>,
     /// Its mean over each interval.
     pub means: Vec<Held>,
 }
 
 impl Delivery {
-    /// Of a loop that samples at `times` `[s]`, with a delay of whole `samples` and a `fraction` of its
-    /// `period` `[s]` beyond them.
+    /// Creates the delivery for a loop that samples at `times` `[s]`, with a delay of whole `samples` and a `fraction`
+    /// of its `period` `[s]`.
     ///
     /// # Errors
-    /// A gain or a lag outside its range.
+    /// A gain or a lag is out of range.
     pub fn new(
         times: &[f64],
         (samples, fraction): (usize, f64),
@@ -70,17 +70,17 @@ impl Delivery {
         })
     }
 
-    /// Where the force is cut into intervals `[s]`.
+    /// Returns the edges of the force intervals `[s]`.
     pub fn edges(&self) -> &[f64] {
         &self.edges
     }
 
-    /// When the command of a sample begins to act `[s]`; none after the window's end.
+    /// Returns the time at which the command of a sample begins to act `[s]`; `None` after the window's end.
     pub fn arrival(&self, sample: usize) -> Option<f64> {
         self.arrivals.get(sample).copied()
     }
 
-    /// What acts where `commands` `[N]` were sent, one for each sample.
+    /// Returns the delivered force for `commands` `[N]`, one for each sample.
     pub fn of(&self, commands: &[f64]) -> Delivered {
         let mut actuator = self.actuator;
         let mut at_samples = Vec::with_capacity(self.times.len());
@@ -104,7 +104,7 @@ impl Delivery {
                 let mean = actuator.drive(&mut Recorded, command, duration).mean_force;
                 impulse += mean * duration;
                 if next >= until {
-                    // Of one piece the mean is that of the piece, to the last bit.
+                    // A single piece keeps its value to the last bit as the mean.
                     break if now > from {
                         impulse / (until - from)
                     } else {
@@ -118,7 +118,7 @@ impl Delivery {
                 force_on_object: mean,
             });
         }
-        // At the window's end nothing more is held; the last sample sees what would be.
+        // No command is held at the window's end; its sample sees the force that would act.
         while at_samples.len() < self.times.len() {
             let command = self.arrivals.len().checked_sub(1);
             let command = command.map_or(0.0, |last| commands[last]);
@@ -128,7 +128,7 @@ impl Delivery {
     }
 }
 
-/// A device that goes where it went, whatever the force.
+/// A device that follows the recording, independently of the force.
 struct Recorded;
 
 impl DevicePlant for Recorded {

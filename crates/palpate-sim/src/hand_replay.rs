@@ -1,8 +1,8 @@
-//! Replay of a recorded hand: what the device would have done under another force.
+//! Replay of a recorded hand: predicts the device's motion under another force.
 //!
-//! A recorded motion was made by a hand and, where one was held, by a force of the motor. Played back
-//! as it is ([`replay`](crate::replay)) the device cannot be moved by what is rendered. Here the hand's
-//! force is estimated from the motion and the loop is closed again:
+//! A recorded motion results from the force of a hand and, if the motor was on, of the motor. In a plain
+//! [`replay`](crate::replay) the rendered force cannot move the device. Here the hand's force is estimated from the
+//! motion, and the loop is closed again:
 //!
 //! ```
 //! use std::sync::Arc;
@@ -34,17 +34,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # What is known, and how well
+//! # Estimated quantities and their uncertainty
 //!
-//! All samples together give the hand's force and its standard deviation ([`RecordedHand::forces`]), up
-//! to a bandwidth that is chosen by likelihood unless it is stated. [`HandUncertainty`] has the figures
-//! for a report, with a check: the estimated force, put on a device of the same mass together with the
-//! recorded one, gives the recorded motion back within `given_back_within`.
+//! All samples together determine the hand's force and its standard deviation ([`RecordedHand::forces`]), up to a
+//! bandwidth that is chosen by likelihood unless it is given. [`HandUncertainty`] has the figures for a report,
+//! including a check: the estimated and the recorded force, applied to a device of the same mass, reproduce the
+//! recorded motion within `given_back_within`.
 //!
-//! What is not known is what the hand would have done had the device moved otherwise. By itself the
-//! force stays what it was; then nothing brings the device back, and the two motions part for good once
-//! the forces have differed by an impulse. With [`HandModel::stiffness`] and `damping` the hand holds on
-//! to its recorded motion; both are the caller's to state, and [`HandModel::holding_on`] has usual ones.
+//! The hand's reaction to a different motion of the device is unknown. By default the force is that of the recording.
+//! Nothing then returns the device, and the two motions separate permanently once the forces have differed by an
+//! impulse. With [`HandModel::stiffness`] and `damping` the hand holds on to its recorded motion. The caller chooses
+//! both; [`HandModel::holding_on`] has usual values.
 
 pub use palpate_testbed::recorded_hand::{
     HandError, HandForce, HandModel, HandUncertainty, RecordedHand, Recording,
@@ -58,13 +58,12 @@ use crate::run::{Reference, Run};
 use palpate_scene::method::MethodName;
 use palpate_scene::{ActuatorParams, Delay, Measure, Scene, SceneDevice, Timing, Told};
 
-/// How far, in recording steps, the end of the last period may lie behind that of the recording: time
-/// stamps are written in decimals.
+/// Tolerance on the end of the last period beyond that of the recording, in recording steps: time stamps are decimal.
 const SAME_INSTANT: f64 = 1e-6;
 
-/// The closed loop of `setup` with `hand` in place of the one that was recorded, over the whole periods of
-/// the recording; times count from its first sample. The device has the mass of the hand's model; what
-/// a renderer is told is the setup's, if it says one.
+/// Returns the closed loop of `setup` with `hand` in place of the recorded one, over the whole periods of the
+/// recording; times count from its first sample. The device has the mass of the hand's model. The renderer's model mass
+/// is that of the setup, if given.
 ///
 /// # Errors
 /// A recording that is shorter than a period.
@@ -115,11 +114,11 @@ pub fn scene(hand: Arc<RecordedHand>, setup: &ReplaySetup) -> Result<Scene, Hand
     })
 }
 
-/// The same loop, sampling when the recorded one did, in place of every period: at each of the hand's
-/// samples, whether it has a position or not.
+/// Returns the same loop with samples at the recorded instants instead of every period: at each of the hand's samples,
+/// with or without a position.
 ///
 /// # Errors
-/// A recording that is shorter than a period.
+/// The recording is shorter than a period.
 pub fn scene_at_recorded_instants(
     hand: Arc<RecordedHand>,
     setup: &ReplaySetup,
@@ -134,11 +133,11 @@ pub fn scene_at_recorded_instants(
     Ok(scene)
 }
 
-/// No arm follows a device farther than this `[m]`; what is replayed beyond it is no hand.
+/// Reach of an arm `[m]`; a replayed device farther away is no longer in a hand.
 pub const REACH: f64 = 1.0;
 
-/// How far from its recorded motion the device of the ideal gets, at most `[m]`: beyond [`REACH`] the
-/// contact, the mass or the hand that was stated makes no sense for the recording.
+/// Returns the largest distance between the ideal's device and its recorded motion `[m]`. Beyond [`REACH`] the contact,
+/// the mass or the hand does not fit the recording.
 pub fn largest_ideal_departure(hand: &RecordedHand, ideal: &Reference) -> f64 {
     let points = ideal.curve.iter();
     points
@@ -146,7 +145,7 @@ pub fn largest_ideal_departure(hand: &RecordedHand, ideal: &Reference) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// How far from its recorded motion the device of `run` got, at most `[m]`.
+/// Returns the largest distance between the device of `run` and its recorded motion `[m]`.
 pub fn largest_departure(hand: &RecordedHand, run: &Run) -> f64 {
     run.ticks
         .iter()

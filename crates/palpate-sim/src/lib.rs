@@ -1,11 +1,11 @@
 //! The sampled-data loop, and replay of recorded motion.
 //!
-//! This crate puts the renderers of [`palpate`] on the bench of [`palpate_testbed`]: it runs a scene
-//! ([`palpate_scene`]) closed loop ([`closed_loop`]), on recorded motion ([`replay`]) or in a recorded
-//! hand ([`hand_replay`]) by any method ([`palpate_scene::method`]), and hands the bench's judgement back
-//! with the run. [`VirtualDevice`] is a scene's device for a loop outside this crate, and [`device`] has it, and one
-//! in a pointer's hand, as devices of a loop that runs in time.
-//! [`sampled_loop`] has the steps of the loop one by one, [`ticks`] its ticks. Studies of many runs are in `palpate-study`.
+//! This crate runs the renderers of [`palpate`] on the testbed of [`palpate_testbed`]. It runs a scene
+//! ([`palpate_scene`]) in closed loop ([`closed_loop`]), on recorded motion ([`replay`]) or in a recorded hand
+//! ([`hand_replay`]) by any method ([`palpate_scene::method`]), and returns the evaluation with the run.
+//! [`VirtualDevice`] is a scene's device for a loop outside this crate. [`device`] provides it, and a device in a
+//! pointer's hand, for real-time loops. [`sampled_loop`] has the single steps of the loop, [`ticks`] its ticks. Studies
+//! of many runs are in `palpate-study`.
 
 pub mod closed_loop;
 mod delivery;

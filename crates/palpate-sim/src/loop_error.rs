@@ -1,4 +1,4 @@
-//! What keeps a scene from being run.
+//! Errors that prevent a scene from running.
 
 use palpate_scene::SetupError;
 use palpate_testbed::InvalidParameter;
@@ -6,7 +6,7 @@ use palpate_testbed::reference::ReferenceError;
 
 use crate::run::MOST_PERIODS;
 
-/// Why a scene cannot be run.
+/// Reason why a scene cannot run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LoopError {
     /// The method cannot be set up.
@@ -24,7 +24,7 @@ pub enum LoopError {
          state a duration instead"
     )]
     TooFewCollisions {
-        /// Collisions asked for.
+        /// Requested number of collisions.
         asked: usize,
         /// Collisions of the ideal.
         found: usize,

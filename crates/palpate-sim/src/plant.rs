@@ -20,7 +20,7 @@ use crate::own_device::Seen;
 pub(crate) enum Plant {
     /// Without friction, under a constant force: its ideal is known in closed form.
     Free(PointMass),
-    /// With friction, a limit of its motor, or a hand of its own.
+    /// With friction, a limit of its motor, or a hand with its own dynamics.
     Held {
         /// The mass; its own motor has no limit.
         device: Box<HeldMass>,
@@ -85,7 +85,7 @@ impl Plant {
                 viscous_friction: device.viscous_friction,
                 coulomb_friction: device.coulomb_friction,
                 transmission: device.transmission,
-                // Odd in the motor's position, so a mirror leaves it as it is.
+                // Odd in the motor's position, hence unchanged by a mirror.
                 cogging: device.cogging,
             };
             let mut moved = Drivetrain::new(params, hand)?.starting_at(position, velocity)?;
@@ -122,7 +122,7 @@ impl Plant {
         }
     }
 
-    /// The same plant without the limits of its motors and its safety box, whose ideal is asked for.
+    /// Returns the same plant without the limits of its motors and its safety box, for computing the ideal.
     pub fn without_motor_limits(&self, scene: &Scene, sign: f64) -> Result<Self, InvalidParameter> {
         match &scene.device {
             _ if matches!(self, Self::Own(_)) => Ok(self.clone()),
@@ -138,8 +138,7 @@ impl Plant {
         }
     }
 
-    /// Whether a linkage has run into a pose from which its motors cannot say how it goes on, and
-    /// stands there.
+    /// Returns whether a linkage is stuck in a pose from which its motor angles do not determine the subsequent motion.
     pub fn is_jammed(&self) -> bool {
         matches!(self, Self::Linkage { device, .. } if device.is_jammed())
     }
@@ -210,7 +209,7 @@ fn held_by(hand: &scene::Hand, sign: f64) -> Hand {
     }
 }
 
-/// Whether the scene's ideal is known in closed form. A motor's limit is no part of the ideal.
+/// Returns whether the scene's ideal is known in closed form. The ideal has no motor limit.
 pub(crate) fn is_free(scene: &Scene) -> bool {
     scene.device.point_mass().is_some_and(has_closed_form)
 }

@@ -1,9 +1,8 @@
 //! Open-loop replay: a recorded motion, rendered by a method.
 //!
-//! The recorded device cannot be moved: it ignores the force, and the renderer sees the motion a
-//! person made without it. What the replay shows is the force law on real motion and the energy it
-//! leaks. The ideal it is held against is the same object, driven in continuous time by the
-//! recording at its full rate, straight lines between its samples.
+//! The recorded device ignores the force, and the renderer sees the recorded motion. The replay therefore shows the
+//! force law on real motion and the generated energy. The ideal is the same object in continuous time, position-driven
+//! by the recording at its full rate, linear between its samples.
 
 use palpate::{
     Actuation, AnyParams, AnyRenderer, Contact, LARGEST_DELAY, LoopParams, Mass, Method,
@@ -21,7 +20,7 @@ use palpate_scene::method::{Basis, MethodName, Settings, SettingsError};
 use palpate_scene::named_parameters::named_parameters;
 use palpate_scene::{Delay, Scene, SetupError, stored_energy};
 
-/// What to render on a recorded motion.
+/// Contact, loop and object that are rendered on a recorded motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReplaySetup {
     /// The contact.
@@ -32,7 +31,7 @@ pub struct ReplaySetup {
     pub object: ObjectState<f64>,
     /// Virtual force on the object `[N]`.
     pub virtual_force: f64,
-    /// What is known of the actuator. In a replay it is also what the actuator does.
+    /// Renderer's model of the actuator. In a replay it is also the actual actuator.
     pub actuation: Actuation<f64>,
     /// Effective mass of the device, if known `[kg]`.
     pub device_mass: Option<f64>,
@@ -41,11 +40,11 @@ pub struct ReplaySetup {
 }
 
 impl ReplaySetup {
-    /// Parameters of `method` here when the device starts at `device_position` `[m]`. A `recorded`
-    /// device goes where it has gone, whatever the force.
+    /// Returns the parameters of `method` for a device that starts at `device_position` `[m]`. A `recorded` device
+    /// ignores the force.
     ///
     /// # Errors
-    /// A setting that the method cannot use.
+    /// A setting is invalid for the method.
     pub fn params(
         &self,
         method: MethodName,
@@ -64,8 +63,7 @@ impl ReplaySetup {
         method.params(settings, &basis)
     }
 
-    /// What a scene says of contact, loop, object and renderer; its device and its hand are in the
-    /// recording.
+    /// Returns contact, loop, object and renderer of a scene; the recording replaces its device and its hand.
     #[must_use]
     pub fn of_scene(scene: &Scene) -> Self {
         Self {
@@ -74,7 +72,7 @@ impl ReplaySetup {
             object: scene.object,
             virtual_force: scene.virtual_force,
             actuation: if scene.told.delay.is_none() && scene.delay.seconds() == 0.0 {
-                // Longer than a renderer can be told of, perhaps.
+                // The delay may exceed the longest one that a renderer supports.
                 let samples =
                     Actuation::after_samples(scene.delay.whole_samples(), scene.loop_params.period);
                 Actuation {
@@ -89,7 +87,7 @@ impl ReplaySetup {
         }
     }
 
-    /// The loop as the renderer is told: with as much of the delay as it can know.
+    /// Returns the renderer's model of the loop, with the delay limited to the longest one that it supports.
     #[must_use]
     pub fn known_loop(&self) -> LoopParams<f64> {
         let most = LARGEST_DELAY as f64 * self.loop_params.period;
@@ -109,7 +107,7 @@ impl ReplaySetup {
     }
 }
 
-/// Why a recording cannot be replayed.
+/// Reason why a recording cannot be replayed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReplayError {
@@ -119,10 +117,10 @@ pub enum ReplayError {
     /// The bench refuses a value.
     #[error(transparent)]
     Bench(#[from] InvalidParameter),
-    /// The recording is no motion.
+    /// The recording is not a valid motion.
     #[error(transparent)]
     Path(#[from] PathError),
-    /// The recording presses the object so deep that its energy is no number.
+    /// The ideal force overflows: the recording penetrates the object too deeply.
     #[error("the ideal force on this recording is not a finite number: a position is too large")]
     Overflow,
     /// The recording is too long for the period.
@@ -145,7 +143,7 @@ pub struct Replay {
     sign: f64,
     /// The loop's instants `[s]`.
     times: Vec<f64>,
-    /// Whether the renderer is told the time between them; else it counts on its period.
+    /// Whether the renderer receives the measured time between samples; otherwise it uses the nominal period.
     measured: bool,
     /// Recorded positions at these instants, in the user's frame `[m]`.
     positions: Vec<f64>,
@@ -154,15 +152,14 @@ pub struct Replay {
 }
 
 impl Replay {
-    /// Resamples the recording (`times` `[s]`, `positions` `[m]`) at the loop's period, and drives
-    /// the ideal object by all of it.
+    /// Resamples the recording (`times` `[s]`, `positions` `[m]`) at the loop's period, and moves the ideal object by
+    /// the full recording.
     ///
-    /// Where an instant of the loop is a recorded one the recorded position is taken exactly, so a
-    /// period that is a multiple of the recording's step decimates it; other instants are
-    /// interpolated on straight lines.
+    /// If an instant of the loop coincides with a recorded one, the recorded position is used exactly, so a period that
+    /// is a multiple of the recording's step decimates it. Other instants are interpolated linearly.
     ///
     /// # Errors
-    /// A recording that is no motion or lasts less than one period; a parameter out of range.
+    /// The recording is not a valid motion or lasts less than one period, or a parameter is out of range.
     pub fn new(setup: ReplaySetup, times: &[f64], positions: &[f64]) -> Result<Self, ReplayError> {
         check(&setup)?;
         let period = setup.loop_params.period;
@@ -185,11 +182,11 @@ impl Replay {
         Self::along(setup, &recorded, grid, (instants, resampled, false))
     }
 
-    /// A loop that samples when the recorded one did: at `times` `[s]`, where the device was at
-    /// `positions` `[m]`. The renderer is told the time between them, as it was measured.
+    /// Creates a loop that samples at the recorded instants `times` `[s]`, with the device at `positions` `[m]`. The
+    /// renderer receives the measured time between them.
     ///
     /// # Errors
-    /// As those of [`new`](Self::new).
+    /// Those of [`new`](Self::new).
     pub fn at_recorded_instants(
         setup: ReplaySetup,
         times: &[f64],
@@ -205,7 +202,7 @@ impl Replay {
         Self::along(setup, &recorded, grid, samples)
     }
 
-    /// With the ideal object driven by all of a recording, over the grid of the loop.
+    /// Moves the ideal object by a full recording, over the grid of the loop.
     fn along(
         setup: ReplaySetup,
         recorded: &RecordedPath,
@@ -301,8 +298,8 @@ impl Replay {
         let setup = &self.setup;
         let mut state = renderer.start(setup.object).map_err(SetupError::from)?;
         let (samples, fraction) = (setup.delay().whole_samples(), setup.delay().fraction());
-        // Without a lag and with a delay of whole samples the force is one over each interval, also
-        // where the delay is longer than a renderer can be told.
+        // Without a lag and with a delay of whole samples the force is constant over each interval, even if the delay
+        // is longer than a renderer supports.
         let is_held = fraction == 0.0 && setup.actuation.lag == 0.0;
         let mut commands: Vec<f64> = Vec::with_capacity(self.positions.len());
         let mut ticks: Vec<Tick> = self

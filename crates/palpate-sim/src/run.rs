@@ -1,4 +1,4 @@
-//! What a run gives: every tick, and the bench's judgement.
+//! Result of a run: every tick, and its evaluation.
 
 use std::fmt;
 
@@ -19,20 +19,21 @@ pub struct Tick {
     pub true_device_position: f64,
     /// The renderer's answer.
     pub output: Output<f64>,
-    /// Force on the object that acts from here on `[N]`: with a delay, that of an earlier answer; with a
-    /// lag, the one that acts at this instant. In a loop of whole periods without a lag it lasts to the next
-    /// sample; else [`Run::held`] says when it changes.
+    /// Force on the object that acts from this sample on `[N]`: with a delay, that of an earlier output; with a lag,
+    /// its value at this instant. In a loop of whole periods without a lag it lasts until the next sample; otherwise
+    /// [`Run::held`] has its changes.
     pub held_force_on_object: f64,
-    /// When this sample's answer reaches the motor `[s]`; none after the window's end.
+    /// Arrival of this sample's command at the motor `[s]`; `None` after the window's end.
     pub command_from: Option<f64>,
     /// Books of the intervals before this sample.
     pub ledger: Ledger<f64>,
 }
 
-/// A force, held from an instant on until the next is; of an actuator with a lag the mean of what it gave.
+/// A force that is held from an instant until the next entry. For an actuator with a lag it is the mean delivered
+/// force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Held {
-    /// From when `[s]`.
+    /// Start time `[s]`.
     pub from: f64,
     /// Force on the object `[N]`.
     pub force_on_object: f64,
@@ -76,7 +77,7 @@ impl PartialEq<MethodName> for RunMethod {
     }
 }
 
-/// A run of one method, from the first sample to the one that closes the last interval.
+/// A run of one method, from the first sample to the end of the last interval.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// The method.
@@ -88,27 +89,26 @@ pub struct Run {
     pub ticks: Vec<Tick>,
     /// The force that was really held, one for each interval of the reference's profile.
     pub held: Vec<Held>,
-    /// How well the held force renders the ideal one.
+    /// Metrics of the held force against the ideal one.
     pub force: ForceJudgement,
-    /// When a linkage ran to the end of its reach and jammed `[s]`. What follows in the run is not
-    /// what the method did, but what the end of the mechanism did.
+    /// Time at which a linkage jams at the end of its reach `[s]`. The rest of the run shows the end stop of the
+    /// mechanism, not the method.
     pub jammed_at: Option<f64>,
-    /// When a linkage was first seen outside its safety box, which then switches the motors off for
-    /// good `[s]`. From there on no force is held, and the run shows the hand alone.
+    /// Time at which a linkage is first measured outside its safety box, which then disables the motors permanently
+    /// `[s]`. No force is held afterwards, and the run shows only the hand.
     pub left_box_at: Option<f64>,
     /// Whether the loop ran away; closed loops only.
     pub diverged: Option<bool>,
-    /// What the loop did to the energy of device and object; closed loops of a point mass without
-    /// friction under a constant force only.
+    /// Effect of the loop on the energy of device and object; only for closed loops of a point mass without friction
+    /// under a constant force.
     pub energy: Option<EnergyJudgement>,
-    /// How fast device and object part after each ideal collision that ends within the window;
-    /// closed loops only.
+    /// Separation speed of device and object after each ideal collision that ends within the window; closed loops only.
     pub rebounds: Vec<ReboundSpeed>,
-    /// Work through the port as the bench integrates it, without the renderer's books, positive
-    /// into the object `[J]`; closed loops only.
+    /// Work through the port as integrated by the bench, independently of the renderer's energy ledger, positive into
+    /// the object `[J]`; closed loops only.
     pub bench_port_work: Option<f64>,
-    /// How far the object's centre lies from its place, in the user's frame `[m]`; 0 where the scene
-    /// states no radius. Nothing in the run depends on it.
+    /// Offset of the object's centre from its position, in the user's frame `[m]`; 0 if the scene has no radius. The
+    /// run does not depend on it.
     pub centre_offset: f64,
 }
 
@@ -122,8 +122,8 @@ pub struct Reference {
     pub error: f64,
     /// Device, object and force on a fine grid, for figures, in the user's frame.
     pub curve: Vec<IdealPoint>,
-    /// When its device goes outside the safety box of the scene's linkage `[s]`. The ideal itself has
-    /// no box; if this is within the window, the box is too small for the scene.
+    /// Time at which its device leaves the safety box of the scene's linkage `[s]`. The ideal itself has no box; a time
+    /// within the window means that the box is too small for the scene.
     pub leaves_box_at: Option<f64>,
 }
 

@@ -1,8 +1,8 @@
 //! One step of the sampled-data loop: sample, render, hold, advance.
 //!
-//! [`Bench`](crate::closed_loop::Bench) takes these steps over a whole window and keeps every tick. A study
-//! that needs less of a run takes the same steps itself. [`SampledLoop`] does not know time: its caller
-//! says when to sample, and how long a force is held.
+//! [`Bench`](crate::closed_loop::Bench) takes these steps over a whole window and keeps every tick. A study that needs
+//! less of a run takes the steps itself. [`SampledLoop`] has no clock: its caller determines the sample instants and
+//! the durations of the held forces.
 
 use palpate::{Method, ObjectState, Output, ParameterError, Renderer, Sample, State};
 use palpate_testbed::InvalidParameter;
@@ -26,8 +26,8 @@ pub trait LoopDevice: DevicePlant {
         sampler.sample(noisy(self.position(), noise))
     }
 
-    /// Force on the object that is sent to the motor when it is to hold `force` `[N]`: what its limit
-    /// leaves. What the motor gives of that is its actuator's.
+    /// Returns the force on the object that is sent to the motor for a commanded `force` `[N]`, after the motor's
+    /// limit. The actuator model is applied separately.
     #[inline]
     fn given_force(&self, force: f64) -> f64 {
         force
@@ -69,11 +69,11 @@ pub struct SampledLoop<'a, M: Method<f64>, D> {
     pub state: State<f64, M::Memory>,
     /// The device, with what holds it.
     pub device: D,
-    /// The sensor of devices that have none of their own.
+    /// Sensor of devices without their own.
     pub sampler: Sampler,
     /// The noise of that sensor.
     pub noise: SensorNoise,
-    /// What lies between a command and the force that acts.
+    /// Model from a command to the delivered force.
     pub actuator: Actuator,
     /// 1 or -1: mirrors the device's positions and forces to the user's frame.
     pub sign: f64,
@@ -81,7 +81,7 @@ pub struct SampledLoop<'a, M: Method<f64>, D> {
     pub virtual_force: f64,
 }
 
-/// What a sample showed, in the user's frame.
+/// Result of a sample, in the user's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampled {
     /// Position as the renderer saw it `[m]`.
@@ -112,8 +112,8 @@ impl<'a, M: Method<f64>, D: LoopDevice> SampledLoop<'a, M, D> {
         })
     }
 
-    /// Samples the device `elapsed` `[s]` after the last sample, and renders. The renderer is told
-    /// the time that has been measured; where it is told none, it counts on its period.
+    /// Samples the device `elapsed` `[s]` after the last sample, and renders. The renderer receives `measured_time`;
+    /// for `None` it uses its nominal period.
     #[inline]
     pub fn sample(&mut self, elapsed: f64, measured_time: Option<f64>) -> Sampled {
         self.device.sample(elapsed);
@@ -147,8 +147,8 @@ impl<'a, M: Method<f64>, D: LoopDevice> SampledLoop<'a, M, D> {
         self.renderer.report_held(&mut self.state, force);
     }
 
-    /// Lets the device move while `force` is held for `duration` `[s]`; the work through the port
-    /// `[J]`. The force acts as it is, without the actuator.
+    /// Moves the device while `force` is held for `duration` `[s]`, and returns the work through the port `[J]`. The
+    /// force acts directly, without the actuator.
     #[inline]
     pub fn advance(&mut self, force: f64, duration: f64) -> f64 {
         self.device.advance(self.sign * force, duration)

@@ -1,6 +1,6 @@
 //! A loop by one of the built-in methods, tick by tick, for a study that keeps nothing of its runs.
 //!
-//! The ticks are compiled here, not where they are asked for: a study runs millions of them, and is itself built
+//! The ticks are compiled in this crate, which is optimised, because a study runs millions of them and is itself built
 //! without optimisation.
 
 use palpate::{AnyMethod, AnyRenderer, ObjectState, Output};
@@ -19,11 +19,11 @@ use crate::sampled_loop::{LoopDevice, SampledLoop};
 
 /// A loop in progress.
 pub trait Ticks {
-    /// Samples the device, renders, and lets a period pass.
+    /// Samples the device, renders, and advances by a period.
     fn tick(&mut self) -> Tick;
 }
 
-/// What a tick came to.
+/// Result of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tick {
     /// Position of the device where it was sampled `[m]`.
@@ -36,7 +36,7 @@ pub struct Tick {
     pub held: f64,
 }
 
-/// What a loop is made of, besides its device. The renderer counts on the period that it has been told.
+/// Parameters of a loop, except its device. The renderer uses its nominal period.
 #[derive(Clone, Debug)]
 pub struct TicksParams<'a> {
     /// The renderer.
@@ -45,7 +45,7 @@ pub struct TicksParams<'a> {
     pub object: ObjectState<f64>,
     /// Force f_V on the object `[N]`.
     pub virtual_force: f64,
-    /// The sensor of devices that have none of their own.
+    /// Sensor of devices without their own.
     pub sampler: Sampler,
     /// The way of a command to the device.
     pub way: Way,
@@ -145,11 +145,11 @@ impl<D: LoopDevice> Ticks for InProgress<'_, D> {
 #[derive(Clone, Debug)]
 pub struct Way {
     hold: DelayedHold,
-    /// Part of a period by which commands come later than whole samples.
+    /// Fraction of a period in the delay, beyond whole samples.
     fraction: f64,
-    /// The command that acts until the next one comes `[N]`.
+    /// Command that acts until the next one arrives `[N]`.
     before: f64,
-    /// What lies between a command that has come and the device.
+    /// Model from an arrived command to the delivered force.
     actuator: Actuator,
 }
 
@@ -174,7 +174,7 @@ impl Way {
 }
 
 impl<D: LoopDevice> InProgress<'_, D> {
-    /// Sends `command` and lets a period pass; the mean force on the object in it `[N]`.
+    /// Sends `command`, advances by a period, and returns the mean force on the object `[N]`.
     fn drive(&mut self, command: f64) -> f64 {
         let Self {
             sampled,
@@ -182,7 +182,7 @@ impl<D: LoopDevice> InProgress<'_, D> {
             period,
         } = self;
         if way.fraction == 0.0 && way.actuator.params().lag == 0.0 {
-            // One force over the whole period, which the renderer is told.
+            // The force is constant over the whole period, and is reported to the renderer.
             let held = sampled.given_force(way.hold.exchange(command));
             sampled.report_held(held);
             sampled.advance(held, *period);

@@ -8,8 +8,8 @@ use palpate_testbed::measure::{Sampler, SensorNoise};
 use crate::plant::Plant;
 use palpate_scene::Scene;
 
-/// The device of a scene with the hand that holds it, in the user's frame. It knows no loop: it
-/// moves when it is told how long which force has been held.
+/// The device of a scene with its hand, in the user's frame. It is independent of a loop: each call passes the held
+/// force and its duration.
 #[derive(Clone, Debug)]
 pub struct VirtualDevice {
     plant: Plant,
@@ -47,9 +47,8 @@ impl VirtualDevice {
         self.sign * self.plant.measured(&self.sampler, noise)
     }
 
-    /// Moves on for `duration` `[s]` while the motor is to hold `force` on the device `[N]`; what
-    /// is sent to it may be less, and what it gives is that through the scene's gain and lag. The work of
-    /// the force that acts on the device `[J]`.
+    /// Advances by `duration` `[s]` under a commanded `force` on the device `[N]`. The force is limited, and acts
+    /// through the scene's gain and lag. Returns the work of the delivered force `[J]`.
     pub fn hold(&mut self, force: f64, duration: f64) -> f64 {
         let sent = -self.sign * self.given_force(force);
         let delivered = self.actuator.drive(&mut self.plant, sent, duration);

@@ -1,4 +1,4 @@
-//! What a calibration tells a renderer, and calibrating the device of a scene in simulated time.
+//! Model values of a renderer from a calibration, and simulated calibration of a scene's device.
 
 use std::time::Duration;
 
@@ -14,7 +14,7 @@ use palpate_testbed::InvalidParameter;
 
 use crate::calibration::ExcitedMotion;
 
-/// Why the device of a scene has no calibration.
+/// Reason why the device of a scene has no calibration.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum NotCalibrated {
@@ -30,28 +30,27 @@ pub enum NotCalibrated {
     /// The excitation stopped before its end.
     #[error("the excitation stopped: {0}")]
     Stopped(Stop),
-    /// The fit says nothing of the motion.
+    /// The fit cannot identify the motion.
     #[error(transparent)]
     Declined(#[from] Declined),
 }
 
-/// Calibrates the device of `scene` as `palpate calibrate` does a real one, in simulated time, on the motion
-/// of [`excite`].
+/// Calibrates the device of `scene` as `palpate calibrate` calibrates a real one, in simulated time, on the motion of
+/// [`excite`].
 ///
 /// # Errors
-/// A device that cannot be simulated, an excitation that stops, a motion that says nothing.
+/// The device cannot be simulated, the excitation stops, or the fit declines the motion.
 pub fn calibrate(scene: &Scene, params: &ExcitationParams) -> Result<Calibration, NotCalibrated> {
     let motion = excite(scene, params, || {})?;
     let measured = measure(params, motion.excited(), &motion.positions, &motion.forces)?;
     Ok(measured.fitted.calibration)
 }
 
-/// Excites the device of `scene` in simulated time: its hand holds it, does not push, and trembles as it
-/// does in the scene; there is no object. The jitter of commands is left out. `sampled` hears of each
-/// sample.
+/// Excites the device of `scene` in simulated time. Its hand holds it without pushing and trembles as in the scene;
+/// there is no object. The jitter of commands is not simulated. Calls `sampled` after each sample.
 ///
 /// # Errors
-/// A device that cannot be simulated, an excitation that stops.
+/// The device cannot be simulated, or the excitation stops.
 pub fn excite(
     scene: &Scene,
     params: &ExcitationParams,
@@ -81,18 +80,19 @@ pub fn excite(
     }
 }
 
-/// What a calibration says of delay, lag, gain, sensor and transmission, of the quantities that are `taken` from it.
+/// Returns the model values of delay, lag, gain, sensor and transmission from a calibration, for the quantities that
+/// `taken` selects.
 #[must_use]
 pub fn told(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Told {
     let known = |quantity: Quantity| {
         let known = calibration.known.get(&quantity);
         known.filter(|_| taken(quantity))
     };
-    // Where the two are known only together, the sum is the better delay.
+    // If only the sum of delay and lag is known, the sum is the better delay.
     let delay = known(Quantity::Delay).or_else(|| known(Quantity::DelayPlusLag));
     let [lag, gain] = [Quantity::Lag, Quantity::Gain].map(known);
-    // Delay and lag of one fit err against each other. What counts is when the impulse arrives, which
-    // their sum says.
+    // The errors of delay and lag from one fit compensate each other. Their sum determines the arrival of the
+    // impulse, so only its deviation counts.
     let of_sum = calibration
         .standard_deviation(Quantity::DelayPlusLag)
         .filter(|_| delay.is_some() && lag.is_some());
@@ -118,8 +118,8 @@ pub fn told(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Told
     }
 }
 
-/// Model values for a simulated loop whose delay, lag and sensor quantum are the calibrated ones: the deviations, and the noise of
-/// the sensor. The simulated device is rigid and its gain is 1, so the gain's deviation is relative.
+/// Returns the model values for a simulated loop with the calibrated delay, lag and sensor quantum: the deviations
+/// and the sensor noise. The simulated device is rigid and its gain is 1, so the deviation of the gain is relative.
 #[must_use]
 pub fn deviations(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Told {
     let told = told(calibration, taken);
@@ -134,7 +134,7 @@ pub fn deviations(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -
     }
 }
 
-/// What a calibration says of a flexible transmission, where it has found all of it and all of it is taken.
+/// Returns the flexible transmission of a calibration, if all its values are known and `taken`.
 fn transmission(
     calibration: &Calibration,
     taken: impl Fn(Quantity) -> bool,

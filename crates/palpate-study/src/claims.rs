@@ -1,7 +1,6 @@
-//! Claims of the paper that have numbers, computed on its scenes.
+//! Numeric claims of the paper, computed on its scenes.
 //!
-//! Each claim says what it takes to hold here, as a number. A claim that the paper makes of its own
-//! device may hold there and not here.
+//! Each claim has a numeric criterion. A claim about the paper's own device may hold there but not here.
 
 pub mod report;
 
@@ -28,14 +27,14 @@ pub struct PaperScenes<'a> {
     pub fig5_box: &'a Scene,
 }
 
-/// A claim, what was found, and whether it holds here.
+/// A claim, its computed numbers, and whether it holds here.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
     /// Short name.
     pub name: &'static str,
-    /// What the paper says, in other words.
+    /// The paper's statement, paraphrased.
     pub paper: &'static str,
-    /// What it takes to hold here.
+    /// Criterion for the claim to hold here.
     pub takes: String,
     /// The numbers.
     pub found: Vec<Found>,
@@ -43,32 +42,32 @@ pub struct Claim {
     pub holds: Holds,
 }
 
-/// A number that was found.
+/// A computed number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// What it is.
+    /// Meaning of the number.
     pub what: String,
-    /// The number; `None` where there is none, such as the time of something that did not happen.
+    /// The number; `None` if it does not exist, for example the time of an event that did not happen.
     pub value: Option<f64>,
     /// Its unit; empty for a ratio.
     pub unit: &'static str,
-    /// Whether the claim holds for this number, if it is one that decides.
+    /// Whether this number satisfies the claim, if it is decisive.
     pub fits: Option<bool>,
 }
 
 /// Whether a claim holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Holds {
-    /// For every number that decides.
+    /// All decisive numbers satisfy the claim.
     Yes,
-    /// For some of them.
+    /// Some decisive numbers satisfy the claim.
     InPart,
-    /// For none.
+    /// No decisive number satisfies the claim.
     No,
 }
 
 impl Holds {
-    /// Its name.
+    /// Returns the name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -85,7 +84,7 @@ impl fmt::Display for Holds {
     }
 }
 
-/// Why the claims cannot be checked.
+/// Reason why the claims cannot be checked.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ClaimError {
@@ -97,7 +96,7 @@ pub enum ClaimError {
     Sweep(#[from] SweepError),
 }
 
-/// Period of the loop that the paper takes for the truth `[s]`.
+/// Period of the paper's reference loop `[s]`.
 pub const FINE_PERIOD: f64 = 0.001;
 
 /// Computes one claim.
@@ -106,10 +105,10 @@ type Check = fn(&PaperScenes<'_>) -> Result<Claim, ClaimError>;
 /// Number of claims that [`check`] checks.
 pub const CLAIMS: usize = 6;
 
-/// Checks every claim; `done` hears of each one.
+/// Checks every claim. Calls `done` after each claim.
 ///
 /// # Errors
-/// A scene that cannot be run.
+/// A scene cannot be run.
 pub fn check(scenes: &PaperScenes<'_>, mut done: impl FnMut()) -> Result<Vec<Claim>, ClaimError> {
     let checks: [Check; CLAIMS] = [
         remaining_leak,
@@ -189,7 +188,7 @@ fn remaining_leak(scenes: &PaperScenes<'_>) -> Result<Claim, ClaimError> {
     ))
 }
 
-/// The basic model at 1 kHz, over the window of the scene.
+/// Runs the basic model at 1 kHz over the window of the scene.
 fn fine_run(scene: &Scene) -> Result<Run, LoopError> {
     let bench = Bench::new(scene)?;
     let mut fine = scene.clone();
@@ -256,7 +255,7 @@ fn truth_at_1_khz(scenes: &PaperScenes<'_>) -> Result<Claim, ClaimError> {
 
 fn sensitivity_to_damping(scenes: &PaperScenes<'_>) -> Result<Claim, ClaimError> {
     const AT_MOST: f64 = 1.5;
-    /// What the estimate of Eq. (11) gives on Fig. 2, its half and its double `[N s/m]`.
+    /// The estimate of Eq. (11) on Fig. 2, its half and its double `[N s/m]`.
     const DAMPINGS: [f64; 3] = [0.006_25, 0.0125, 0.025];
     let mut found = Vec::new();
     for collisions in [3, 10] {

@@ -1,4 +1,4 @@
-//! Many scenes and methods in one table.
+//! Comparison of many scenes and methods in one table.
 
 use std::fmt;
 
@@ -35,7 +35,7 @@ pub const COLUMNS: [&str; 15] = [
     "cannot",
 ];
 
-/// Every scene that was compared, in the order given.
+/// Comparison of scenes, in the order given.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -58,16 +58,16 @@ pub struct SceneRows {
     pub scene: String,
     /// The scene's title.
     pub title: String,
-    /// Difficulty, loop and floor in a line, for a terminal.
+    /// Difficulty, loop and hold bound as one line, for a terminal.
     #[serde(skip)]
     conditions: String,
     /// K T²/m.
     pub kappa: Option<f64>,
-    /// FRE that no held force can be below `[%]`.
+    /// Zero-order-hold bound: minimum FRE of any held force `[%]`.
     pub hold_floor_percent: Option<f64>,
     /// Strongest force of the ideal `[N]`.
     pub ideal_peak_force_n: Option<f64>,
-    /// Error of the ideal's impulses relative to the largest; 0 where it is exact.
+    /// Error of the ideal's impulses relative to the largest; 0 if it is exact.
     pub ideal_error: f64,
     /// One entry for each method.
     pub methods: Vec<MethodRow>,
@@ -79,15 +79,15 @@ pub struct SceneRows {
 pub struct MethodRow {
     /// Name of the method.
     pub method: &'static str,
-    /// What it did, or why it cannot.
+    /// Result of the method, or the reason why it cannot be set up.
     #[serde(flatten)]
     pub result: Outcome,
-    /// What else is to be said, for a terminal.
+    /// Remarks for a terminal.
     #[serde(skip)]
     remarks: String,
 }
 
-/// What a method did, or why it cannot be set up.
+/// Result of a method, or the reason why it cannot be set up.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[serde(untagged)]
@@ -96,12 +96,12 @@ pub enum Outcome {
     Ran(Box<Figures>),
     /// It cannot be set up.
     Cannot {
-        /// Why.
+        /// Reason.
         cannot: String,
     },
 }
 
-/// What a method did on a scene.
+/// Results of a method on a scene.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct Figures {
@@ -111,24 +111,24 @@ pub struct Figures {
     pub mean_force_error_percent: Option<f64>,
     /// FRE `[%]`; none without contact.
     pub force_rendering_error_percent: Option<f64>,
-    /// FRE over the hold floor; none where the floor is 0.
+    /// FRE over the zero-order-hold bound; none if the bound is 0.
     pub error_over_floor: Option<f64>,
     /// Peak force over that of the ideal.
     pub peak_over_ideal: Option<f64>,
     /// Sum of the absolute leaks of the held force `[J]`.
     pub absolute_leak_held_j: f64,
-    /// Whether the loop ran away.
+    /// Whether the loop diverged.
     pub diverged: Option<bool>,
-    /// When the device left its safety box `[s]`.
+    /// Time at which the device left its safety box `[s]`.
     pub left_box_at_s: Option<f64>,
-    /// When a linkage jammed `[s]`.
+    /// Time at which a linkage jammed `[s]`.
     pub jammed_at_s: Option<f64>,
-    /// Samples that the renderer refused.
+    /// Number of samples that the renderer rejected.
     pub refused_samples: usize,
 }
 
 impl Comparison {
-    /// The table of these scenes.
+    /// Creates the comparison of these scenes.
     #[must_use]
     pub fn of(scenes: Vec<SceneRows>) -> Self {
         Self {
@@ -138,12 +138,12 @@ impl Comparison {
         }
     }
 
-    /// Adds a file that was written.
+    /// Adds a written file.
     pub fn wrote(&mut self, path: &std::path::Path) {
         self.files.push(path.display().to_string());
     }
 
-    /// The table by rows, as [`COLUMNS`] name them; what does not exist is empty.
+    /// Returns the rows of the table in the order of [`COLUMNS`]; missing values are empty.
     pub fn rows(&self) -> impl Iterator<Item = [String; COLUMNS.len()]> + '_ {
         self.scenes
             .iter()
@@ -152,7 +152,7 @@ impl Comparison {
 }
 
 impl SceneRows {
-    /// The rows of a scene from what each method did, or why it cannot.
+    /// Creates the rows of a scene from the results of the methods, or the reasons why they cannot run.
     pub fn of(
         scene: String,
         subject: &Subject,
@@ -197,7 +197,7 @@ impl SceneRows {
         }
     }
 
-    /// The least error of a method that stayed in one piece.
+    /// Returns the lowest error of a method whose run stayed bounded.
     fn least(&self) -> Option<f64> {
         self.methods
             .iter()
@@ -250,21 +250,21 @@ impl Figures {
         }
     }
 
-    /// Whether it neither ran away nor ran out of a safety box or into the end of a mechanism.
+    /// Whether the run stayed bounded, inside the safety box and off the end stops of the mechanism.
     #[must_use]
     pub fn is_whole(&self) -> bool {
         self.diverged != Some(true) && self.left_box_at_s.is_none() && self.jammed_at_s.is_none()
     }
 }
 
-/// Words below the line of a method, in the column of its name.
+/// Formats text below the line of a method, in the column of its name.
 fn below(words: &str) -> String {
     const BLANKS: &str = "     ";
     let lines = within(words, WIDTH - BLANKS.len());
     format!("{BLANKS}{}", lines.join(&format!("\n{BLANKS}")))
 }
 
-/// Before the name of a method that did not stay in one piece, and of the one with the least error.
+/// Markers before the name of a method that did not stay bounded, and of the method with the lowest error.
 const BROKEN: &str = "!";
 const LEAST: &str = "*";
 

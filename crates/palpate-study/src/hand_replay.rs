@@ -1,4 +1,4 @@
-//! The hand of a recording, held against a new force; whatever the recording came from.
+//! Replay of a recorded hand under a new force, independent of the source of the recording.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -14,48 +14,50 @@ use palpate_sim::run::{Reference, Run};
 
 use crate::report::Replayed;
 
-/// What was recorded of a hand.
+/// Recorded data of a hand.
 #[derive(Clone, Copy, Debug)]
 pub struct HandRecording<'a> {
     /// Motion and force.
     pub recording: Recording<'a>,
-    /// Whether the loop samples when the recorded one did; else every period.
+    /// Whether the loop samples at the recorded instants; otherwise every period.
     pub at_its_instants: bool,
 }
 
 /// The runs of a replay.
 #[derive(Clone, Debug)]
 pub struct ReplayRuns {
-    /// Its ideal.
+    /// The ideal.
     pub reference: Reference,
     /// One for each method.
     pub runs: Vec<Run>,
-    /// What was replayed, and how well it is known.
+    /// The replayed motion or hand, and its accuracy.
     pub replayed: Replayed,
 }
 
-/// Why the loop could not be closed around a recorded hand.
+/// Reason why the loop could not be closed around a recorded hand.
 #[derive(Debug)]
 pub enum HandReplayError {
-    /// The recording has no hand, or its model is wrong.
+    /// The recording has no hand, or the hand model is invalid.
     Hand(HandError),
-    /// A method cannot be set up, or the loop not be run.
+    /// A method cannot be set up, or the loop cannot be run.
     Loop(MethodName, LoopError),
-    /// Even the ideal device goes where no hand can follow.
+    /// The ideal device already moves farther than an arm reaches.
     OutOfReach {
         /// The hand.
         model: HandModel,
-        /// How far the device leaves the recorded motion `[m]`.
+        /// Distance of the device from the recorded motion `[m]`.
         departure: f64,
     },
 }
 
-/// Estimates the hand of a recording by `model`, and closes the loop of `setup` by each of `methods`; `begins` hears what
-/// is begun. Whether the model's stiffness or damping `is_assumed` stands in what is reported. With the runs comes
-/// how far the device leaves the recorded motion under each method, where that is farther than an arm reaches `[m]`.
+/// Estimates the hand of a recording by `model` and closes the loop of `setup` by each of `methods`. Calls `begins`
+/// at the start of each step. The report states whether stiffness or damping of the model `is_assumed`. Also returns
+/// the methods under which the device leaves the recorded motion farther than an arm reaches, with the distances
+/// `[m]`.
 ///
 /// # Errors
-/// There is no hand, its model is wrong, a method cannot be set up, or no hand could follow.
+/// The recording has no hand, its model is invalid, a method cannot be set up, or the motion exceeds the reach of an
+/// arm.
 pub fn close_loop(
     recorded: &HandRecording,
     (setup, model, is_assumed): (&ReplaySetup, &HandModel, bool),
@@ -105,7 +107,7 @@ pub fn close_loop(
     Ok((runs, beyond))
 }
 
-/// What a replay of a hand is at.
+/// Current step of a hand replay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HandReplayStep {
     /// The hand's force is estimated.
@@ -114,6 +116,6 @@ pub enum HandReplayStep {
     Ideal,
     /// The loop is closed by this method.
     Method(MethodName),
-    /// That has been done.
+    /// End of a method.
     Done,
 }

@@ -1,4 +1,4 @@
-//! How much a method's error depends on the start height: the same scene from 21 of them.
+//! Dependence of a method's error on the start height: the same scene from 21 heights.
 
 pub mod report;
 
@@ -11,7 +11,7 @@ use crate::tune::{HEIGHTS, Spread, at_height, spread};
 use palpate_scene::Scene;
 use palpate_sim::closed_loop::{Bench, LoopError};
 
-/// What a column did on a scene over the start heights.
+/// Results of a column on a scene over the start heights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OverHeights {
     /// Mean-force error E `[%]`.
@@ -22,11 +22,11 @@ pub struct OverHeights {
     pub own: Fidelity,
     /// Heights at which the loop diverged.
     pub diverged: usize,
-    /// The damping of least median `[N s/m]`, of a column that chooses.
+    /// The damping with the lowest median error `[N s/m]`, for a column with several dampings.
     pub damping: Option<f64>,
 }
 
-/// Why a column cannot be judged on a scene.
+/// Reason why a column cannot be evaluated on a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HeightsError {
@@ -41,23 +41,23 @@ pub enum HeightsError {
     Column {
         /// Name of the column.
         column: String,
-        /// What is wrong.
+        /// Cause of the error.
         error: LoopError,
     },
 }
 
-/// Judges `columns` on `scene` from every start height; a setting that a column leaves open is the
-/// scene's. `done` hears of each height that is finished. The heights run on as many threads as
-/// rayon has; what comes out does not depend on how many those are.
+/// Evaluates `columns` on `scene` from every start height. A column uses the scene's value of every unset setting.
+/// Calls `done` after each height. The heights run on the threads of rayon; the results do not depend on the number
+/// of threads.
 ///
 /// # Errors
-/// A scene that cannot be run or has no contact, or settings that do not make a column's method.
+/// The scene cannot be run or has no contact, or settings do not fit a column's method.
 pub fn over_heights(
     scene: &Scene,
     columns: &[Column],
     done: impl Fn() + Sync,
 ) -> Result<Vec<OverHeights>, HeightsError> {
-    // A choice is the scene's, not that of a height.
+    // One damping is chosen per scene, not per height.
     let chosen: Vec<Vec<Option<f64>>> = columns
         .iter()
         .map(|column| {
@@ -72,7 +72,7 @@ pub fn over_heights(
             done();
             judged
         })
-        // Who wants no more of it lets `done` panic.
+        // A caller cancels the rest by a panic in `done`.
         .panic_fuse()
         .collect::<Result<_, _>>()?;
     Ok((0..columns.len())
@@ -97,7 +97,7 @@ pub fn over_heights(
         .collect())
 }
 
-/// Errors of every column's candidates, and whether they diverged.
+/// Returns the errors of every column's candidates, and whether they diverged.
 fn at_one(scene: &Scene, columns: &[Column]) -> Result<Vec<Vec<(Fidelity, bool)>>, HeightsError> {
     let bench = Bench::new(scene).map_err(HeightsError::Scene)?;
     let judged = |column: &Column, varied: &Scene| {

@@ -1,16 +1,16 @@
-//! Studies: what methods do over many runs of the sampled loop, and reports of runs and recordings.
+//! Studies: results of methods over many runs of the sampled loop, and reports of runs and recordings.
 //!
-//! Each study takes scenes ([`palpate_scene`]) and methods, runs them on the bench of [`palpate_sim`], and
-//! returns the numbers. [`tune`] asks how a method's damping changes its errors, [`heights`] how the start
-//! height does, [`suite`] judges methods on plants drawn at random, and [`map`] asks what can be rendered
-//! at all. [`advise`] asks that of one device and one contact. [`sweep`] varies one quantity of a scene, and
-//! [`claims`] checks the numbers of the paper. [`calibrated`] calibrates the device of a scene, and
-//! [`hand_replay`] holds the hand of a recording against another force.
+//! Each study takes scenes ([`palpate_scene`]) and methods, runs them on the bench of [`palpate_sim`], and returns
+//! the numbers. [`tune`] varies a method's damping, [`heights`] the start height, and [`sweep`] one quantity of a
+//! scene. [`suite`] evaluates methods on random plants. [`map`] computes which contacts can be rendered, and
+//! [`advise`] whether one device can render one contact. [`claims`] checks the numbers of the paper. [`calibrated`]
+//! calibrates the device of a scene, and [`hand_replay`] replays a recorded hand under another force.
 //!
-//! Reports are types: [`report::Report`] of runs, [`compare::Comparison`] of runs on several scenes, those of
-//! the studies (`tune::report` and so on), [`recording::report`] of a recording, [`calibration`] of a calibration, and [`card`] of a device. Each has its numbers as
-//! fields, a text for a terminal (`Display`), and a JSON with a name and a version ([`json()`]), whose JSON
-//! Schema is in `docs/schema`. The feature `schema` makes these schemas (`schemars::JsonSchema`).
+//! Reports are types: [`report::Report`] of runs, [`compare::Comparison`] of runs on several scenes, the reports of
+//! the studies (for example `tune::report`), [`recording::report`] of a recording, [`calibration`] of a calibration,
+//! and [`card`] of a device. Each has its numbers as fields, a text for a terminal (`Display`), and a JSON with a
+//! name and a version ([`json()`]), whose JSON Schema is in `docs/schema`. The feature `schema` makes these schemas
+//! (`schemars::JsonSchema`).
 
 pub mod advise;
 pub mod calibrated;

@@ -1,4 +1,4 @@
-//! One quantity of a scene over several values: what each method does at each.
+//! Sweep of one quantity of a scene, with the results of each method at each value.
 
 pub mod report;
 
@@ -13,7 +13,7 @@ use palpate_scene::{Scene, SceneDevice};
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_sim::run::Run;
 
-/// What is varied.
+/// The varied quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Viscous and Coulomb friction of the device, as a factor on the scene's.
@@ -25,10 +25,10 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// All of them.
+    /// All quantities.
     pub const ALL: [Self; 3] = [Self::Friction, Self::SafetyBox, Self::Damping];
 
-    /// Its name.
+    /// Returns the name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -38,7 +38,7 @@ impl Quantity {
         }
     }
 
-    /// Its unit; empty for a factor.
+    /// Returns the unit; empty for a factor.
     #[must_use]
     pub fn unit(self) -> &'static str {
         match self {
@@ -49,28 +49,27 @@ impl Quantity {
     }
 }
 
-/// Largest energy of a rebound, over that of the ideal's first rebound, of a loop that is called
-/// stable: no rebound is more than 5 % faster than that one. The ideal's own later rebounds are never
-/// faster.
+/// Largest rebound energy of a stable loop, relative to the ideal's first rebound: no rebound is more than 5 % faster
+/// than that one. Later rebounds of the ideal are never faster.
 pub const STABLE_UP_TO: f64 = 1.1;
-/// Largest such ratio of a loop that is called almost stable: no rebound is more than 41 % faster.
+/// Largest such ratio of an almost stable loop: no rebound is more than 41 % faster.
 pub const ALMOST_STABLE_UP_TO: f64 = 2.0;
 
-/// What becomes of a bounce, by the largest energy of a rebound over that of the ideal's first one.
+/// Class of a bounce, by the largest rebound energy relative to the ideal's first rebound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stability {
     /// At most [`STABLE_UP_TO`].
     Stable,
     /// At most [`ALMOST_STABLE_UP_TO`].
     AlmostStable,
-    /// More, or there was no rebound.
+    /// More, or no rebound.
     Unstable,
-    /// The loop ran away ([`Run::diverged`]).
+    /// The loop diverged ([`Run::diverged`]).
     Diverged,
 }
 
 impl Stability {
-    /// Its name.
+    /// Returns the name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -82,28 +81,28 @@ impl Stability {
     }
 }
 
-/// What a column did at a value.
+/// Results of a column at a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Swept {
     /// Errors at the scene's own start height.
     pub own: Fidelity,
-    /// What came of the start heights, where they were asked for.
+    /// Results over the start heights, if requested.
     pub over_heights: Option<SweptHeights>,
     /// Strongest held force at the scene's own height `[N]`.
     pub peak_force: f64,
     /// Strongest force of the ideal `[N]`.
     pub ideal_peak_force: f64,
-    /// Largest energy of a rebound over that of the ideal's first one; `None` if there was no rebound.
+    /// Largest rebound energy relative to the ideal's first rebound; `None` without a rebound.
     pub rebound_energy: Option<f64>,
     /// Sum of the absolute leaks of the held force `[J]`.
     pub leak: f64,
-    /// When the device left its safety box `[s]`.
+    /// Time at which the device left its safety box `[s]`.
     pub left_box_at: Option<f64>,
-    /// What became of the bounce.
+    /// Class of the bounce.
     pub stability: Stability,
 }
 
-/// What a column did at a value from all start heights.
+/// Results of a column at a value over all start heights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweptHeights {
     /// Force rendering error FRE `[%]`.
@@ -114,27 +113,27 @@ pub struct SweptHeights {
     pub almost_stable: usize,
 }
 
-/// Why a quantity cannot be varied.
+/// Reason why a quantity cannot be varied.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SweepError {
-    /// The scene has not what is to be varied.
+    /// The scene lacks the quantity.
     #[error("{0}")]
     Nothing(&'static str),
     /// A column's method has no damping.
     #[error("column {0}: its method has no damping to vary")]
     NoDamping(String),
-    /// A column with a choice of dampings.
+    /// A column has several dampings.
     #[error("column {0}: a choice of dampings has no place here; name one")]
     Choice(String),
-    /// A value that the quantity cannot have.
+    /// The quantity cannot have this value.
     #[error("{name} {value}: it must be {allowed}")]
     Value {
         /// Name of the quantity.
         name: &'static str,
         /// The value.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
     /// The ideal has no contact, so there is no error.
@@ -147,18 +146,17 @@ pub enum SweepError {
         name: &'static str,
         /// The value.
         value: f64,
-        /// What is wrong.
+        /// Cause of the error.
         error: LoopError,
     },
 }
 
-/// Runs every column at each of `values` of a quantity of `scene`, for each value in the order of
-/// `columns`; a setting that a column leaves open is the scene's. `over_heights` adds the 21 start heights. `done`
-/// hears of each value that is finished.
+/// Runs every column at each of `values` of a quantity of `scene`; returns, per value, the results in the order of
+/// `columns`. A column uses the scene's value of every unset setting. `over_heights` adds the 21 start heights. Calls
+/// `done` after each value.
 ///
 /// # Errors
-/// A scene without the quantity, a value that it cannot have, a scene that cannot be run or has no
-/// contact.
+/// The scene lacks the quantity, a value is not allowed, or a scene cannot be run or has no contact.
 pub fn sweep(
     scene: &Scene,
     quantity: Quantity,
@@ -187,7 +185,7 @@ pub fn sweep(
             done();
             swept
         })
-        // Who wants no more of it lets `done` panic.
+        // A caller cancels the rest by a panic in `done`.
         .panic_fuse()
         .collect()
 }
@@ -211,7 +209,7 @@ fn at_value(
     if !over_heights {
         return Ok(own);
     }
-    // One height after the other: the values are what runs at once.
+    // The heights run sequentially, because the values run in parallel.
     let mut heights: Vec<Vec<Swept>> = vec![Vec::with_capacity(HEIGHTS); columns.len()];
     for height in 0..HEIGHTS {
         let at = at_height_of(&at_height(&varied, height), quantity, value, &columns)?;
@@ -285,8 +283,8 @@ impl SweptHeights {
     }
 }
 
-/// Largest energy of a rebound of `run` over that of the ideal's first one: the speeds squared, at
-/// which device and object part.
+/// Returns the largest rebound energy of `run` relative to the ideal's first rebound: the ratio of the squared
+/// separation speeds of device and object.
 pub fn largest_rebound_energy(run: &Run) -> Option<f64> {
     let first = run.rebounds.first()?.ideal;
     let speeds = run.rebounds.iter().filter_map(|rebound| rebound.rendered);
@@ -304,7 +302,7 @@ fn stability(diverged: bool, rebound_energy: Option<f64>) -> Stability {
     }
 }
 
-/// The scene at a value of the quantity. A damping is the columns' affair.
+/// Returns the scene at a value of the quantity. A damping changes the columns, not the scene.
 fn with(scene: &Scene, quantity: Quantity, value: f64) -> Result<Scene, SweepError> {
     let unless = |ok: bool, allowed| {
         if ok {

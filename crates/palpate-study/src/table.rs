@@ -1,11 +1,11 @@
-//! The rows of a comparison as CSV.
+//! Rows of a comparison as CSV.
 
 use std::io::{self, Write};
 
 /// Writes rows under the names of their columns.
 ///
 /// # Errors
-/// The system.
+/// The writer fails.
 pub fn write<const N: usize>(
     writer: &mut dyn Write,
     columns: &[&str; N],

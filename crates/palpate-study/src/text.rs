@@ -6,27 +6,27 @@ use std::ops::Range;
 use comfy_table::presets::NOTHING;
 use comfy_table::{Cell, CellAlignment, Row, Table, TableComponent};
 
-/// Characters that a line of a terminal has room for.
+/// Number of characters of a terminal line.
 pub const WIDTH: usize = 80;
 
-/// What the column of the mean-force error is.
+/// Explanation of the mean-force error column.
 pub const E: &str =
     "E: error of the mean force of each period, the part of FRE that a method can avoid.";
-/// What the column of the force rendering error is.
+/// Explanation of the force rendering error column.
 pub const FRE: &str = "FRE: error of the held force, the hold floor included.";
-/// What the column of the leak's absolute value is.
+/// Explanation of the absolute leak column.
 pub const ABSOLUTE_LEAK: &str = "|leak|: energy that the held force created or took \
     away, every part counted as positive.";
 
-/// A table without blanks at the ends of its lines, however wide.
+/// Returns a table of any width, without blanks at the ends of its lines.
 #[must_use]
 pub fn whole(table: &Table) -> String {
     let lines: Vec<String> = table.lines().map(|line| line.trim_end().into()).collect();
     lines.join("\n")
 }
 
-/// A table without blanks at the ends of its lines. Where it is wider than a terminal, the columns that do not fit
-/// stand in a block of their own below, which begins with the first column again.
+/// Returns a table without blanks at the ends of its lines. If it is wider than a terminal, the remaining columns
+/// follow in a separate block, which repeats the first column.
 pub fn lines(table: &Table) -> String {
     let columns = table.header().map_or(0, Row::cell_count);
     let mut blocks = Vec::new();
@@ -34,7 +34,7 @@ pub fn lines(table: &Table) -> String {
     loop {
         let mut block = part(table, from..columns);
         let mut to = columns;
-        // A column that is too wide by itself is not cut.
+        // A single column that is too wide is not cut.
         while width(&block) > WIDTH && to > from + 1 {
             to -= 1;
             block = part(table, from..to);
@@ -47,7 +47,7 @@ pub fn lines(table: &Table) -> String {
     }
 }
 
-/// The first column and these.
+/// Returns the first column and these columns.
 fn part(table: &Table, columns: Range<usize>) -> String {
     let cells = |row: &Row| -> Vec<Cell> {
         let all: Vec<&Cell> = row.cell_iter().collect();
@@ -65,7 +65,7 @@ fn part(table: &Table, columns: Range<usize>) -> String {
     whole(&part)
 }
 
-/// Characters of the longest line of a text.
+/// Returns the length of the longest line of a text in characters.
 #[must_use]
 pub fn width(text: &str) -> usize {
     text.lines()
@@ -74,14 +74,15 @@ pub fn width(text: &str) -> usize {
         .unwrap_or(0)
 }
 
-/// The words of a text in lines of less than [`WIDTH`] characters: after a full line some terminals show an empty one.
+/// Wraps a text to lines of less than [`WIDTH`] characters, because some terminals show an empty line after a full
+/// one.
 #[must_use]
 pub fn wrapped(text: &str) -> String {
     within(text, WIDTH - 1).join("\n")
 }
 
-/// The words of one line in lines of less than [`WIDTH`] characters: the first begins with the blanks that it has, the others
-/// with so many.
+/// Wraps one line to lines of less than [`WIDTH`] characters. The first keeps its indentation; the others are
+/// indented by `blanks`.
 #[must_use]
 pub fn hanging(line: &str, blanks: usize) -> String {
     if line.chars().count() < WIDTH {
@@ -94,8 +95,8 @@ pub fn hanging(line: &str, blanks: usize) -> String {
     " ".repeat(own) + &lines.join(&below)
 }
 
-/// The words of a text in lines of at most so many characters; a longer word stands alone. A number keeps its `%`, and a line
-/// that the text ends stays ended.
+/// Wraps a text to lines of at most `width` characters; a longer word gets its own line. A number keeps its `%`, and
+/// line breaks of the text are kept.
 #[must_use]
 pub fn within(text: &str, width: usize) -> Vec<String> {
     let lines = text.split('\n');
@@ -119,7 +120,7 @@ fn line_within(line: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// A title with the seed of its random values.
+/// Returns a title with the seed of its random values.
 pub(crate) fn drawn_title(title: &str, seed: Option<u64>) -> String {
     seed.map_or_else(
         || title.to_owned(),
@@ -127,7 +128,7 @@ pub(crate) fn drawn_title(title: &str, seed: Option<u64>) -> String {
     )
 }
 
-/// What the columns of a table are, as a text below it.
+/// Returns the explanation of a table's columns, as a text below it.
 #[must_use]
 pub fn legend(columns: &[&str]) -> String {
     wrapped(&columns.join(" "))
@@ -142,15 +143,15 @@ fn empty() -> Table {
     table
 }
 
-/// The columns stand two blanks apart.
+/// Sets the gap between columns to two blanks.
 fn close_up(table: &mut Table) {
     for column in table.column_iter_mut() {
         column.set_padding((1, 0));
     }
 }
 
-/// A table with a line under its header, its columns two blanks apart; the first column holds names, or
-/// numbers like the others.
+/// Creates a table with a line under its header and gaps of two blanks. The first column contains names, or numbers
+/// like the others.
 #[must_use]
 pub fn plain_table(first: CellAlignment, header: &[&str]) -> Table {
     let mut table = empty();
@@ -165,18 +166,18 @@ pub fn plain_table(first: CellAlignment, header: &[&str]) -> Table {
     table
 }
 
-/// A right-aligned number, a dash where there is none.
+/// Returns a right-aligned number, or a dash for `None`.
 pub fn number(value: Option<f64>, format: impl Fn(f64) -> String) -> Cell {
     Cell::new(value.map_or_else(|| "-".into(), format)).set_alignment(CellAlignment::Right)
 }
 
-/// A percentage, without its sign: one decimal, or an exponent where it is large.
+/// Returns a percentage without its sign: one decimal, or an exponent if it is large.
 #[must_use]
 pub fn percent(value: f64) -> String {
     short(value, 1)
 }
 
-/// With so many decimals, or an exponent where there are more than four digits before them.
+/// Returns a number with `decimals` decimals, or with an exponent if it has more than four integer digits.
 #[must_use]
 pub fn short(value: f64, decimals: usize) -> String {
     if value.abs() < 9999.5 {
@@ -186,13 +187,14 @@ pub fn short(value: f64, decimals: usize) -> String {
     }
 }
 
-/// `1 sample`, `2 samples`.
+/// Returns a count with its noun: `1 sample`, `2 samples`.
 pub fn counted<N: fmt::Display + From<u8> + PartialEq>(count: N, thing: &str) -> String {
     let plural = if count == N::from(1) { "" } else { "s" };
     format!("{count} {thing}{plural}")
 }
 
-/// All digits that tell it from its neighbours, with an exponent where plain notation is mostly zeros.
+/// Returns a number with all digits that distinguish it from its neighbours, with an exponent if plain notation is
+/// mostly zeros.
 #[must_use]
 pub fn exactly(value: f64) -> String {
     let is_plain = value == 0.0 || !value.is_finite() || (1e-5..1e16).contains(&value.abs());
@@ -203,7 +205,7 @@ pub fn exactly(value: f64) -> String {
     }
 }
 
-/// Three significant digits, in plain notation where that is short.
+/// Returns a number with three significant digits, in plain notation if that is short.
 #[must_use]
 pub fn digits(value: f64) -> String {
     if value == 0.0 {
@@ -230,7 +232,8 @@ pub fn digits(value: f64) -> String {
 mod tests {
     use super::*;
 
-    /// A table of one row, its columns so wide; with the two blanks before each, its first takes one more.
+    /// Returns a table of one row with these column widths. Each column after the first takes two more characters for
+    /// the gap, the first column takes one more.
     fn table(widths: &[usize]) -> Table {
         let names: Vec<String> = widths
             .iter()
@@ -258,7 +261,7 @@ mod tests {
         assert_eq!(names(blocks[0]), ["", "1", "2", "3"]);
         assert_eq!(names(blocks[1]), ["", "4"]);
         assert!(width(&text) <= WIDTH, "{text}");
-        // One character less fits.
+        // It fits with one character less.
         let text = lines(&table(&[7, 16, 16, 16, 16]));
         assert_eq!(width(&text), WIDTH, "{text}");
         assert_eq!(text.split("\n\n").count(), 1, "{text}");

@@ -1,7 +1,7 @@
-//! Tuning: how a method's error and leak depend on its one damping.
+//! Tuning: dependence of a method's error and leak on its one damping.
 //!
-//! A value that is best at one start height may be bad at the next, so every value is judged over
-//! start heights around the scene's own.
+//! The best value at one start height may be poor at the next, so every value is evaluated over start heights around
+//! the scene's own.
 
 use palpate::Unit;
 use palpate_scene::Scene;
@@ -10,13 +10,13 @@ pub mod report;
 
 use palpate_sim::closed_loop::{Bench, LoopError};
 
-/// Start heights a value is judged at.
+/// Number of start heights in the evaluation of a value.
 pub const HEIGHTS: usize = 21;
 
 /// The outermost start heights, relative to the scene's own gap between device and object.
 pub const HEIGHT_RANGE: f64 = 0.05;
 
-/// What a value is to make small.
+/// Quantity to be minimised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Objective {
     /// The median mean-force error.
@@ -26,7 +26,7 @@ pub enum Objective {
 }
 
 impl Objective {
-    /// Its name.
+    /// Returns the name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -47,7 +47,7 @@ pub struct Spread {
     pub worst: f64,
 }
 
-/// A value and what it does.
+/// A value and its results.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TunedPoint {
     /// The damping or cap `[N s/m]`.
@@ -60,7 +60,7 @@ pub struct TunedPoint {
     pub diverged: usize,
 }
 
-/// Why a method cannot be tuned on a scene.
+/// Reason why a method cannot be tuned on a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TuneError {
@@ -75,15 +75,15 @@ pub enum TuneError {
     Loop(#[from] LoopError),
 }
 
-/// The setting of `method` that is a damping.
+/// Returns the setting of `method` that is a damping.
 #[must_use]
 pub fn tunable(method: MethodName) -> Option<&'static Setting> {
     let mut settings = method.info().settings.iter();
     settings.find(|setting| setting.unit() == Some(Unit::NewtonSecondPerMetre))
 }
 
-/// The greatest value that is tried where nobody says another `[N s/m]`, of a method's setting on a scene:
-/// beyond where it is known to be too much.
+/// Returns the default upper limit of the tried values `[N s/m]`, for a method's setting on a scene. It is above
+/// values known to be too large.
 #[must_use]
 pub fn usual_most(scene: &Scene, method: MethodName, setting: SettingKey) -> f64 {
     let impedance = scene.contact.stiffness * scene.loop_params.period;
@@ -94,8 +94,8 @@ pub fn usual_most(scene: &Scene, method: MethodName, setting: SettingKey) -> f64
     }
 }
 
-/// The least value that is tried where nobody says another `[N s/m]`, of so many up to `most`: 0, or one
-/// step of a cap, which cannot be 0.
+/// Returns the default lower limit of the tried values `[N s/m]`, for `values` values up to `most`: 0, or one step
+/// for a cap, which cannot be 0.
 #[must_use]
 pub fn usual_least(setting: SettingKey, most: f64, values: u32) -> f64 {
     match setting {
@@ -104,11 +104,10 @@ pub fn usual_least(setting: SettingKey, most: f64, values: u32) -> f64 {
     }
 }
 
-/// Judges `method` on `scene` at each of `values` `[N s/m]`; `done` hears of each start height that
-/// is finished.
+/// Evaluates `method` on `scene` at each of `values` `[N s/m]`. Calls `done` after each start height.
 ///
 /// # Errors
-/// A method without a damping, a value it does not allow, or a scene that cannot be run.
+/// The method has no damping, a value is not allowed, or a scene cannot be run.
 pub fn tune(
     scene: &Scene,
     method: MethodName,
@@ -147,7 +146,7 @@ pub fn tune(
         .collect())
 }
 
-/// The point whose median is least.
+/// Returns the point with the lowest median.
 #[must_use]
 pub fn best(points: &[TunedPoint], objective: Objective) -> Option<&TunedPoint> {
     let of = |point: &TunedPoint| match objective {
@@ -164,7 +163,7 @@ struct Trial {
     diverged: bool,
 }
 
-/// The scene with its gap changed; the middle one of the heights is the scene itself.
+/// Returns the scene with the gap of a start height; the middle height is the scene itself.
 pub(crate) fn at_height(scene: &Scene, height: usize) -> Scene {
     let middle = (HEIGHTS / 2) as f64;
     let share = HEIGHT_RANGE * (height as f64 - middle) / middle;
@@ -173,7 +172,7 @@ pub(crate) fn at_height(scene: &Scene, height: usize) -> Scene {
     scene
 }
 
-/// The distribution of a quantity that is given height by height.
+/// Returns the distribution of a quantity over the heights.
 pub(crate) fn spread(values: impl Iterator<Item = f64>) -> Spread {
     let mut values: Vec<f64> = values.collect();
     let own = values[HEIGHTS / 2];

@@ -1,5 +1,5 @@
-//! Scenes that are held for long, by every method: coupled rendering, told wrong masses, beside each other one with its best setting of
-//! those that `tune` tries.
+//! Long sustained contacts with every method: coupled rendering with wrong model masses, and each other method with
+//! the best setting of its `tune` candidates.
 #![allow(clippy::print_stdout)] // what was measured
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // numbers of samples
 #![allow(dead_code, reason = "the parts of the scenes that other tests use")]
@@ -21,15 +21,16 @@ use rayon::prelude::*;
 
 const OTHERS: [&str; 4] = ["basic", "virtual-damper", "virtual-coupling", "god-object"];
 
-/// What a method gives with its best setting, of how many, and with how many of them the scene fell apart while the best was looked for: a
-/// sample was refused, or what was held is not there any more.
+/// Result of a method with its best setting, the number of tried settings, and the number of settings that lost the
+/// scene during the search: a sample was rejected, or the held object was lost.
 struct Best<const N: usize> {
     numbers: Option<[f64; N]>,
     settings: usize,
     lost: usize,
 }
 
-/// How long a setting is tried, to find the one of the least first number, and how long that one is then judged `[s]`.
+/// Simulated time of a setting in the search for the lowest first number, and in the evaluation of the best one
+/// `[s]`.
 const TRIED: usize = 10;
 const JUDGED: usize = 60;
 
@@ -66,7 +67,7 @@ fn best<const N: usize>(
     }
 }
 
-/// The largest of each number that coupled rendering gives, told 1.5 and 0.67 times the masses.
+/// Returns the maximum of each number of coupled rendering with 1.5 and 0.67 times the true masses in its model.
 fn coupled<const N: usize>(
     mass: Vector,
     tools: usize,
@@ -80,7 +81,7 @@ fn coupled<const N: usize>(
     std::array::from_fn(|number| all[0][number].abs().max(all[1][number].abs()))
 }
 
-/// Prints a row for each method, and gives what the others do, in the order of [`OTHERS`].
+/// Prints a row per method, and returns the results of the other methods in the order of [`OTHERS`].
 fn table<const N: usize>(
     title: &str,
     coupled: [f64; N],
@@ -132,14 +133,15 @@ fn a_light_box_on_a_tool_at_rest() {
                 let it = resting(method, kc, quantum)?;
                 Some([100.0 * it.ripple, 1e6 * it.place])
             };
-            // Of one of the four contacts, and of all together.
+            // Stiffness of one of the four contacts, and of all together.
             let scales = [0.25, 1.0]
                 .map(|share| scale(share * resting_stiffness(kc), RESTING_PERIOD, [TRAY; 3]));
             let own = coupled([TRAY; 3], 1, quantum, ripple);
             let title = format!("Kc {kc}, {quantum} m: ripple %, lower by um");
             let [basic, damper, coupling, _] =
                 table(&title, own, |name| best(name, &scales, 1, ripple));
-            // The sampled spring throws it, with any damper. A coupling in series with the contacts lets it lie, much lower.
+            // The sampled spring throws the box, with any damper. With a coupling in series with the contacts the box
+            // rests, but much lower.
             let throws = |it: Option<[f64; 2]>| it.is_none_or(|[ripple, _]| ripple > 500.0);
             assert!(own[0] < 2.0 && throws(basic) && throws(damper));
             let [_, lower] = coupling.unwrap();

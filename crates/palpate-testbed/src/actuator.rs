@@ -1,20 +1,18 @@
-//! What lies between a command and the force that acts: a gain and a first-order lag.
+//! Model of an actuator: a gain and a first-order lag between the commanded and the delivered force.
 //!
 //! ```text
 //! τ y′ = g u − y,    y(0) = 0
 //! ```
 //!
-//! with the command u as the driver sends it, the gain g, delivered over commanded, the lag τ of the
-//! amplifier, and the delivered force y. A delay is no part of it: that is the
-//! [timeline's](crate::timeline).
+//! with the command u as the driver sends it, the gain g (delivered over commanded force), the lag τ of the amplifier,
+//! and the delivered force y. The [timeline](crate::timeline) models the delay.
 //!
 //! # Exact for a point mass
 //!
-//! A [`DevicePlant`] moves under held forces. A settling force is therefore delivered in pieces, each held
-//! in two halves that have the impulse and the first moment of the exponential. A mass under constant
-//! forces then arrives at the end of each piece where the exponential would have taken it, with the same
-//! velocity and the same work through its port. A device whose forces depend on its motion feels what is
-//! left, the second moment, over pieces that are short against all of its rates.
+//! A [`DevicePlant`] moves under held forces. A settling force is therefore delivered in pieces. Each piece is held in
+//! two halves that have the impulse and the first moment of the exponential. At the end of each piece a mass under
+//! constant forces has the position, velocity and port work that the exponential would have produced. A device whose
+//! forces depend on its motion sees a second-moment error; the pieces are short against all of its rates.
 
 use crate::InvalidParameter;
 use crate::device::DevicePlant;
@@ -24,7 +22,7 @@ use crate::error::positive;
 const LONGEST_PIECE: f64 = 2.5e-4;
 /// Longest piece in lags.
 const PIECE_IN_LAGS: f64 = 0.25;
-/// After so many lags a force has settled: what is left is below its round-off.
+/// Number of lags after which a force has settled: the remainder is below round-off.
 const SETTLED_AFTER: f64 = 40.0;
 /// Terms of the series of a piece, whose variable is at most [`PIECE_IN_LAGS`].
 const TERMS: u32 = 14;
@@ -55,7 +53,7 @@ pub struct Actuator {
     force: f64,
 }
 
-/// What an actuator did to a device.
+/// Response of a device to one actuator step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Delivered {
     /// Mean over time of the force on the object `[N]`.
@@ -162,8 +160,8 @@ impl Actuator {
     }
 }
 
-/// Over a piece of `x` lags of e^(−t/τ), which is 1 at its start: the two values, held for half of the
-/// piece each, that have its integral and its first moment; and what it is at the end.
+/// Returns the two values, each held for half of a piece of `x` lags, that match the integral and the first moment of
+/// e^(−t/τ), which is 1 at the start of the piece. The third value is the exponential at its end.
 fn halves(x: f64) -> [f64; 3] {
     // Mean a = Σ (−x)ⁿ/(n + 1)! and first moment over the squared length b = Σ (−x)ⁿ/(n! (n + 2)):
     // the closed forms are differences of nearly equal numbers.
@@ -266,8 +264,8 @@ mod tests {
                 phase: 0.0,
             }),
         };
-        // Where a force settles across the level of dry friction, the halves shift the instant at which
-        // the mass comes to rest or breaks away.
+        // If a force settles across the level of dry friction, the halves shift the instant at which the mass comes to
+        // rest or breaks away.
         for (dry, tolerance) in [(0.0, 2e-10), (0.05, 1e-5)] {
             let device = HeldMass::new(0.08, hand.clone())
                 .and_then(|device| device.with_friction(0.5, dry))

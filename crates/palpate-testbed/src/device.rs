@@ -1,7 +1,7 @@
-//! Virtual devices: what stands where a haptic device would, between two samples.
+//! Virtual devices, which replace a haptic device between two samples.
 //!
-//! A device is driven through one port. The loop holds a force for a while, the device moves, and
-//! the work that went through the port is counted here, not by whoever chose the force.
+//! A device is driven through one port. The loop holds a force and the device moves. The device computes the work
+//! through the port, independently of the renderer that chose the force.
 
 use crate::InvalidParameter;
 use crate::error::{finite, positive};
@@ -57,7 +57,7 @@ impl PointMass {
         })
     }
 
-    /// The same device at another position `[m]` and velocity `[m/s]`.
+    /// Returns the same device at another position `[m]` and velocity `[m/s]`.
     ///
     /// # Errors
     ///

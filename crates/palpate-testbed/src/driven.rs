@@ -1,10 +1,9 @@
 //! The exact ideal contact of an object with a device that follows a recorded path.
 //!
-//! This is the reference of an open-loop replay: the recorded hand does not feel the force. Between
-//! two recorded samples the device moves on a straight line, and seen from it the object moves
-//! under a constant acceleration and, in contact, its spring. That is the
-//! [relative motion](crate::relative_motion) with mobility 1/M, whose rate jumps by the change of
-//! slope at every sample; so the events inside a piece come in closed form here too.
+//! This is the reference solution of an open-loop replay: the recorded hand does not feel the force. Between two
+//! recorded samples the device moves on a straight line. Relative to it the object moves under a constant acceleration
+//! and, in contact, its spring. That is the [relative motion](crate::relative_motion) with mobility 1/M, whose rate
+//! jumps by the change of slope at every sample, so the events inside a piece are again in closed form.
 
 use crate::InvalidParameter;
 use crate::arc::Arc;

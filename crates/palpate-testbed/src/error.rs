@@ -12,7 +12,7 @@ pub struct InvalidParameter<N: Display = &'static str> {
     pub name: N,
     /// The rejected value, in the parameter's own unit.
     pub value: f64,
-    /// The allowed range in words, with its unit.
+    /// Text of the allowed range, with its unit.
     pub allowed: &'static str,
 }
 

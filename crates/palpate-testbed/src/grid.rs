@@ -1,12 +1,12 @@
-//! How a window of time is cut into the intervals over which a loop holds its forces.
+//! Division of a time window into the intervals over which a loop holds its forces.
 
 use crate::InvalidParameter;
 use crate::error::{finite, positive};
 
-/// A window of time, cut into intervals that follow each other without gaps.
+/// A time window, divided into consecutive intervals.
 ///
-/// A perfect loop cuts it evenly. One that comes late, misses samples or changes its rate cuts it
-/// where its commands really reach the motor.
+/// A perfect loop has equal intervals. With late or missing samples or a varying rate, the intervals end where commands
+/// actually reach the motor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
     start: f64,
@@ -16,9 +16,9 @@ pub struct Grid {
 
 #[derive(Debug, Clone, PartialEq)]
 enum Cuts {
-    /// So many periods.
+    /// This number of periods.
     Even(usize),
-    /// At these instants, the first and the last of the window among them.
+    /// These instants, including the first and the last of the window.
     At(Vec<f64>),
 }
 
@@ -60,7 +60,7 @@ impl Grid {
         })
     }
 
-    /// The first so many of its intervals, at least one; all of them if there are fewer.
+    /// Returns the grid of the first intervals, at least one, at most all.
     #[must_use]
     pub fn shortened(&self, intervals: usize) -> Self {
         let cuts = match &self.cuts {

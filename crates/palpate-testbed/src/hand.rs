@@ -1,12 +1,12 @@
-//! The hand that holds a device: what it intends, how stiffly, and how it trembles.
+//! Hand on a device: its intention, stiffness and tremor.
 //!
 //! ```text
 //! u = F + k_h (x_int − x) + b_h (x_int′ − x′) + tremor force,    and m_h moves with the device
 //! ```
 //!
-//! Towards a constant intention, and without F and tremor force, this hand is passive: what can be
-//! drawn from it is at most what is stored in its spring, k_h (x_int − x)²/2, and in its mass,
-//! m_h x′²/2. A moving intention and the forces put in energy of their own.
+//! With a constant intention, and without F and tremor force, this hand is passive: its energy output is at most the
+//! energy stored in its spring, k_h (x_int − x)²/2, and in its mass, m_h x′²/2. A moving intention and the forces add
+//! energy.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -74,7 +74,7 @@ impl Sinusoid {
     }
 }
 
-/// Where a hand wants to be, before its tremor.
+/// Intended path of a hand, without its tremor.
 #[derive(Debug, Clone, PartialEq)]
 pub enum IntendedPath {
     /// One place `[m]`.
@@ -91,7 +91,7 @@ pub enum IntendedPath {
     Recorded(Arc<RecordedPath>),
 }
 
-/// Where a hand wants to be, x_int(t), and how its aim trembles.
+/// Intended motion x_int(t) of a hand, with the tremor of its aim.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Intention {
     /// The path.
@@ -206,7 +206,7 @@ pub enum Hand {
 }
 
 impl Hand {
-    /// A constant force F `[N]` and nothing else; 0 N is no hand.
+    /// Creates a constant force F `[N]`; 0 N means that the device is free.
     #[must_use]
     pub fn pushing(force: f64) -> Self {
         Self::ConstantForce {
@@ -250,7 +250,7 @@ impl Hand {
         }
     }
 
-    /// Where this hand wants to be, if anywhere.
+    /// Returns the intended motion of this hand, or `None` if it has none.
     #[must_use]
     pub fn intention(&self) -> Option<&Intention> {
         match self {
@@ -303,7 +303,7 @@ impl Hand {
         }
     }
 
-    /// Fastest rate `[rad/s]` of what the hand does of itself.
+    /// Returns the fastest rate `[rad/s]` of the hand's voluntary motion and tremor.
     pub(crate) fn fastest_rate(&self) -> f64 {
         self.intention()
             .into_iter()

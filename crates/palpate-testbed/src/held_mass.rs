@@ -4,21 +4,20 @@
 //! (m + m_h) x″ = u(t, x, x′) − B x′ − F_c sgn(x′) − f
 //! ```
 //!
-//! with the force u of the [`Hand`], and f the force held on the object. At rest the friction takes
-//! whatever value up to F_c keeps the mass there: static and sliding friction have the same level.
+//! with the force u of the [`Hand`], and f the force held on the object. At rest the friction takes any value up to F_c
+//! that keeps the mass at rest: static and sliding friction have the same level.
 //!
 //! # Exact between events
 //!
-//! Between two events the equation is linear, and what drives it is a constant, a ramp and
-//! sinusoids. Its solution is summed as a power series in time, over spans of at most one radian of
-//! the fastest rate, D/M + √(K/M) or the fastest sinusoid, until the terms are below round-off. That
-//! is the same function as the closed form in exponentials, and needs no cases: weak and strong
-//! damping, k_h → 0, B + b_h → 0 and resonance with a tremor, where the terms of the closed form are
-//! differences of nearly equal or infinite numbers, are the same few additions.
+//! Between two events the equation is linear, with an excitation of a constant, a ramp and sinusoids. Its solution is
+//! summed as a power series in time, over spans of at most one radian of the fastest rate, D/M + √(K/M) or the fastest
+//! sinusoid, until the terms are below round-off. This equals the closed form in exponentials without its special
+//! cases: weak and strong damping, k_h → 0, B + b_h → 0 and resonance with a tremor, where the terms of the closed form
+//! are differences of nearly equal or infinite numbers, are the same few additions.
 //!
-//! Coming to rest, turning round, breaking away and a bend of a recorded intention are events. The
-//! first zero of the series is bracketed and located to round-off, and the next span begins there.
-//! So an advance may be of any length, and cutting it in pieces changes nothing but round-off.
+//! Coming to rest, reversing, breaking away and a bend of a recorded intention are events. The first zero of the series
+//! is bracketed and located to round-off, and the next span begins there. An advance may therefore have any length, and
+//! dividing it into pieces changes only round-off.
 
 use crate::InvalidParameter;
 use crate::arc::GAUSS_LEGENDRE;
@@ -50,9 +49,9 @@ const MARGIN_AFTER_TOUCH: f64 = 1e-12;
 /// kinetic energy gained = hand work − friction loss − port work
 /// ```
 ///
-/// Each account is integrated from the motion by itself; none is the difference of the others.
-/// The kinetic energy is that of m + m_h, so the hand's work is that of u alone, and what the hand's
-/// own mass takes up and gives back shows in the kinetic energy.
+/// Each account is integrated from the motion separately; none is the difference of the others. The kinetic energy is
+/// that of m + m_h. The hand's work is therefore the work of u alone, and energy stored in the hand's mass appears as
+/// kinetic energy.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldMass {
     mass: f64,
@@ -63,13 +62,13 @@ pub struct HeldMass {
     position: f64,
     velocity: f64,
     clock: Clock,
-    /// When the hand lets go `[s]`; infinite once it has, and if it never does.
+    /// Time at which the hand releases the device `[s]`; infinite if it never does or already has.
     release: f64,
     accounts: Accounts,
     gave_up: bool,
 }
 
-/// Where the energy of a [`HeldMass`] came from and went, since its start.
+/// Energy flows of a [`HeldMass`] since its start.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Accounts {
     /// ∫ u x′ dt `[J]`, positive while the hand drives the mass.
@@ -106,7 +105,7 @@ impl HeldMass {
         .with_finite_rates()
     }
 
-    /// The same device with viscous friction B `[N s/m]` and Coulomb friction F_c `[N]`.
+    /// Returns the same device with viscous friction B `[N s/m]` and Coulomb friction F_c `[N]`.
     ///
     /// # Errors
     ///
@@ -124,7 +123,7 @@ impl HeldMass {
         .with_finite_rates()
     }
 
-    /// The same device with a motor that gives at most this force `[N]`; infinite is no limit.
+    /// Returns the same device with a motor that gives at most this force `[N]`; infinite is no limit.
     ///
     /// # Errors
     ///
@@ -142,9 +141,8 @@ impl HeldMass {
         })
     }
 
-    /// The same device whose hand lets go of it at a time `[s]`, for good: its force ends, and its mass
-    /// moves with the device no longer. The kinetic energy that mass takes along is booked as work of
-    /// the hand.
+    /// Returns the device with a hand that releases it permanently at `time` `[s]`. The hand's force then ends, and its
+    /// mass no longer moves with the device. The kinetic energy of the hand's mass is recorded as work of the hand.
     ///
     /// # Errors
     ///
@@ -156,7 +154,7 @@ impl HeldMass {
         })
     }
 
-    /// The same device at another position `[m]` and velocity `[m/s]`.
+    /// Returns the same device at another position `[m]` and velocity `[m/s]`.
     ///
     /// # Errors
     ///
@@ -209,7 +207,7 @@ impl HeldMass {
         self.accounts
     }
 
-    /// What the motor gives of a commanded force on the object `[N]`: the same, up to the largest.
+    /// Returns the motor's force for a commanded force on the object `[N]`, limited to the largest force.
     #[must_use]
     pub fn given_force(&self, force_on_object: f64) -> f64 {
         force_on_object.clamp(-self.largest_force, self.largest_force)
@@ -274,8 +272,8 @@ impl HeldMass {
         }
     }
 
-    /// Moves along `motion` up to a fraction of its span, books what that took, and returns the
-    /// travel `[m]`.
+    /// Moves along `motion` up to a fraction of its span, records the energies in the accounts, and returns the travel
+    /// `[m]`.
     fn follow(&mut self, motion: &MotionSeries, fraction: f64, force: f64) -> f64 {
         let travel = motion.travel(fraction);
         let (hand_work, squared_speed) = motion.work_and_squared_speed(fraction);
@@ -356,7 +354,7 @@ impl HeldMass {
         force * travel
     }
 
-    /// What the mass does from now on, where no event has just decided it.
+    /// Returns the state of motion if no event has just determined it.
     fn state(&self, force: f64) -> State {
         if self.coulomb_friction == 0.0 {
             return State::Sliding { direction: 0.0 };
@@ -401,10 +399,10 @@ impl DevicePlant for HeldMass {
         self.velocity
     }
 
-    /// Moves on, as [`DevicePlant::advance`] says. The motor gives [`given_force`](Self::given_force),
-    /// and that is the force whose work is returned.
+    /// Implements [`DevicePlant::advance`]. The motor applies [`given_force`](Self::given_force), and the returned work
+    /// is that of this force.
     ///
-    /// A duration that is not finite and above 0 moves nothing.
+    /// A duration that is not finite and above 0 has no effect.
     fn advance(&mut self, force_on_object: f64, duration: f64) -> f64 {
         if !(duration.is_finite() && duration > 0.0) {
             return 0.0;
@@ -421,12 +419,12 @@ impl DevicePlant for HeldMass {
         work + self.move_on(force_on_object, duration - held.max(0.0))
     }
 
-    /// (m + m_h) x′²/2 + k_h (x_int − x)²/2 − F x `[J]`: the motion, the hand's spring at this
-    /// instant, and the hand's constant force.
+    /// Returns (m + m_h) x′²/2 + k_h (x_int − x)²/2 − F x `[J]`: the kinetic energy, the energy of the hand's spring at
+    /// this instant, and that of the hand's constant force.
     ///
-    /// Without friction, damping and tremor, and towards a constant intention, it falls by exactly
-    /// what an advance returns. A moving intention changes it, too, and then the
-    /// [accounts](Self::accounts) say more.
+    /// Without friction, damping and tremor, and with a constant intention, it decreases by exactly the work that an
+    /// advance returns. A moving intention also changes it; the [accounts](Self::accounts) then have the complete
+    /// balance.
     fn stored_energy(&self) -> f64 {
         let distance = self.hand.intended_position(self.time()) - self.position;
         self.kinetic_energy() + 0.5 * self.hand.stiffness() * distance * distance
@@ -439,7 +437,7 @@ impl DevicePlant for HeldMass {
 enum State {
     /// Direction +1, −1, or 0 without Coulomb friction.
     Sliding { direction: f64 },
-    /// At rest, with a force `[N]` at least in reserve before it breaks away.
+    /// At rest, with a reserve of at least this force `[N]` before breaking away.
     Stuck { margin: f64 },
 }
 
@@ -459,7 +457,7 @@ impl MotionSeries {
         &self.velocity[..self.count]
     }
 
-    /// Where in the span a mass that slides in a `direction` comes to rest, if it does.
+    /// Returns the fraction of the span at which a mass sliding in `direction` comes to rest, if it does.
     fn standstill(&self, direction: f64) -> Option<f64> {
         let mut speed = self.velocity;
         for coefficient in &mut speed[..self.count] {

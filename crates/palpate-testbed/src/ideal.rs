@@ -1,8 +1,8 @@
 //! The exact ideal contact of a point-mass device and an object, both free to move.
 //!
-//! What a renderer approximates at a finite loop rate exists here in continuous time. The centre
-//! of mass moves on a parabola, the [relative motion](crate::relative_motion) is solved piece by
-//! piece, and no time step enters anywhere.
+//! A renderer approximates this contact at a finite loop rate; here it is solved in continuous time. The centre of mass
+//! moves on a parabola, and the [relative motion](crate::relative_motion) is solved piece by piece. No time step is
+//! involved.
 
 use crate::InvalidParameter;
 use crate::error::{finite, positive};

@@ -1,9 +1,8 @@
-//! The bench on which contact renderings are judged: virtual devices, the exact ideal contact and
-//! the metrics.
+//! Testbed for contact rendering: virtual devices, exact ideal contact and error metrics.
 //!
-//! **This crate does not depend on the renderers' crate, on purpose.** What judges shares no code
-//! with what is judged, so an error in one cannot hide in the other. Where both need the same
-//! closed form, it is written twice; see [`relative_motion`].
+//! **This crate deliberately does not depend on the renderers' crate.** The evaluation shares no code with the
+//! renderers, so an error in one cannot hide in the other. A closed form that both need is implemented twice; see
+//! [`relative_motion`].
 //!
 //! # Frame and signs
 //!
@@ -29,7 +28,7 @@
 //!
 //! [`world`] has several devices, bodies and contacts in space, with signs of its own.
 //!
-//! # From scene to judgement
+//! # From scene to evaluation
 //!
 //! ```
 //! use palpate_testbed::ideal::{Ideal, PointMassScene};

@@ -1,10 +1,10 @@
-//! What the loop sees of the device: its position, as an encoder would report it.
+//! Position sensor of the device, as an encoder would report it to the loop.
 
 use crate::InvalidParameter;
 use crate::error::positive;
 use crate::random::SplitMix64;
 
-/// How a position is measured.
+/// Measurement of a position.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Sampler {
     /// The true position.
@@ -52,7 +52,7 @@ pub struct SensorNoise {
     numbers: SplitMix64,
 }
 
-/// What separates the generator of the sensor's noise from those of a schedule.
+/// Seed offset between the generator of the sensor's noise and those of a schedule.
 const NOISE_STREAM: u64 = 0x3C6E_F372_FE94_F82B; // fractional digits of √5
 
 impl SensorNoise {

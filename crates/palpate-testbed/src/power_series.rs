@@ -6,10 +6,10 @@ pub(crate) const MOST_TERMS: usize = 24;
 /// A series that ends where the terms of exp, as far into it, are below this.
 const NEGLIGIBLE: f64 = 1e-17;
 
-/// How often an interval is halved: the curvature left out is then below round-off.
+/// Largest number of halvings of an interval; the remaining curvature is then below round-off.
 const MOST_HALVINGS: u32 = 27;
 
-/// How many coefficients to carry over a span of `radians` ≤ 1 of the fastest rate.
+/// Returns the number of coefficients for a span of `radians` ≤ 1 of the fastest rate.
 ///
 /// The first three can all vanish, at a break-away, so the count begins after them.
 pub(crate) fn terms(radians: f64) -> usize {

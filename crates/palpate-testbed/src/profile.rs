@@ -118,7 +118,7 @@ impl ForceProfile {
         }
     }
 
-    /// How the window is cut.
+    /// Returns the intervals of the window.
     #[must_use]
     pub fn grid(&self) -> &Grid {
         &self.grid

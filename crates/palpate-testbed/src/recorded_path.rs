@@ -11,14 +11,13 @@ pub fn to_nanoseconds(difference: f64) -> f64 {
     (difference * 1e9).round() / 1e9
 }
 
-/// How far, in recording steps, an instant may lie from a recorded one and still be that one: time
-/// stamps are written in decimals.
+/// Tolerance for an instant to equal a recorded one, in recording steps: time stamps are decimal.
 const SAME_INSTANT: f64 = 1e-6;
 
 /// Most samples a resampling may make.
 const MOST_SAMPLES: f64 = 1e8;
 
-/// Why times and positions do not make a path.
+/// Reason why times and positions do not form a path.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PathError {
@@ -116,7 +115,7 @@ impl RecordedPath {
         })
     }
 
-    /// The same path with every position negated.
+    /// Returns the same path with every position negated.
     #[must_use]
     pub fn mirrored(&self) -> Self {
         Self {
@@ -161,8 +160,8 @@ impl RecordedPath {
         }
     }
 
-    /// How many whole periods `[s]` the recording lasts; a last one that ends a millionth of a
-    /// recording step after it counts.
+    /// Returns the number of whole periods `[s]` of the recording. A last period may end a millionth of a recording
+    /// step after it.
     ///
     /// # Errors
     ///
@@ -186,11 +185,11 @@ impl RecordedPath {
         Ok(periods as usize)
     }
 
-    /// Positions `[m]` at start + i T for every whole period T `[s]` of the recording.
+    /// Returns positions `[m]` at start + i T for every whole period T `[s]` of the recording.
     ///
-    /// Where such an instant is a recorded one, to a millionth of a recording step, the recorded
-    /// position is taken bit for bit; so a period that is a whole multiple of a uniform recording
-    /// step decimates. Other instants are interpolated.
+    /// If an instant equals a recorded one within a millionth of a recording step, the recorded position is returned
+    /// bit for bit. A period that is a whole multiple of a uniform recording step therefore decimates. Other instants
+    /// are interpolated.
     ///
     /// # Errors
     ///

@@ -38,16 +38,16 @@ pub struct ReferenceScene {
     pub steps_per_period: usize,
 }
 
-/// How long a reference runs.
+/// Duration of a reference solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stop {
-    /// For the window of so many collisions, ⌈(t_n + T/2)/T⌉ periods.
+    /// Window of this number of collisions, ⌈(t_n + T/2)/T⌉ periods.
     AfterCollisions(usize),
-    /// For so many periods.
+    /// This number of periods.
     AfterPeriods(usize),
 }
 
-/// Why a reference cannot be integrated.
+/// Reason why a reference solution cannot be integrated.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum ReferenceError {
     /// A value of the scene outside its range.
@@ -61,7 +61,7 @@ pub enum ReferenceError {
         "collisions = {asked} is not allowed; allowed: as many as there are within {LONGEST_SEARCH} periods"
     )]
     TooFewCollisions {
-        /// Collisions asked for.
+        /// Requested number of collisions.
         asked: usize,
         /// Collisions that ended within the search.
         found: usize,
@@ -223,8 +223,8 @@ impl Cells {
         }
     }
 
-    /// Books a step of `h` `[s]` from `time` `[s]`, over which the penetration goes from `before` to
-    /// `after` on a straight line; an edge may lie within it.
+    /// Records a step of `h` `[s]` from `time` `[s]`, over which the penetration changes linearly from `before` to
+    /// `after`; an edge of the grid may lie within it.
     fn book(&mut self, k: f64, time: f64, h: f64, before: f64, after: f64) {
         let end = time + h;
         let at = |instant: f64| before + (after - before) * ((instant - time) / h);
@@ -325,14 +325,14 @@ impl<'a, D: DevicePlant + Clone> Run<'a, D> {
         let (k, h) = (self.scene.stiffness, self.step);
         let before = self.penetration();
         let approach = self.device.velocity() - self.object.velocity;
-        // Where the middle of the step is met at constant speed.
+        // Initial guess: the penetration at the middle of the step for constant speed.
         let mut force = k * (before + 0.5 * h * approach).max(0.0);
         let mut device = self.device.clone();
         let mut object = self.object.advanced(force, h);
         device.advance(force, h);
         for _ in 0..MOST_CORRECTIONS {
             let balanced = balanced_force(k, before, device.position() - object.0);
-            // The same force would move both as before, which is all that happens out of contact.
+            // The same force would reproduce the motion; out of contact this holds at once.
             if balanced == force {
                 break;
             }
@@ -406,8 +406,8 @@ impl<'a, D: DevicePlant + Clone> Run<'a, D> {
     }
 }
 
-/// ∫ f² dt of a spring of stiffness `k` over `h` `[s]` in which the penetration goes from `before` to
-/// `after` on a straight line.
+/// Returns ∫ f² dt of a spring of stiffness `k` over `h` `[s]`, in which the penetration changes linearly from `before`
+/// to `after`.
 fn squared_force(k: f64, before: f64, after: f64, h: f64) -> f64 {
     let (first, last) = (k * before.max(0.0), k * after.max(0.0));
     let share = in_contact(before, after);

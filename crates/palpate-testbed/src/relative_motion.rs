@@ -10,18 +10,16 @@
 //! parabola while free and a harmonic while in contact; the instants in between are roots in closed
 //! form.
 //!
-//! **This repeats, on purpose, a closed form of the renderers' crate.** The coupled renderer
-//! predicts with the same equation. Were both to call one function, an error in it would show up as
-//! agreement.
+//! **This deliberately duplicates a closed form of the renderers' crate.** The coupled renderer predicts with the same
+//! equation. If both called one function, an error in it would appear as agreement.
 //!
 //! # Roots
 //!
-//! Multiplied by p′, the equation has an integral, so the speed r at which the motion will pass
-//! p = 0 is known before the instant is, and a pass with r = 0 (grazing) is no event. While free,
-//! the instant solves p + v s + a s²/2 = 0. In contact the substitution y = 2 tan(ωs/2)/ω turns
-//! the harmonic into the same quadratic with a − ω²p/2 in place of a; the half angle then comes out
-//! of `atan2` in the right half turn. Both quadratics are written without a difference of nearly
-//! equal numbers, so no iteration has to polish them, and ω → 0 needs no case of its own.
+//! Multiplied by p′, the equation has an integral. The speed r at which the motion will pass p = 0 is therefore known
+//! before the instant, and a pass with r = 0 (grazing) is not an event. While free, the instant solves
+//! p + v s + a s²/2 = 0. In contact the substitution y = 2 tan(ωs/2)/ω turns the harmonic into the same quadratic with
+//! a − ω²p/2 in place of a; `atan2` then gives the half angle in the right half turn. Both quadratics avoid differences
+//! of nearly equal numbers, so no iterative refinement is necessary, and ω → 0 needs no special case.
 
 use std::f64::consts::PI;
 
@@ -46,7 +44,7 @@ pub struct RelativeState {
     pub velocity: f64,
 }
 
-/// What happened to the relative motion over a step.
+/// Result of the relative motion over a step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Passage {
     /// State at the end of the step.
@@ -145,10 +143,10 @@ impl RelativeMotion {
         .map(|_| ())
     }
 
-    /// The arc that holds the instant `time`, for a motion in `state` at time 0.
+    /// Returns the arc that contains the instant `time`, for a motion in `state` at time 0.
     ///
-    /// Once the motion has left a contact and come back it repeats itself, so whole cycles are
-    /// skipped: the work does not depend on `time`.
+    /// After the motion has left a contact and returned, it is periodic, so whole cycles are skipped: the cost does not
+    /// depend on `time`.
     pub(crate) fn arc_at(&self, state: RelativeState, time: f64) -> Arc {
         let head = self.arc(state, 0.0);
         if time <= head.end {
@@ -229,7 +227,7 @@ impl RelativeMotion {
         }
     }
 
-    /// How long until a free motion from p ≤ 0 touches, and how fast it then is.
+    /// Returns the time until a free motion from p ≤ 0 touches, and its speed at that instant.
     fn touch(&self, p: f64, v: f64) -> Option<(f64, f64)> {
         let a = self.acceleration;
         if a > 0.0 {
@@ -250,7 +248,7 @@ impl RelativeMotion {
         }
     }
 
-    /// How long until a contact from p ≥ 0 releases, and how fast it then is.
+    /// Returns the time until a contact from p ≥ 0 releases, and its speed at that instant.
     fn release(&self, p: f64, v: f64) -> Option<(f64, f64)> {
         let (a, w) = (self.acceleration, self.rate);
         let r = if p == 0.0 {

@@ -1,14 +1,13 @@
-//! When an imperfect loop samples, and when its commands reach the motor.
+//! Sample instants of an imperfect loop, and arrival of its commands at the motor.
 //!
 //! A loop has a grid of instants, one nominal period apart. A sample is taken near its grid
 //! instant (jitter) or not at all (dropped); for a while the grid may be a coarser or finer one
 //! (rate collapse). The command computed from a sample reaches the motor a delay later, and is held
 //! until the next one does.
 //!
-//! Runs are reproducible: the random numbers are those of SplitMix64, with one generator each for the
-//! jitter of samples, for drops and for the jitter of commands, so that none changes the others' numbers.
-//! Normal jitter goes through the platform's logarithm and cosine, whose last bit may differ between
-//! platforms; the rest is the same everywhere.
+//! Runs are reproducible: the random numbers are those of SplitMix64, with separate generators for sample jitter, drops
+//! and command jitter, so none affects the others. Normal jitter uses the platform's logarithm and cosine, whose last
+//! bit may differ between platforms; the rest is the same everywhere.
 
 mod parameter;
 
@@ -22,14 +21,13 @@ use crate::random::SplitMix64;
 /// Longest delay in seconds, in periods: that of whole samples.
 const LONGEST_DELAY: f64 = DelayedHold::LONGEST_DELAY as f64;
 
-/// What separates the generator of drops from that of jitter.
+/// Seed offset between the generators of drops and of jitter.
 const DROP_STREAM: u64 = 0x6A09_E667_F3BC_C909; // fractional digits of √2
 
-/// What separates the generator of the jitter of commands from the others.
+/// Seed offset between the generator of command jitter and the others.
 const COMMAND_STREAM: u64 = 0xBB67_AE85_84CA_A73B; // fractional digits of √3
 
-/// How far a sample lies from its grid instant. Every sample lies near its own instant, so lateness
-/// does not add up.
+/// Deviation of a sample from its grid instant. Deviations do not accumulate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Jitter {
     /// On the instant.
@@ -40,7 +38,7 @@ pub enum Jitter {
         /// `[s]`
         bound: f64,
     },
-    /// Normally distributed with mean 0; what lies outside ± `bound` is drawn anew.
+    /// Normally distributed with mean 0; values outside ± `bound` are redrawn.
     Normal {
         /// Standard deviation of the distribution before it is bounded `[s]`.
         deviation: f64,
@@ -58,7 +56,7 @@ impl Jitter {
     }
 }
 
-/// Which samples are not taken.
+/// Samples that are not taken.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Dropped {
     /// None.
@@ -66,7 +64,7 @@ pub enum Dropped {
     None,
     /// Each with this probability, whatever became of the others.
     Probability(f64),
-    /// Those with these indices on the grid, from 1 on, in rising order.
+    /// Samples with these grid indices, from 1, in increasing order.
     Listed(Vec<u64>),
 }
 
@@ -83,8 +81,7 @@ pub struct RateCollapse {
     pub period: f64,
 }
 
-/// Time from a sample to the instant from which its command is held: so many periods of the grid at the
-/// sample, and so many seconds.
+/// Time from a sample to the start of its command: a number of grid periods at the sample, plus seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ActuationDelay {
     /// Whole periods.
@@ -93,11 +90,11 @@ pub struct ActuationDelay {
     pub fraction: f64,
     /// Seconds, whatever the period `[s]`.
     pub seconds: f64,
-    /// By how much more a command may be late `[s]`, each by an amount of its own, evenly from 0.
+    /// Largest additional delay of a command `[s]`; each is drawn uniformly from 0.
     pub jitter: f64,
 }
 
-/// What a [`Schedule`] is made of.
+/// Parameters of a [`Schedule`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScheduleParams {
     /// Nominal period of the grid `[s]`, which begins at 0.
@@ -108,7 +105,7 @@ pub struct ScheduleParams {
     pub dropped: Dropped,
     /// A stretch with another period.
     pub collapse: Option<RateCollapse>,
-    /// From sample to motor.
+    /// Delay from sample to motor.
     pub delay: ActuationDelay,
     /// Seed of the random numbers.
     pub seed: u64,
@@ -134,12 +131,12 @@ impl ScheduleParams {
 pub struct Tick {
     /// Index on the grid, counted from 0; it skips the dropped samples.
     pub index: u64,
-    /// When the device is measured `[s]`.
+    /// Time of the measurement `[s]`.
     pub sample_time: f64,
-    /// When the command from this sample reaches the motor `[s]`.
+    /// Arrival of the command from this sample at the motor `[s]`.
     ///
-    /// Never before `sample_time`, and never before that of an earlier tick: where a shorter period
-    /// would let a command overtake another, it waits for it and replaces it at once.
+    /// At least `sample_time`, and at least the arrival of the previous tick's command: a command that would overtake
+    /// an earlier one waits for it and replaces it at once.
     pub hold_from: f64,
 }
 
@@ -276,8 +273,7 @@ impl Schedule {
             Jitter::None => 0.0,
             Jitter::Uniform { bound } => bound * (2.0 * self.jitter_numbers.unit() - 1.0),
             Jitter::Normal { deviation, bound } => {
-                // So many draws outside say that the distribution is far wider than its bound,
-                // and flat inside it.
+                // After this many rejected draws the distribution is far wider than its bound, and flat inside it.
                 for _ in 0..64 {
                     let normal = deviation * self.jitter_numbers.normal();
                     if normal.abs() <= bound {

@@ -20,7 +20,7 @@ pub struct SprungMass {
     response: Response,
 }
 
-/// What a duration does to position, velocity and a constant acceleration a `[m/s²]`:
+/// Effect of a duration on position, velocity and a constant acceleration a `[m/s²]`:
 ///
 /// ```text
 /// ξ  → pp ξ + pv ξ′ + pa a
@@ -42,7 +42,7 @@ struct Response {
 const SERIES_UP_TO: f64 = 0.5;
 
 impl Response {
-    /// Of ξ″ = a − s ξ − d ξ′.
+    /// Returns the response of ξ″ = a − s ξ − d ξ′.
     fn after(duration: f64, stiffness: f64, damping: f64) -> Self {
         let rate = stiffness.sqrt() + damping;
         let (mut part, mut doublings) = (duration, 0);
@@ -159,7 +159,7 @@ impl SprungMass {
         })
     }
 
-    /// The same device at another position `[m]` and velocity `[m/s]`.
+    /// Returns the same device at another position `[m]` and velocity `[m/s]`.
     ///
     /// # Errors
     ///

@@ -1,8 +1,8 @@
-//! What an imperfect loop does in a window of time, instant by instant.
+//! Timeline of an imperfect loop over a window of time.
 //!
-//! A [`Schedule`] says when samples are taken and when their commands reach the motor. Between two
-//! such instants nothing happens: the device moves under one held force. A timeline lists these
-//! stretches, so that a loop is one pass over them whatever is wrong with its timing.
+//! A [`Schedule`] determines when samples are taken and when their commands reach the motor. Between two such instants
+//! the device moves under one held force. A timeline lists these stretches, so a loop is one pass over them for any
+//! timing imperfection.
 
 use crate::InvalidParameter;
 use crate::error::positive;
@@ -19,11 +19,11 @@ const NOMINAL: f64 = 1e-9;
 /// A sample of a timeline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TakenSample {
-    /// When it is taken `[s]`.
+    /// Time of the sample `[s]`.
     pub time: f64,
     /// Time since the sample before it `[s]`; one nominal period for the first.
     pub elapsed: f64,
-    /// When its command reaches the motor `[s]`; none after the window's end.
+    /// Arrival of its command at the motor `[s]`; `None` after the window's end.
     pub command_from: Option<f64>,
 }
 
@@ -42,7 +42,7 @@ pub struct Stretch {
 
 /// The samples and commands of a loop in a window of whole nominal periods from t = 0.
 ///
-/// The window ends with a sample that closes the books, whether the schedule has one there or not.
+/// The window ends with a sample that completes the energy ledger, even if the schedule has no sample there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Timeline {
     samples: Vec<TakenSample>,
@@ -51,11 +51,11 @@ pub struct Timeline {
 }
 
 impl Timeline {
-    /// The timeline of a schedule over so many nominal periods.
+    /// Creates the timeline of a schedule over `periods` nominal periods.
     ///
     /// # Errors
     ///
-    /// Those of [`Schedule::new`], or a window without a period.
+    /// Those of [`Schedule::new`], or the window has no period.
     pub fn new(params: ScheduleParams, periods: usize) -> Result<Self, InvalidParameter> {
         InvalidParameter::unless(periods > 0, "periods", 0.0, "at least 1")?;
         let period = params.period;
@@ -80,13 +80,13 @@ impl Timeline {
         Self::built(samples, &arrivals, period, periods)
     }
 
-    /// The timeline of a loop that sampled at `instants` `[s]`, of which the first is 0 and each comes
-    /// after the one before it, over so many of its nominal periods `[s]`. A command reaches the motor
-    /// `seconds` after the sample that is `delay` samples after its own.
+    /// Creates the timeline of a loop that sampled at `instants` `[s]`, over a number of its nominal periods `[s]`. The
+    /// first instant is 0 and they increase. A command reaches the motor `seconds` after the sample that is `delay`
+    /// samples after its own.
     ///
     /// # Errors
     ///
-    /// A window without a period, instants in another order.
+    /// The window has no period, or the instants do not increase.
     pub fn at_instants(
         instants: &[f64],
         (delay, seconds): (usize, f64),
@@ -253,7 +253,7 @@ mod tests {
         Timeline::new(params, periods).unwrap()
     }
 
-    /// What is held at a time, and since which sample: read off the stretches.
+    /// Returns the sample whose command is held at `time`, read from the stretches.
     fn command_at(timeline: &Timeline, time: f64) -> Option<usize> {
         let mut at = 0.0;
         for stretch in timeline.stretches() {
@@ -310,7 +310,7 @@ mod tests {
             };
             let scheduled = timeline(params, 40);
             let mut instants: Vec<f64> = scheduled.samples().iter().map(|s| s.time).collect();
-            // What comes after the window does not count.
+            // Samples after the window are ignored.
             instants.extend([0.403, 0.41]);
             let given = Timeline::at_instants(&instants, (delay, 0.0), 0.01, 40).unwrap();
             let of = |timeline: &Timeline| -> Vec<(f64, f64)> {

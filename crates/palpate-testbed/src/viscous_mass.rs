@@ -18,7 +18,7 @@ pub struct ViscousMass {
     response: Response,
 }
 
-/// What a duration does to the velocity, and to a constant acceleration.
+/// Effect of a duration on the velocity and on a constant acceleration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Response {
     duration: f64,
@@ -89,7 +89,7 @@ impl ViscousMass {
         })
     }
 
-    /// The same device at another position `[m]` and velocity `[m/s]`.
+    /// Returns the same device at another position `[m]` and velocity `[m/s]`.
     ///
     /// # Errors
     ///

@@ -1,8 +1,8 @@
 //! Time per tick on a mesh: `cargo bench -p palpate-world --bench mesh_tick`.
 //!
-//! A tool is pressed onto a ball with bumps and hollows of 100 000 triangles, radius 100 mm, and led around on it. Every
-//! tick of a run is timed by itself; each time is the least of several runs, which are all the same: whatever is more is
-//! other programs.
+//! A tool is pressed onto a bumpy ball of 100 000 triangles with radius 100 mm and moved around on it. Every tick of
+//! a run is timed. Each reported time is the minimum over several identical runs, because any excess is due to other
+//! programs.
 #![allow(clippy::print_stdout)] // a benchmark prints
 
 mod timed;
@@ -20,7 +20,7 @@ use timed::{Held, PERIOD, print_heading, print_ticks};
 const MASS: f64 = 0.15;
 const RADIUS: f64 = 0.1;
 
-/// A cube of `cells` by `cells` squares on each side, blown up to a ball.
+/// Returns a cube with `cells` by `cells` squares per side, projected onto a ball.
 fn bumps(cells: u32) -> Mesh {
     let row = cells + 1;
     let (mut vertices, mut faces) = (Vec::new(), Vec::new());
@@ -28,7 +28,7 @@ fn bumps(cells: u32) -> Mesh {
     for (side, (axis, far)) in (0_u32..).zip(sides) {
         let first = side * row * row;
         for (i, j) in (0..row).flat_map(|i| (0..row).map(move |j| (i, j))) {
-            // Equal angles, so that the triangles have about one size.
+            // Equal angles give triangles of similar size.
             let tangent = |k: u32| {
                 let share = 2.0 * f64::from(k) / f64::from(cells) - 1.0;
                 (std::f64::consts::FRAC_PI_4 * share).tan()
@@ -49,11 +49,11 @@ fn bumps(cells: u32) -> Mesh {
             }
         }
     }
-    // Vertices of two sides are one.
+    // Coincident vertices of adjacent sides are merged.
     Mesh::new(&vertices, &faces).expect("a closed mesh by formula")
 }
 
-/// A device that a hand presses towards the ball's middle and leads around it, in steps under held forces.
+/// A device that a hand presses towards the ball's centre and moves around it, integrated under held forces.
 struct HandledDevice {
     position: Vector,
     velocity: Vector,

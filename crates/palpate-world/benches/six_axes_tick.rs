@@ -1,9 +1,9 @@
-//! Time per tick of a tool of six axes: `cargo bench -p palpate-world --bench six_axes_tick`.
+//! Time per tick of a six-axis tool: `cargo bench -p palpate-world --bench six_axes_tick`.
 //!
-//! A hand presses a box onto a table, tilts it and moves it across: eight points of contact, up to four at once. Then the box is a
-//! mesh with a shell of 60 points, and of 250, and the table a mesh with a grid of distances. Every
-//! tick of a run is timed by itself; each time is the least of several runs, which are all the same: whatever is more is
-//! other programs.
+//! A hand presses a box onto a table, tilts it and moves it across: eight contact points, up to four of them active.
+//! Then the box is a mesh with a shell of 60 or 250 points, and the table a mesh with a distance grid. Every tick of
+//! a run is timed. Each reported time is the minimum over several identical runs, because any excess is due to other
+//! programs.
 #![allow(clippy::print_stdout)] // a benchmark prints
 
 mod timed;
@@ -31,13 +31,13 @@ fn box_on_table(friction: f64) -> World {
     world(Shape::Box { half_extents }, table, friction)
 }
 
-/// A cylinder on a half-space, a box and hulls, and one that lies below two that stand on each other.
+/// A cylinder on a half-space, a box and hulls, and one below two stacked ones.
 fn cylinders(friction: f64) -> Vec<(&'static str, World)> {
     let can = |radius, half_length| Shape::Cylinder {
         radius,
         half_length,
     };
-    // Sides of the table above which the cylinder stays.
+    // The table is a prism with this number of sides, wide enough that the cylinder stays on it.
     let prism = |sides: u32| {
         let corners: Vec<Vector> = (0..2 * sides)
             .map(|number| {
@@ -78,7 +78,7 @@ fn cylinders(friction: f64) -> Vec<(&'static str, World)> {
     worlds
 }
 
-/// The box and the table as meshes: a shell of points on a grid of 2 mm.
+/// Box and table as meshes: a point shell on a grid of 2 mm.
 fn points_on_grid(points: usize, friction: f64) -> World {
     let block = |half: Vector, top: f64| {
         let corner = |number: u32| {
@@ -112,7 +112,7 @@ fn world(block: Shape, table: Shape, friction: f64) -> World {
     }
 }
 
-/// A round device in a hand that presses it down, moves it across and tilts it, in steps under a held wrench.
+/// An isotropic device that a hand presses down, moves across and tilts, integrated under a held wrench.
 struct HandledDevice {
     position: Vector,
     velocity: Vector,
@@ -141,7 +141,7 @@ impl Held for HandledDevice {
         let step = PERIOD / 20.0;
         for _ in 0..20 {
             let rest = [0.004 * (9.0 * time).sin(), 0.0, 0.008];
-            // The way to the aim, as a rotation vector of small angles.
+            // Rotation vector to the target for small angles.
             let aim = [0.05 * (7.0 * time).sin(), 0.08 * (5.0 * time).cos(), 0.0];
             let [w, x, y, z] = self.orientation;
             for (axis, angle) in [x, y, z].into_iter().enumerate() {

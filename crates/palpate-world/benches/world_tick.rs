@@ -1,8 +1,8 @@
 //! Time per tick of a world: `cargo bench -p palpate-world --bench world_tick`.
 //!
-//! A tool presses a ball onto a floor and against a wall: three bodies and three contacts with friction. Every tick of a
-//! run is timed by itself; each time is the least of several runs, which are all the same: whatever is more is other
-//! programs.
+//! A tool presses a ball onto a floor and against a wall: three bodies and three contacts with friction. Every tick
+//! of a run is timed. Each reported time is the minimum over several identical runs, because any excess is due to
+//! other programs.
 #![allow(clippy::print_stdout)] // a benchmark prints
 
 mod timed;
@@ -42,7 +42,7 @@ fn world(friction: f64) -> World {
     }
 }
 
-/// Three boxes, one on another: 49 points of contact, 24 of them of boxes with boxes.
+/// Three stacked boxes: 49 contact points, 24 of them between boxes.
 fn stack(friction: f64) -> World {
     let shape = Shape::Box {
         half_extents: [0.02, 0.02, 0.01],
@@ -66,11 +66,11 @@ fn stack(friction: f64) -> World {
     }
 }
 
-/// A device that is pressed down and moved across by a hand, in steps under held forces.
+/// A device that a hand presses down and moves across, integrated under held forces.
 struct HandledDevice {
     position: Vector,
     velocity: Vector,
-    /// Where the hand rests, but for a sine along y `[m]`.
+    /// Rest position of the hand, without a sine along y `[m]`.
     rest: Vector,
 }
 

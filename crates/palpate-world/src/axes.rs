@@ -1,31 +1,31 @@
-//! Along which axes a device moves its tool.
+//! Axes along which a device moves its tool.
 
 use crate::rigid::{Matrix3, Vector3};
 use crate::{Tool, Vector};
 
-/// The axes of a device, and along which of them it moves its tool and can push it. Along the others its mechanism holds the tool: it
-/// carries every force there, and the tool is where the device is measured.
+/// The axes of a device, and those along which it can move and push its tool. Along the other axes its mechanism
+/// constrains the tool to the measured position and carries every force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Axes {
     has: [bool; 3],
-    /// Its columns are the device's axes; `None` for those of the world.
+    /// The device's axes as columns; `None` for those of the world.
     own: OwnAxes,
 }
 
-/// Axes that are not those of the world: the columns of a rotation. `None`: those of the world.
+/// Axes other than those of the world, as the columns of a rotation matrix; `None` for those of the world.
 pub(crate) type OwnAxes = Option<Matrix3>;
 
-/// A vector of the world along such axes.
+/// Transforms a vector from the world's axes to these axes.
 pub(crate) fn own(axes: &OwnAxes, vector: &Vector3) -> Vector3 {
     axes.as_ref().map_or(*vector, |axes| axes.tr_mul(vector))
 }
 
-/// A vector along such axes in the world.
+/// Transforms a vector from these axes to the world's axes.
 pub(crate) fn out(axes: &OwnAxes, own: &Vector3) -> Vector3 {
     axes.as_ref().map_or(*own, |axes| axes * own)
 }
 
-/// A vector of the world whose parts along such axes are multiplied by one factor each.
+/// Scales a vector of the world along each of these axes by its own factor.
 pub(crate) fn scaled(axes: &OwnAxes, factors: &Vector3, vector: &Vector3) -> Vector3 {
     match axes {
         None => factors.component_mul(vector),
@@ -45,27 +45,27 @@ impl Axes {
         }
     }
 
-    /// The device's axes, of which it may lack some.
+    /// Returns the device's axes, including constrained ones.
     pub fn own_axes(&self) -> OwnAxes {
         self.own
     }
 
-    /// Whether the device has all three.
+    /// Returns whether the device has all three axes.
     pub fn are_all(&self) -> bool {
         self.has == [true; 3]
     }
 
-    /// A vector of the world along the device's axes.
+    /// Transforms a vector from the world's axes to the device's axes.
     pub fn own(&self, vector: &Vector3) -> Vector3 {
         own(&self.own, vector)
     }
 
-    /// A vector along the device's axes in the world.
+    /// Transforms a vector from the device's axes to the world's axes.
     pub fn out(&self, own: &Vector3) -> Vector3 {
         out(&self.own, own)
     }
 
-    /// Standard deviations along the device's axes of what has these along the world's, each for itself.
+    /// Returns the standard deviations along the device's axes from independent ones along the world's axes.
     pub fn own_deviations(&self, deviations: &Vector3) -> Vector3 {
         self.own.map_or(*deviations, |axes| {
             let squares = axes
@@ -75,22 +75,22 @@ impl Axes {
         })
     }
 
-    /// This number along the axes that the device has, 0 along the others: a vector along the device's axes.
+    /// Returns a vector along the device's axes with `number` on the available axes and 0 on the others.
     pub fn where_there(&self, number: f64) -> Vector3 {
         Vector3::from(self.has.map(|has| if has { number } else { 0.0 }))
     }
 
-    /// The part of a vector along the axes that the device has.
+    /// Returns the part of a vector along the available axes.
     pub fn along(&self, vector: &Vector3) -> Vector3 {
         self.mixed(vector, &Vector3::zeros())
     }
 
-    /// The part along those that it lacks.
+    /// Returns the part of a vector along the constrained axes.
     pub fn across(&self, vector: &Vector3) -> Vector3 {
         self.mixed(&Vector3::zeros(), vector)
     }
 
-    /// `own` along the axes that the device has, `other` along those that it lacks.
+    /// Returns `own` along the available axes and `other` along the constrained axes.
     pub fn mixed(&self, own: &Vector3, other: &Vector3) -> Vector3 {
         if self.are_all() {
             return *own;
@@ -106,7 +106,7 @@ impl Axes {
         self.out(&mixed)
     }
 
-    /// Leaves of a force what the device can give.
+    /// Removes the part of a force that the device cannot exert.
     pub fn keep(&self, force: &mut Vector) {
         *force = self.along(&Vector3::from(*force)).into();
     }

@@ -1,14 +1,15 @@
-//! Contact of two boxes or hulls, or of a capsule or cylinder with another solid: the plane between them that costs least.
+//! Contact of two boxes or hulls, or of a capsule or cylinder with another solid, by the separating plane of lowest
+//! energy.
 //!
-//! A face of one solid bounds a half-space, and the other solid overlaps it by corners, as it does a half-space that is a
-//! body: E = K/2n sum of p^2 over the corners at depth p > 0, where n corners share the law of the pair: 4 of two boxes, and
-//! those of the face with the most corners of two hulls. Two edges that cross have a plane between them too, along
-//! both; they overlap by p and E = K/2 p^2. The pair stores the least E of all these planes. Two convex solids are apart where
-//! one of the planes separates them (S. Gottschalk, M. C. Lin, D. Manocha, OBBTree, 1996), so the pair pushes exactly while they
-//! overlap.
+//! A face of one solid bounds a half-space. The corners of the other solid overlap it as they overlap a half-space
+//! body: E = K/2n sum of p^2 over the corners at depth p > 0. Here n corners share the law of the pair: 4 for two
+//! boxes, and the number of corners of the largest face for two hulls. Two crossing edges define a plane parallel to
+//! both; they overlap by p with E = K/2 p^2. The pair stores the lowest E of all these planes. Two convex solids are
+//! apart if one of the planes separates them (S. Gottschalk, M. C. Lin, D. Manocha, OBBTree, 1996), so the pair
+//! pushes exactly while they overlap.
 //!
-//! The least of smooth functions is continuous, and where two of them are equal it bends downwards only. So the energy has
-//! no jump where another plane takes over, and the pair does not stay at such a place.
+//! The minimum of smooth functions is continuous, and its kinks are concave. The energy therefore has no jump at a
+//! switch of planes, and the pair moves away from a switch.
 
 mod boxes;
 mod crossing;
@@ -28,24 +29,24 @@ use cylinders::Cylinders;
 use hulls::Hulls;
 use rods::Rod;
 
-/// Another plane takes over where its depth is less by more than this part of it: round-off decides nothing, and no energy
-/// is made.
+/// Relative decrease in depth required to switch to another plane. The margin prevents switching by rounding errors
+/// and is too small to generate energy.
 const PREFERENCE: f64 = 1e-9;
-/// Sine of the angle below which two edges are parallel: a face of one of the solids costs less than the plane between
-/// them then.
+/// Sine of the angle below which two edges are parallel. A face of one of the solids then has lower energy than the
+/// plane of the edges.
 const PARALLEL: f64 = 1e-6;
 
-/// A plane that may be between two solids.
+/// A candidate for the plane between two solids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Plane {
-    /// A face of the first (0) or second (1), by its number; of a box twice its axis, and 1 more on the positive side. What
-    /// numbers mean beside a cylinder: [`cylinders`].
+    /// A face of the first (0) or second (1) solid. For a box `number` is twice the axis, plus 1 on the positive
+    /// side. For a pair with a cylinder see [`cylinders`].
     Face { of: usize, number: usize },
-    /// Along an edge of each: of a box the axis along which it is, of a hull its number.
+    /// The plane of an edge of each: the axis along the edge for a box, the edge index for a hull.
     Edges([usize; 2]),
 }
 
-/// All places with normal . x <= offset.
+/// The half-space normal . x <= offset.
 #[derive(Clone, Copy, Debug)]
 struct Bound {
     normal: Vector3,
@@ -53,12 +54,12 @@ struct Bound {
 }
 
 impl Bound {
-    /// How deep a place is `[m]`.
+    /// Returns the depth of a position `[m]`.
     fn depth(&self, place: &Vector3) -> f64 {
         self.offset - self.normal.dot(place)
     }
 
-    /// The places on the other side.
+    /// Returns the complementary half-space.
     fn turned_round(&self) -> Self {
         Self {
             normal: -self.normal,
@@ -67,12 +68,12 @@ impl Bound {
     }
 }
 
-/// What is found at one of the points.
+/// Contact geometry at one of the points.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Found {
-    /// Below 0 where the point does not touch `[m]`.
+    /// Penetration, negative if apart `[m]`.
     pub penetration: f64,
-    /// Midway between the two surfaces `[m]`.
+    /// Midpoint between the two surfaces `[m]`.
     pub place: Vector3,
 }
 
@@ -84,7 +85,7 @@ impl Found {
         }
     }
 
-    /// Two edges cross at `place`: the first `share` points are there, so that they have the whole law together.
+    /// Places the first `share` points at the crossing of two edges, so that together they have the whole law.
     fn cross(found: &mut [Self], penetration: f64, place: Vector3, share: usize) {
         for (number, found) in found.iter_mut().enumerate() {
             *found = Self {
@@ -99,54 +100,55 @@ impl Found {
     }
 }
 
-/// Two solids as they lie.
+/// Two solids at their current poses.
 trait Between {
-    /// The plane of least depth, and that depth: the length p for which E = K/2 p^2, or less than 0, the gap `[m]`. Of nearly
-    /// equals it is `before`, or else the first one.
+    /// Returns the plane of least depth and that depth: the length p with E = K/2 p^2, or the negative gap `[m]`.
+    /// Near-ties go to `before`, otherwise to the first candidate.
     fn least(&self, before: Option<Plane>) -> (Plane, f64);
 
-    /// Unit vector across a plane from the second to the first.
+    /// Returns the unit normal of a plane, from the second to the first.
     fn normal(&self, plane: Plane) -> Vector3;
 
-    /// The points of contact by a plane.
+    /// Computes the contact points for a plane.
     fn points(&self, plane: Plane, found: &mut [Found]);
 
-    /// Whether the points of a solid are the same corners behind each plane.
+    /// Returns whether the points of a solid are the same corners for each plane.
     fn keeps_points(&self) -> bool {
         true
     }
 }
 
-/// The shapes of a pair.
+/// Shapes of a pair.
 #[derive(Clone, Debug)]
 enum Solids {
-    /// Half the lengths of each.
+    /// Half-extents of each box.
     Boxes([Vector3; 2]),
     Hulls(Hulls),
     Rod(Rod),
     Cylinders(Cylinders),
 }
 
-/// How two solids touch.
+/// Contact state of two solids.
 #[derive(Clone, Debug)]
 struct Across {
     plane: Option<Plane>,
-    /// How far the two overlap by the plane `[m]`: E = K/2 of its square; below 0 where it separates them.
+    /// Overlap in the direction of the plane `[m]`, with E = K/2 times its square; negative if the plane separates
+    /// the solids.
     depth: f64,
-    /// From the second to the first.
+    /// Unit normal from the second to the first.
     normal: Vector3,
     found: Vec<Found>,
 }
 
-/// Two boxes or hulls, or a capsule or cylinder and another solid, that can touch.
+/// Two boxes or hulls, or a capsule or cylinder and another solid, that may touch.
 #[derive(Clone, Debug)]
 pub(crate) struct Blocks {
-    /// Their numbers among tools and bodies.
+    /// Indices among tools and bodies.
     pub parts: [usize; 2],
     solids: Solids,
-    /// The first of their points.
+    /// Index of the first contact point.
     first_point: usize,
-    /// How many points share the law.
+    /// Number of points that share the law.
     share: usize,
     across: Across,
 }
@@ -173,12 +175,12 @@ impl Blocks {
         }
     }
 
-    /// How many points of contact the pair has.
+    /// Returns the number of contact points of the pair.
     pub fn points(&self) -> usize {
         self.across.found.len()
     }
 
-    /// The law of each.
+    /// Returns the law of each point.
     pub fn law(&self, law: &crate::ContactLaw) -> PointLaw {
         PointLaw::share(law, self.share as f64)
     }
@@ -191,7 +193,7 @@ impl Blocks {
         self.across.normal
     }
 
-    /// Largest distance of the surface from the centre of each `[m]`.
+    /// Returns the largest distance of each surface from its centre `[m]`.
     pub fn reaches(&self) -> [f64; 2] {
         match &self.solids {
             Solids::Boxes(half) => half.map(|half| half.norm()),
@@ -201,7 +203,7 @@ impl Blocks {
         }
     }
 
-    /// Takes over what another of the same pair remembers, without allocating.
+    /// Copies the state of another instance of the same pair, without allocation.
     pub fn copy_from(&mut self, other: &Self) {
         let Across {
             plane,
@@ -220,20 +222,20 @@ impl Blocks {
         }
     }
 
-    /// The solids were put to other places.
+    /// Resets the state after the solids have been displaced.
     pub fn forget(&mut self) {
         self.across.plane = None;
         self.across.depth = f64::NEG_INFINITY;
     }
 
-    /// Whether they touched or touch by another plane than `other` does.
+    /// Returns whether they touched or touch by a different plane from that of `other`.
     pub fn changed_from(&self, other: &Self) -> bool {
         let (one, other) = (&self.across, &other.across);
         one.plane != other.plane && (one.depth > 0.0 || other.depth > 0.0)
     }
 
-    /// Looks for the plane between the solids as they are now. Where another one takes over, their `touches` are handed
-    /// on to its points.
+    /// Updates the plane for the current poses. At a switch the contact states in `touches` are transferred to the
+    /// points of the new plane.
     pub fn look(&mut self, first: &Rigid, second: &Rigid, touches: &mut [Touch], points: &[Point]) {
         let reaches = self.reaches();
         let gap = (second.position - first.position).norm() - reaches[0] - reaches[1];
@@ -283,7 +285,7 @@ impl Across {
         self.depth = depth;
         self.normal = between.normal(plane);
         between.points(plane, &mut self.found);
-        // Where they are apart, nothing is handed on.
+        // Separated solids transfer no contact state.
         if let Some(before) = before
             && before != plane
             && depth > 0.0
@@ -298,7 +300,7 @@ impl Across {
 }
 
 impl Plane {
-    /// The solid whose corners or rims touch.
+    /// Returns the solid whose corners or rims touch.
     fn corners_of(&self) -> Option<usize> {
         match self {
             Self::Face { of, .. } => Some(1 - of),
@@ -307,8 +309,9 @@ impl Plane {
     }
 }
 
-/// Bristles go from the points of one plane to the nearest ones of another that touch: none is lost while there are as many,
-/// and so neither force nor energy of friction. `keeps`: the points are the same corners, and each keeps its own.
+/// Transfers bristles from the points of one plane to the nearest touching points of another. None is lost if the
+/// number of touching points does not decrease, so friction force and energy are continuous. `keeps`: the points are
+/// the same corners, and each keeps its own bristle.
 fn hand_on(touches: &mut [Touch], law: &PointLaw, old: &[Found], new: &[Found], keeps: bool) {
     let stored =
         |touch: &Touch, found: &Found| law.stored(found.penetration.max(0.0), &touch.bristle);
@@ -319,7 +322,7 @@ fn hand_on(touches: &mut [Touch], law: &PointLaw, old: &[Found], new: &[Found], 
     if !keeps {
         let mut goes_to = [None; MOST_POINTS];
         let mut taken = [false; MOST_POINTS];
-        // The nearest two that are left, again and again.
+        // Repeatedly match the nearest remaining pair.
         for _ in 0..touches.len() {
             let mut nearest: Option<(f64, usize, usize)> = None;
             for (from, touch) in touches.iter().enumerate() {
@@ -345,7 +348,7 @@ fn hand_on(touches: &mut [Touch], law: &PointLaw, old: &[Found], new: &[Found], 
         let mut before = [Touch::apart(); MOST_POINTS];
         before[..touches.len()].copy_from_slice(touches);
         for (from, to) in goes_to[..touches.len()].iter_mut().enumerate() {
-            // What has nowhere to go takes a place that does not touch, where its bristle is let go.
+            // A bristle without a target moves to a free point that does not touch, where it is discarded.
             let free = taken.iter().position(|taken| !taken).unwrap_or(from);
             let to = *to.get_or_insert(free);
             taken[to] = true;
@@ -356,7 +359,7 @@ fn hand_on(touches: &mut [Touch], law: &PointLaw, old: &[Found], new: &[Found], 
     for (number, (touch, found)) in touches.iter().zip(new).enumerate() {
         handed[number] = stored(touch, found) - by_old[number];
     }
-    // All planes cost the same where one takes over; what a sub-step went beyond that is its error.
+    // At a switch all planes have equal energy; the remaining difference is the sub-step error.
     let beyond = handed.iter().sum::<f64>() / touches.len() as f64;
     for (touch, handed) in touches.iter_mut().zip(handed) {
         touch.past.handed += handed - beyond;

@@ -1,4 +1,4 @@
-//! What there is in a world: the tools of the devices, and bodies.
+//! Contents of a world: the tools of the devices, and bodies.
 
 use std::sync::Arc;
 
@@ -9,35 +9,37 @@ use crate::rigid::{Rotation, Vector3};
 use crate::state::quaternion;
 use crate::{MassTable, MassTableError, NOT_TURNED, Quaternion, Shape, Vector};
 
-/// What a device moves through the world. Where it is, and how it is turned, the device measures.
+/// The object that a device moves through the world. The device measures its position and orientation.
 ///
-/// The tool's own axes begin at the mass centre of what the device moves: the position of a sample is that point's, and
-/// a torque is about it.
+/// The origin of the tool's axes is the mass centre of the moving part of the device: the position of a sample and
+/// the torques refer to this point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tool {
-    /// Its name, by which contacts call it.
+    /// Name of the tool, used by contacts.
     pub name: String,
-    /// Its shape, in its own axes.
+    /// Shape in the tool's axes.
     pub shape: Shape,
-    /// Whether the device turns it: a device of six axes, which measures an orientation. If not, the tool's axes are those of
-    /// the world.
+    /// Whether the device rotates the tool: a six-axis device, which measures an orientation. Otherwise the tool's
+    /// axes are those of the world.
     pub turns: bool,
-    /// Whether a device that turns it gives a torque, too. If not, its hand alone turns it, whatever the contacts push, and
-    /// feels no torque: most devices with a stylus measure six axes and push along three. Read only if the tool turns.
+    /// Whether a device that rotates the tool also exerts a torque. If not, the hand alone sets the orientation
+    /// regardless of contacts, and feels no torque. Most stylus devices measure six axes and push along three. Used
+    /// only if `turns` is set.
     pub gives_torque: bool,
-    /// Along which of its axes the device moves it and can push it; at least one. Along the others its mechanism holds the
-    /// tool where the device is measured: the force on the device is 0 there, whatever the contacts push.
+    /// Axes along which the device can move and push the tool; at least one. Along the others its mechanism
+    /// constrains the tool to the measured position: the force on the device is 0 there, regardless of contacts.
     pub axes: [bool; 3],
-    /// The device's axes, along which its mass is told and its mobility diagonal: unit vectors at right angles, to 1e-9, along the
-    /// world's axes. `None`: the world's own. Positions and forces are in the world's axes in any case.
+    /// The device's axes, along which its mobility is diagonal and its model mass is given: orthogonal unit vectors,
+    /// to 1e-9, along the world's axes. `None`: the world's axes. Positions and forces are always along the world's
+    /// axes.
     pub own_axes: Option<[Vector; 3]>,
-    /// How the device's mass changes with the place of the tool; `None` if it is the same everywhere. The device's axes are then
-    /// those of the mobility at the table's reference, and so are the masses that a method is told.
+    /// Position-dependent mass of the device; `None` if it is constant. The device's axes are then those of the
+    /// mobility at the table's reference. They are also the axes of the model masses of a method.
     pub mass_table: Option<Arc<MassTable>>,
 }
 
 impl Tool {
-    /// A tool of that name and shape, which its device moves along all three axes and does not turn.
+    /// Creates a tool with this name and shape, whose device moves it along all three axes and does not rotate it.
     #[must_use]
     pub fn new(name: impl Into<String>, shape: Shape) -> Self {
         Self {
@@ -51,8 +53,8 @@ impl Tool {
         }
     }
 
-    /// The same tool, moved by a device with axes of its own ([`own_axes`](Self::own_axes)): those of its mobility 1/m, which is a
-    /// matrix in the world's axes.
+    /// Sets the device's axes ([`own_axes`](Self::own_axes)): those of its mobility 1/m, which is a matrix in the
+    /// world's axes.
     #[must_use]
     pub fn with_own_axes(self, own_axes: [Vector; 3]) -> Self {
         Self {
@@ -61,19 +63,21 @@ impl Tool {
         }
     }
 
-    /// The same tool, moved by a device whose mass matrix changes with the place of the tool, as that of a linkage does.
+    /// Sets a position-dependent mass matrix of the device, such as that of a linkage.
     ///
-    /// `places`: increasing coordinates along each of the axes that the device has ([`axes`](Self::axes), [`own_axes`](Self::own_axes)),
-    /// from the world's origin; one alone where nothing changes along an axis `[m]`. `masses`: the matrix along these axes at each
-    /// place of that grid, those of the last axis side by side, as `[xx, yy, zz, xy, xz, yz]`, `[xx, yy, xy]` or `[xx]` `[kg]`.
+    /// `places`: increasing coordinates from the world's origin along each available axis ([`axes`](Self::axes),
+    /// [`own_axes`](Self::own_axes)) `[m]`; a single value if nothing changes along an axis. `masses`: the matrix
+    /// along these axes at each grid point, last axis fastest, as `[xx, yy, zz, xy, xz, yz]`, `[xx, yy, xy]` or
+    /// `[xx]` `[kg]`.
     ///
-    /// The device's axes become those along which the matrix at `reference` `[m]` is diagonal; a method is told the masses along these,
-    /// [`MassTable::masses_at_reference`]. The table says how the mass changes from there: one that is wrong by a factor tells the same.
-    /// [`CoupledParams`](crate::CoupledParams) follows it; no other method knows masses.
+    /// The device's axes become those in which the matrix at `reference` `[m]` is diagonal. The model masses of a
+    /// method are along these axes ([`MassTable::masses_at_reference`]). The table defines only the relative change
+    /// from there: a constant factor has no effect. Only [`CoupledParams`](crate::CoupledParams) uses the table; the
+    /// other methods use no mass.
     ///
     /// # Errors
-    /// Lists that do not fit the axes or each other, places that do not increase, a matrix that is not positive definite, or places
-    /// too far apart for what changes between them.
+    /// Lists that do not fit the axes or each other, coordinates that do not increase, a matrix that is not positive
+    /// definite, or grid points too far apart for the change between them.
     pub fn with_mass_table<P: AsRef<[f64]>, M: AsRef<[f64]>>(
         self,
         places: &[P],
@@ -90,13 +94,13 @@ impl Tool {
         })
     }
 
-    /// The same tool, moved by a device that has these of its axes only: a pantograph in a plane has two.
+    /// Restricts the device to these of its axes; a planar pantograph has two.
     #[must_use]
     pub fn along(self, axes: [bool; 3]) -> Self {
         Self { axes, ..self }
     }
 
-    /// The axes along which its device moves it, in words: `x and z`, or `the first and the third of its own axes`.
+    /// Returns the available axes in words: `x and z`, or `the first and the third of its own axes`.
     #[must_use]
     pub fn names_of_axes(&self) -> String {
         if self.own_axes.is_some() {
@@ -119,7 +123,7 @@ impl Tool {
         }
     }
 
-    /// The same tool, moved by a device of six axes, which gives a torque.
+    /// Sets a six-axis device, which exerts a torque.
     #[must_use]
     pub fn turning(self) -> Self {
         Self {
@@ -129,8 +133,7 @@ impl Tool {
         }
     }
 
-    /// The same tool, moved by a device that measures six axes and pushes along three: its hand turns it, and feels no
-    /// torque.
+    /// Sets a device that measures six axes and pushes along three: its hand turns the tool and feels no torque.
     #[must_use]
     pub fn turned_by_hand(self) -> Self {
         Self {
@@ -140,13 +143,13 @@ impl Tool {
         }
     }
 
-    /// Whether the torques of its contacts turn it, and its device gives them to the hand.
+    /// Returns whether contact torques turn the tool and its device exerts them on the hand.
     #[must_use]
     pub fn feels_torque(&self) -> bool {
         self.turns && self.gives_torque
     }
 
-    /// Whether its hand alone turns it.
+    /// Returns whether the hand alone sets the orientation.
     pub(crate) fn is_led(&self) -> bool {
         self.turns && !self.gives_torque
     }
@@ -155,20 +158,20 @@ impl Tool {
 /// A body of the world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
-    /// Its name, by which contacts call it.
+    /// Name of the body, used by contacts.
     pub name: String,
-    /// Its shape, in its own axes, about its centre of mass.
+    /// Shape in the body's axes, whose origin is its centre of mass.
     pub shape: Shape,
-    /// Where its centre of mass is at the start `[m]`.
+    /// Initial position of its centre of mass `[m]`.
     pub position: Vector,
-    /// How it is turned at the start.
+    /// Initial orientation.
     pub orientation: Quaternion,
-    /// Whether it moves, and how at the start.
+    /// Whether the body moves, and its initial motion.
     pub motion: Motion,
 }
 
 impl Body {
-    /// A body at the origin that is not turned.
+    /// Creates a body at the origin with identity orientation.
     #[must_use]
     pub fn new(name: impl Into<String>, shape: Shape, motion: Motion) -> Self {
         Self {
@@ -180,13 +183,13 @@ impl Body {
         }
     }
 
-    /// The same body with its centre of mass at `position` `[m]`.
+    /// Sets the initial position of its centre of mass `[m]`.
     #[must_use]
     pub fn at(self, position: Vector) -> Self {
         Self { position, ..self }
     }
 
-    /// The same body, turned.
+    /// Sets the initial orientation.
     #[must_use]
     pub fn turned(self, orientation: Quaternion) -> Self {
         Self {
@@ -195,11 +198,11 @@ impl Body {
         }
     }
 
-    /// The same body in the same place, for which the origin and the axes of its shape are of no account: its own axes
-    /// begin at its centre of mass and are its principal ones, so that its moments of inertia are known.
+    /// Moves the body's axes to its centre of mass and its principal axes, so that its moments of inertia are known.
+    /// The shape keeps its pose in the world, and its original origin and axes no longer matter.
     ///
-    /// This is for a body that moves and fills a closed mesh or a hull evenly. All others stay as they are; where moments of inertia
-    /// are given, the shape's origin is the centre of mass and its axes are principal.
+    /// This applies to a moving body that fills a closed mesh or a hull homogeneously. Other bodies are unchanged. If
+    /// moments of inertia are given, the shape's origin must be the centre of mass and its axes must be principal.
     #[must_use]
     pub fn balanced(self) -> Self {
         let Motion::Free(free @ Free { inertia: None, .. }) = &self.motion else {
@@ -237,33 +240,33 @@ pub(crate) fn rotation([w, x, y, z]: Quaternion) -> Rotation {
     UnitQuaternion::new_normalize(nalgebra::Quaternion::new(w, x, y, z))
 }
 
-/// Whether a body moves.
+/// Motion of a body.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motion {
-    /// It stays where it is.
+    /// The body is fixed.
     Fixed,
-    /// It moves as forces tell it.
+    /// The body moves under forces.
     Free(Free),
 }
 
-/// A body that moves.
+/// A moving body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Free {
     /// Mass, above 0 `[kg]`.
     pub mass: f64,
-    /// Moments of inertia about the centre of mass along the body's own axes, each above 0 `[kg m^2]`.
-    /// `None`: of the shape, filled evenly.
+    /// Moments of inertia about the centre of mass along the body's axes, each above 0 `[kg m^2]`. `None`: those of
+    /// the homogeneous shape.
     pub inertia: Option<Vector>,
-    /// Velocity of the centre of mass at the start `[m/s]`.
+    /// Initial velocity of the centre of mass `[m/s]`.
     pub velocity: Vector,
-    /// Angular velocity at the start, along the world's axes `[rad/s]`.
+    /// Initial angular velocity, along the world's axes `[rad/s]`.
     pub angular_velocity: Vector,
-    /// A constant force at the centre of mass, its weight for instance `[N]`.
+    /// A constant force at the centre of mass, for example the weight `[N]`.
     pub force: Vector,
 }
 
 impl Free {
-    /// A body of that mass `[kg]` at rest, which no force but those of contacts pulls at.
+    /// Creates a body with this mass `[kg]` at rest, without a constant force.
     #[must_use]
     pub fn of_mass(mass: f64) -> Self {
         Self {
@@ -275,13 +278,13 @@ impl Free {
         }
     }
 
-    /// The same body with a constant force at its centre of mass `[N]`.
+    /// Sets the constant force at the centre of mass `[N]`.
     #[must_use]
     pub fn pulled_by(self, force: Vector) -> Self {
         Self { force, ..self }
     }
 
-    /// The same body with that velocity at the start `[m/s]`.
+    /// Sets the initial velocity `[m/s]`.
     #[must_use]
     pub fn moving(self, velocity: Vector) -> Self {
         Self { velocity, ..self }

@@ -1,6 +1,6 @@
-//! The books of a world's energy.
+//! Energy ledger of a world.
 
-/// Energy at the contact of a pair, over all intervals that have ended `[J]`.
+/// Energy of a contact pair over all completed intervals `[J]`.
 ///
 /// ```text
 /// stored = stored at the start + observed + outside + handed - work - dissipated + step_error
@@ -9,42 +9,42 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct ContactBook {
-    /// K p^2/2 + k_t |z|^2/2 at the last sample.
+    /// Stored energy K p^2/2 + k_t |z|^2/2 at the last sample.
     pub stored: f64,
-    /// What damping and friction took: never falls.
+    /// Energy dissipated by damping and friction; never decreases.
     pub dissipated: f64,
     /// Work of the contact on both of its sides.
     pub work: f64,
-    /// W_c: work of the contact on the tool's avatar, if one of its sides is a tool.
+    /// W_c: work of the contact on the tool's proxy, if one of its sides is a tool.
     pub work_on_avatar: f64,
     /// Work of the contact's mean force on the device itself.
     pub held: f64,
-    /// What the stored energy changed by because a sample put the avatar to another place than it was expected at, or
-    /// a limit did.
+    /// Change in stored energy due to samples or limits that displaced the proxy from its expected position.
     pub observed: f64,
-    /// What changes of the running world have put into it.
+    /// Energy added by changes of the running world.
     pub outside: f64,
-    /// What came from the other points of the same pair, where two boxes touch by another face than before: the sum over
-    /// the pair is 0.
+    /// Energy transferred from the other points of the same pair at a switch of the contact face between two boxes.
+    /// The sum over the pair is 0.
     pub handed: f64,
-    /// What finite sub-steps have made (positive) or lost.
+    /// Energy generated (positive) or lost by finite sub-steps.
     pub step_error: f64,
 }
 
 impl ContactBook {
-    /// Energy that holding the mean of the force has given to the hand beyond the contact's own work `[J]`.
+    /// Returns the energy that holding the mean force has given to the hand in excess of the contact's own work
+    /// `[J]`.
     #[must_use]
     pub fn leak(&self) -> f64 {
         self.held - self.work_on_avatar
     }
 
-    /// Energy that is stored or was given away beyond the work on the tool's avatar, and that nobody put in `[J]`.
+    /// Returns the generated energy: stored or given away in excess of the work on the tool's proxy `[J]`.
     pub(crate) fn created(&self) -> f64 {
         self.observed + self.step_error - self.work_on_avatar
     }
 }
 
-/// Energy of a joint, over all intervals that have ended `[J]`.
+/// Energy of a joint over all completed intervals `[J]`.
 ///
 /// ```text
 /// stored = the same at the start + outside - work - dissipated + step_error
@@ -54,17 +54,17 @@ impl ContactBook {
 pub struct JointBook {
     /// Energy of its springs at the last sample.
     pub stored: f64,
-    /// What damping took: never falls.
+    /// Energy dissipated by damping; never decreases.
     pub dissipated: f64,
     /// Work of the joint on both of its sides.
     pub work: f64,
-    /// What changes of the running world have put into it.
+    /// Energy added by changes of the running world.
     pub outside: f64,
-    /// What finite sub-steps have made (positive) or lost.
+    /// Energy generated (positive) or lost by finite sub-steps.
     pub step_error: f64,
 }
 
-/// Energy of a body, over all intervals that have ended `[J]`.
+/// Energy of a body over all completed intervals `[J]`.
 ///
 /// ```text
 /// kinetic + potential = the same at the start + work + outside + step_error
@@ -74,17 +74,17 @@ pub struct JointBook {
 pub struct BodyBook {
     /// Kinetic energy at the last sample.
     pub kinetic: f64,
-    /// Less the work of its constant force since the start.
+    /// Potential energy: minus the work of its constant force since the start.
     pub potential: f64,
-    /// Work of contacts and joints on it.
+    /// Work of contacts and joints on the body.
     pub work: f64,
-    /// What changed it from outside: waiting for a sample that can be used, and changes of the running world.
+    /// External change: from waiting for a usable sample, and from changes of the running world.
     pub outside: f64,
-    /// What finite sub-steps have made (positive) or lost.
+    /// Energy generated (positive) or lost by finite sub-steps.
     pub step_error: f64,
 }
 
-/// Energy at the port of a device, over all intervals that have ended `[J]`. Positive: to the hand.
+/// Energy at the port of a device over all completed intervals `[J]`, positive towards the hand.
 ///
 /// ```text
 /// port_work + carried  = held + unforeseen
@@ -92,54 +92,54 @@ pub struct BodyBook {
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DeviceBook {
-    /// Work of the force that was held on the device as it was measured.
+    /// Work of the held force on the measured device motion.
     pub port_work: f64,
-    /// Work that no motor gives. Along the axes that the device lacks ([`Tool::axes`](crate::Tool::axes)) it is that of the
-    /// contacts' mean force, which the mechanism carries: 0 while the tool stays where it is along them. Of a tool that its hand
-    /// turns ([`Tool::turned_by_hand`](crate::Tool::turned_by_hand)) it is that of the contacts' torques, against which the hand
-    /// turns it.
+    /// Work that no motor performs. Along the axes that the device lacks ([`Tool::axes`](crate::Tool::axes)) it is
+    /// the work of the contacts' mean force, which the mechanism carries: 0 if the tool does not move along them. For
+    /// a tool turned by its hand ([`Tool::turned_by_hand`](crate::Tool::turned_by_hand)) it is the work of the
+    /// contact torques, against which the hand turns the tool.
     pub carried: f64,
     /// Sum of the contacts' [`ContactBook::held`].
     pub held: f64,
-    /// What the port's work differs by: the force that was held less the mean of the contacts as it was then known
-    /// to be, and the device's path by its samples less that by the observer.
+    /// Unpredicted work at the port. It results from the difference between the held force and the mean contact force
+    /// known later, and from that between the measured and the estimated path of the device.
     pub unforeseen: f64,
-    /// Work of the hand on the avatar less that on the device: F_u times the offset where F_u is constant
-    /// and the force is held.
+    /// Work of the hand on the proxy minus that on the device: F_u times the offset if F_u is constant and the force
+    /// is held.
     pub offset: f64,
-    /// By how much more kinetic energy the avatar has gained than the device.
+    /// Kinetic energy gained by the proxy minus that gained by the device.
     pub velocity_offset: f64,
-    /// Work that the contacts' mean force does on the device and the force that was asked for does not.
+    /// Work of the contacts' mean force on the device minus that of the commanded force.
     pub unpaid: f64,
-    /// Work of the hand on the offset as it went back to zero, while nothing touched the tool.
+    /// Work of the hand on the decaying proxy offset while nothing touches the tool.
     pub walked_back: f64,
 }
 
-/// The books of a world.
+/// Energy ledger of a world.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Books {
-    /// Of each pair with a law that can touch, in the order of [`WorldState::contacts`](crate::WorldState::contacts).
+    /// Each pair that has a law and can touch, in the order of [`WorldState::contacts`](crate::WorldState::contacts).
     pub contacts: Vec<ContactBook>,
-    /// Of each body, in the world's order; zero for fixed ones.
+    /// Each body, in the world's order; zero for fixed bodies.
     pub bodies: Vec<BodyBook>,
-    /// Of each joint, in the world's order.
+    /// Each joint, in the world's order.
     pub joints: Vec<JointBook>,
-    /// Of each device, in the order of the tools.
+    /// Each device, in the order of the tools.
     pub devices: Vec<DeviceBook>,
-    /// Of what changes of the running world have taken out of it.
+    /// Elements removed by changes of the running world.
     pub gone: Gone,
 }
 
-/// Sums of the books of what is gone from a world. What it had when it went is taken out as outside work, so that nothing
-/// is stored there and nothing moves.
+/// Summed ledgers of the elements removed from a world. Their remaining energy is recorded as outside work, so their
+/// stored and kinetic energies are 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Gone {
-    /// Of all contacts that are gone.
+    /// All removed contacts.
     pub contacts: ContactBook,
-    /// Of all bodies.
+    /// All removed bodies.
     pub bodies: BodyBook,
-    /// Of all joints.
+    /// All removed joints.
     pub joints: JointBook,
 }
 
@@ -174,12 +174,13 @@ impl Gone {
 }
 
 impl Books {
-    /// Sum of what the contacts' stored energy changed by from outside `[J]`.
+    /// Returns the sum over all contacts of the change in stored energy by samples and limits `[J]`.
     pub(crate) fn observed(&self) -> f64 {
         self.contacts.iter().map(|book| book.observed).sum()
     }
 
-    /// Energy that damping and friction of all contacts and joints took, of those that are gone too `[J]`: never falls.
+    /// Returns the energy dissipated by damping and friction of all contacts and joints, including removed ones
+    /// `[J]`. It never decreases.
     #[must_use]
     pub fn dissipated(&self) -> f64 {
         let contacts = self.contacts.iter().chain([&self.gone.contacts]);
@@ -188,8 +189,8 @@ impl Books {
             + joints.map(|book| book.dissipated).sum::<f64>()
     }
 
-    /// Sums up what is gone of the `old` books: what none of the new ones has come from. The energy that was stored there
-    /// `[J]`.
+    /// Adds the ledgers of removed elements of `old`, those without a successor, to [`gone`](Self::gone). Returns the
+    /// energy stored in them `[J]`.
     pub(crate) fn take_leave(
         &mut self,
         old: &Self,
@@ -219,27 +220,28 @@ impl Books {
         stored
     }
 
-    /// Energy that held forces created `[J]`; negative where they took more than contacts and damping account for.
+    /// Returns the energy generated by held forces `[J]`; negative if they absorbed more than contacts and damping
+    /// explain.
     ///
     /// ```text
     /// port work of all devices + carried - work of the contacts on their avatars + observed + step errors
     /// ```
     ///
-    /// By the other identities it is what hands, bodies, contacts and dissipation have gained together, and nobody has
-    /// put in. A force that is no contact's, such as that of a virtual damper, counts by its port work.
+    /// By the other identities it equals the total gain of hands, bodies, contacts and dissipation minus the external
+    /// energy. A force without a contact, such as that of a virtual damper, is included through its port work.
     #[must_use]
     pub fn created(&self) -> f64 {
         let contacts: f64 = self.contacts.iter().map(ContactBook::created).sum();
         self.at_ports() + contacts + self.created_otherwise()
     }
 
-    /// Work at the ports of all devices `[J]`.
+    /// Returns the work at the ports of all devices `[J]`.
     pub(crate) fn at_ports(&self) -> f64 {
         let devices = self.devices.iter();
         devices.map(|book| book.port_work + book.carried).sum()
     }
 
-    /// Energy that sub-steps of bodies and joints created, and contacts that are gone `[J]`.
+    /// Returns the energy generated by sub-steps of bodies and joints, and by removed contacts `[J]`.
     pub(crate) fn created_otherwise(&self) -> f64 {
         let gone = &self.gone;
         let bodies = self.bodies.iter().chain([&gone.bodies]);
@@ -250,11 +252,11 @@ impl Books {
     }
 }
 
-/// Energy that forces created at the ports of the devices, as they reached these. A contact whose force reached its device by a
-/// part, because a limit cut it, counts by that part.
+/// Energy generated at the ports of the devices. Each contact is weighted by the fraction of its force that reached
+/// the device after limiting.
 #[derive(Clone, Debug)]
 pub(crate) struct CreatedAtPorts {
-    /// Of each contact what its own force had created, up to the last sample `[J]`.
+    /// Energy generated by each contact's own force up to the last sample `[J]`.
     contacts: Vec<f64>,
     others: f64,
     ports: f64,
@@ -262,7 +264,7 @@ pub(crate) struct CreatedAtPorts {
 }
 
 impl CreatedAtPorts {
-    /// Nothing is created yet.
+    /// Creates a ledger with zero entries.
     pub fn none(contacts: usize) -> Self {
         Self {
             contacts: vec![0.0; contacts],
@@ -272,7 +274,7 @@ impl CreatedAtPorts {
         }
     }
 
-    /// Continues with other `books`, of as many contacts, at `created` `[J]`. It does not allocate.
+    /// Continues with other `books` of the same number of contacts, from `created` `[J]`. It does not allocate.
     pub fn go_on(&mut self, books: &Books, created: f64) {
         for (before, book) in self.contacts.iter_mut().zip(&books.contacts) {
             *before = book.created();
@@ -282,8 +284,9 @@ impl CreatedAtPorts {
         self.created = created;
     }
 
-    /// Takes the books at a sample: of each contact what it created, and by which part its force reached its device since the last
-    /// sample; the work at the ports; and what was created otherwise, with such a part `[J]`.
+    /// Updates the sum at a sample. `contacts`: energy generated by each contact, and the fraction of its force that
+    /// reached the device since the last sample. `ports`: work at the ports. `others`: energy generated otherwise,
+    /// with its `part` `[J]`.
     pub fn close(
         &mut self,
         contacts: impl Iterator<Item = (f64, f64)>,
@@ -298,7 +301,7 @@ impl CreatedAtPorts {
         (self.ports, self.others) = (ports, others);
     }
 
-    /// What it has come to be `[J]`.
+    /// Returns the generated energy `[J]`.
     pub fn created(&self) -> f64 {
         self.created
     }

@@ -1,4 +1,4 @@
-//! The forces, or torques, on their way to the devices.
+//! Forces or torques in the actuation delay of the devices.
 
 use palpate::{
     Actuation, Actuator, Ahead, Command, Governed, Held, LARGEST_DELAY, Piece, UnderWay,
@@ -7,19 +7,19 @@ use palpate::{
 use crate::Vector;
 use crate::rigid::Vector3;
 
-/// Most pieces in which what is under way can act before a new command does.
+/// Maximum number of pieces in which pending forces act before a new command.
 const MOST_PIECES: usize = LARGEST_DELAY + 2;
 
-/// What acts on a tool over a stretch of time, each vector along the world's axes.
+/// Action on a tool over a time interval; vectors are along the world's axes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Acting {
-    /// Mean of what the method asked for, as the actuator delivers it `[N]`.
+    /// Mean of the commanded force, as the actuator delivers it `[N]`.
     pub intended: Vector3,
-    /// Mean of what was sent, delivered `[N]`.
+    /// Mean of the sent force, as delivered `[N]`.
     pub sent: Vector3,
-    /// By how much its impulse comes earlier than a constant force's: see [`Held::lead`] `[N s^2]`.
+    /// Moment by which the impulse comes earlier than that of a constant force: see [`Held::lead`] `[N s^2]`.
     pub lead: Vector3,
-    /// Standard deviation of the impulse, as far as the actuation is not known exactly `[N s]`.
+    /// Standard deviation of the impulse due to uncertain actuation `[N s]`.
     pub impulse_deviation: Vector3,
 }
 
@@ -35,20 +35,20 @@ impl Acting {
     }
 }
 
-/// The forces on their way to each tool, along each axis.
+/// Pending forces of each tool, along each axis.
 #[derive(Clone, Debug)]
 pub(crate) struct Commands {
     actuator: Actuator<f64>,
     tools: Vec<ToTool>,
 }
 
-/// The forces on their way to a tool.
+/// Pending forces of a tool.
 #[derive(Clone, Copy, Debug)]
 struct ToTool {
     under_way: [UnderWay<f64>; 3],
-    /// What acted from the last sample but one to the last.
+    /// Forces that acted in the last interval between samples.
     passed: [Piece<f64>; 3],
-    /// What is going to act before the next command does, in its order.
+    /// Forces that act before the next command, in time order.
     coming: [[Piece<f64>; 3]; MOST_PIECES],
     governed: [Option<Governed<f64>>; 3],
 }
@@ -66,7 +66,7 @@ const NOTHING: Piece<f64> = Piece {
 };
 
 impl Commands {
-    /// `actuation`: checked.
+    /// Creates the state from checked `actuation` parameters.
     pub fn new(tools: usize, actuation: &Actuation<f64>, period: f64) -> Self {
         let to_tool = ToTool {
             under_way: [UnderWay::nothing(); 3],
@@ -80,7 +80,7 @@ impl Commands {
         }
     }
 
-    /// Comes to be as `other`, of as many tools. It does not allocate.
+    /// Copies the state of `other`, which has the same number of tools. It does not allocate.
     pub fn copy_from(&mut self, other: &Self) {
         self.actuator = other.actuator;
         for (tool, other) in self.tools.iter_mut().zip(&other.tools) {
@@ -88,7 +88,7 @@ impl Commands {
         }
     }
 
-    /// An interval of `h` `[s]` between two samples is over.
+    /// Ends an interval of `h` `[s]` between two samples.
     pub fn pass(&mut self, h: f64) {
         for tool in &mut self.tools {
             for (passed, under_way) in tool.passed.iter_mut().zip(&mut tool.under_way) {
@@ -97,13 +97,14 @@ impl Commands {
         }
     }
 
-    /// Mean of what was sent to a tool over the interval that has ended, zero where nothing is followed.
+    /// Returns the mean sent force on a tool over the last interval, or zero if the tool is not tracked.
     pub fn passed_or_none(&self, tool: usize) -> Vector3 {
         let tool = self.tools.get(tool);
         tool.map_or(Vector3::zeros(), |tool| Acting::of(&tool.passed).sent)
     }
 
-    /// Part of the intended force that acted on a tool over the interval that has ended, 0 to 1: less than 1 under a limit.
+    /// Returns the fraction of the intended force that acted on a tool over the last interval, 0 to 1; less than 1
+    /// after limiting.
     pub fn part_sent(&self, tool: usize) -> f64 {
         let Some(tool) = self.tools.get(tool) else {
             return 1.0;
@@ -117,13 +118,13 @@ impl Commands {
         }
     }
 
-    /// What acted on a tool over the interval that has ended.
+    /// Returns the action on a tool over the last interval.
     pub fn passed(&self, tool: usize) -> Acting {
         Acting::of(&self.tools[tool].passed)
     }
 
-    /// Looks at what acts before the command of this sample does, over whose `period` `[s]` it is going to act. Returns
-    /// how many pieces there are.
+    /// Computes the pieces that act before the command of this sample, which will act over `period` `[s]`. Returns
+    /// the number of pieces.
     pub fn look_ahead(&mut self, period: f64) -> usize {
         let mut most = 0;
         for tool in &mut self.tools {
@@ -136,25 +137,25 @@ impl Commands {
                     }
                 });
                 tool.governed[axis] = Some(governed);
-                // The same for every axis: they have one actuator.
+                // Equal for all axes, which share one actuator.
                 most = count;
             }
         }
         most
     }
 
-    /// Duration of a piece that was looked at `[s]`.
+    /// Returns the duration of a piece `[s]`.
     pub fn duration(&self, piece: usize) -> f64 {
         let first = self.tools.first().and_then(|tool| tool.coming.get(piece));
         first.map_or(0.0, |axes| axes[0].duration)
     }
 
-    /// What acts on a tool in a piece that was looked at.
+    /// Returns the action on a tool during a piece.
     pub fn coming(&self, tool: usize, piece: usize) -> Acting {
         Acting::of(&self.tools[tool].coming[piece])
     }
 
-    /// The command of this sample whose impulse over the `period` `[s]` in which it acts is that of `mean` `[N]`.
+    /// Returns the command of this sample whose impulse over its `period` `[s]` equals that of `mean` `[N]`.
     pub fn command(&self, tool: usize, mean: &Vector3, period: f64) -> Vector3 {
         let mut command = *mean;
         for (force, governed) in command.iter_mut().zip(&self.tools[tool].governed) {
@@ -165,12 +166,12 @@ impl Commands {
         command / self.actuator.gain()
     }
 
-    /// The command of this sample that is delivered as `force` `[N]` once it acts.
+    /// Returns the command of this sample that the actuator delivers as `force` `[N]`.
     pub fn for_force(&self, force: &Vector3) -> Vector3 {
         force / self.actuator.gain()
     }
 
-    /// Whether a force is still to act on a tool before the command of this sample does.
+    /// Returns whether a pending force acts on a tool before the command of this sample.
     pub fn is_expected(&self, tool: usize) -> bool {
         let under_way = self.tools.get(tool).map(|tool| tool.under_way.iter());
         under_way
@@ -179,15 +180,15 @@ impl Commands {
             .any(|axis| Ahead::new(&self.actuator, axis).is_awaited())
     }
 
-    /// Bound on the impulse that the commands before this sample's can still give a tool, whatever follows `[N s]`. Zero
-    /// where nothing is followed.
+    /// Returns a bound on the impulse that earlier commands can still give a tool, for any later command `[N s]`.
+    /// Zero if the tool is not tracked.
     pub fn impulse_to_come(&self, tool: usize) -> f64 {
         let of_axis = |axis: &UnderWay<f64>| Ahead::new(&self.actuator, axis).impulse_to_come();
         let tool = self.tools.get(tool);
         tool.map_or(0.0, |tool| tool.under_way.iter().map(of_axis).sum())
     }
 
-    /// Delivered over commanded force.
+    /// Returns the ratio of delivered to commanded force.
     pub fn gain(&self) -> f64 {
         self.actuator.gain()
     }
@@ -203,7 +204,7 @@ impl Commands {
         }
     }
 
-    /// A driver has sent another force than the last `[N]`.
+    /// Replaces the last force by the force that a driver actually sent `[N]`.
     pub fn correct(&mut self, tool: usize, sent: Vector3) {
         if let Some(tool) = self.tools.get_mut(tool) {
             for (axis, under_way) in tool.under_way.iter_mut().enumerate() {

@@ -1,11 +1,11 @@
-//! The law of a contact, and between whom it holds.
+//! Contact laws and the pairs to which they apply.
 
-/// A law, and the pair of tools or bodies for which it holds.
+/// A contact law and its pair of tools or bodies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contact {
-    /// The pair, in any order. Two tools do not touch each other, nor do two fixed bodies.
+    /// The unordered pair. Two tools never collide, and neither do two fixed bodies.
     pub between: [Party; 2],
-    /// The law.
+    /// Contact law.
     pub law: ContactLaw,
 }
 
@@ -14,12 +14,12 @@ pub struct Contact {
 pub enum Party {
     /// Every tool and body; written `"*"` in files.
     Any,
-    /// The tool or body of that name.
+    /// The tool or body with this name.
     Named(String),
 }
 
 impl Party {
-    /// Its name, or `*` for all.
+    /// Returns its name, or `*` for all.
     #[must_use]
     pub fn as_str(&self) -> &str {
         match self {
@@ -29,12 +29,12 @@ impl Party {
     }
 }
 
-/// How two surfaces push each other, as a function of how they overlap.
+/// Contact law: force between two surfaces as a function of their overlap.
 ///
-/// With penetration p `[m]` and its rate p', the normal force is max(0, K p + B p') while p > 0. Friction is an
-/// elasto-plastic bristle: its deflection z follows the tangential displacement at the contact's point, which is
-/// midway between the two surfaces, and is cut to mu N / k_t. Its force is k_t z + B_t v_t, with v_t the tangential
-/// velocity, and is limited to mu N.
+/// For penetration p `[m]` with rate p', the normal force is max(0, K p + B p') while p > 0. Friction is an
+/// elasto-plastic bristle. Its deflection z follows the tangential displacement at the contact point, midway between
+/// the two surfaces, and is limited to mu N / k_t. Its force is k_t z + B_t v_t with the tangential velocity v_t,
+/// limited to mu N.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactLaw {
     /// K, above 0 `[N/m]`.
@@ -45,12 +45,12 @@ pub struct ContactLaw {
     pub friction: f64,
     /// k_t, above 0 `[N/m]`.
     pub friction_stiffness: f64,
-    /// B_t, damping of the bristle, at least 0 `[N s/m]`. Without it a body that friction holds keeps swinging.
+    /// B_t, damping of the bristle, at least 0 `[N s/m]`. Without it a body held by friction oscillates undamped.
     pub friction_damping: f64,
 }
 
 impl ContactLaw {
-    /// A spring of that stiffness `[N/m]` without damping and friction.
+    /// Creates a spring of this stiffness `[N/m]` without damping and friction.
     #[must_use]
     pub fn spring(stiffness: f64) -> Self {
         Self {
@@ -62,8 +62,8 @@ impl ContactLaw {
         }
     }
 
-    /// The bristle's damping of a material that damps both directions alike, B k_t / K `[N s/m]`: the default of scene files
-    /// and bindings. 0 for a stiffness that is not above 0.
+    /// Returns the bristle damping for a material with equal damping ratio in both directions, B k_t / K `[N s/m]`:
+    /// the default of scene files and bindings. 0 if the stiffness is not above 0.
     #[must_use]
     pub fn usual_friction_damping(stiffness: f64, damping: f64, friction_stiffness: f64) -> f64 {
         if stiffness > 0.0 {
@@ -73,13 +73,13 @@ impl ContactLaw {
         }
     }
 
-    /// The same law with friction of coefficient `friction` `[1]`.
+    /// Sets the friction coefficient `[1]`.
     #[must_use]
     pub fn with_friction(self, friction: f64) -> Self {
         Self { friction, ..self }
     }
 
-    /// The same law with material damping `[N s/m]`.
+    /// Sets the material damping `[N s/m]`.
     #[must_use]
     pub fn with_damping(self, damping: f64) -> Self {
         Self { damping, ..self }

@@ -1,8 +1,8 @@
-//! The convex hull of points, by the Quickhull algorithm (Barber, Dobkin and Huhdanpaa, 1996).
+//! Convex hull of points by the Quickhull algorithm (Barber, Dobkin and Huhdanpaa, 1996).
 //!
-//! The point that is furthest outside is added next, so a hull that stops early is close to the whole one. The side of a facet
-//! that a point is on is decided by an exact predicate (Shewchuk, 1997): the facets stay a closed convex surface whatever the
-//! round-off of the points. Facets that lie in a plane but for that round-off are one face: [`polygons`].
+//! The point furthest outside is added next, so a truncated hull is close to the full one. An exact predicate
+//! (Shewchuk, 1997) decides on which side of a facet a point is. The facets therefore form a closed convex surface
+//! despite rounding errors of the points. Facets that are coplanar up to rounding form one face ([`polygons`]).
 
 use std::collections::HashSet;
 
@@ -11,45 +11,46 @@ use robust::{Coord3D, orient3d};
 use crate::coplanar::polygons;
 use crate::rigid::Vector3;
 
-/// Points nearer to a plane than this share of the size of all lie in it: numbers of files have six or seven digits.
+/// Distance from a plane, relative to the size of the point set, below which points are in the plane: numbers in
+/// files have six or seven digits.
 const FLAT: f64 = 1e-6;
-/// Facets whose corners are nearer to a plane than so many times that are one face. The first that gives a closed solid counts.
+/// Multiples of that distance for merging facets into a face. The first that gives a closed solid is used.
 const ONE_FACE: [f64; 4] = [6.0, 2.0, 20.0, 0.0];
-/// Twice the area of a facet over the square of its longest side below which its normal is not relied on.
+/// Ratio of twice a facet's area to the square of its longest side below which its normal is unreliable.
 const SLIVER: f64 = 1e-7;
 
-/// A flat face: its corners, which run counter-clockwise when they are seen from outside, and its plane.
+/// A flat face: its plane, and its corners in counter-clockwise order seen from outside.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Polygon {
-    /// Numbers of its corners among those of the hull.
+    /// Indices of its corners among those of the hull.
     pub corners: Vec<usize>,
-    /// Unit vector out of the solid.
+    /// Outward unit normal.
     pub normal: Vector3,
-    /// normal . x of its points `[m]`.
+    /// normal . x for its points `[m]`.
     pub offset: f64,
 }
 
-/// Why there is no hull.
+/// Reason why there is no hull.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum NoHull {
-    /// All points lie in a plane, or nearly so.
+    /// All points are nearly coplanar.
     Flat,
-    /// It would have more corners than asked for.
+    /// The hull would have too many corners.
     TooMany,
-    /// No closed surface has come out.
+    /// The construction gave no closed surface.
     Broken,
 }
 
-/// A triangle of the hull that is being built, and the points that lie outside of its plane.
+/// A triangle of the hull under construction, and the points outside its plane.
 pub(crate) struct Facet {
     pub corners: [usize; 3],
     pub normal: Vector3,
-    /// Twice its area `[m^2]`.
+    /// Twice the area `[m^2]`.
     pub area: f64,
     offset: f64,
     is_sliver: bool,
     outside: Vec<usize>,
-    /// The furthest of them, and how far it is.
+    /// Distance and index of the furthest outside point.
     furthest: Option<(f64, usize)>,
 }
 
@@ -59,7 +60,7 @@ impl Facet {
         let cross = (b - a).cross(&(c - a));
         let sides = [b - a, c - b, a - c].map(|side| side.norm_squared());
         let area = cross.norm();
-        // Of a facet so thin that the product vanishes any direction will do: the exact predicate decides.
+        // For a facet so thin that the product vanishes the direction is arbitrary: the exact predicate decides.
         let normal = cross.try_normalize(0.0).unwrap_or_else(Vector3::x);
         Self {
             corners,
@@ -72,7 +73,7 @@ impl Facet {
         }
     }
 
-    /// Six times the volume of the facet and a point in front of it, below 0 behind it; the sign is exact.
+    /// Returns six times the volume of the facet and a point in front of it, negative behind it; the sign is exact.
     fn volume_before(&self, points: &[Vector3], point: &Vector3) -> f64 {
         let coord = |place: &Vector3| Coord3D {
             x: place.x,
@@ -83,7 +84,7 @@ impl Facet {
         -orient3d(a, b, c, coord(point))
     }
 
-    /// How far a point is in front of the plane; of a sliver at least so far `[m]`.
+    /// Returns the distance of a point in front of the plane; for a sliver a lower bound `[m]`.
     fn height(&self, points: &[Vector3], point: &Vector3) -> f64 {
         if self.is_sliver {
             let [a, b, c] = self.corners.map(|corner| points[corner]);
@@ -111,12 +112,12 @@ impl Facet {
     }
 }
 
-/// Corners and faces of a convex solid whose corners are some of the `points`.
+/// Computes corners and faces of a convex solid whose corners are some of the `points`.
 ///
-/// No point is further outside than `within` `[m]`, or than round-off of the points.
+/// No point is further outside than `within` `[m]` or the rounding error of the points.
 ///
 /// # Errors
-/// Among others that it would have more than `most` corners.
+/// The points are coplanar, the hull would have more than `most` corners, or the construction fails.
 pub(crate) fn hull(
     points: &[Vector3],
     within: f64,
@@ -131,10 +132,10 @@ pub(crate) fn hull(
     }
 }
 
-/// The solid of the `most` corners that stand out most.
+/// Computes the solid of the `most` furthest protruding corners.
 ///
 /// # Errors
-/// The points lie in a plane.
+/// The points are coplanar.
 pub(crate) fn coarse_hull(
     points: &[Vector3],
     most: usize,
@@ -143,10 +144,10 @@ pub(crate) fn coarse_hull(
     Ok((corners, faces))
 }
 
-/// The same by triangles, which are exactly convex; some may be thin.
+/// Computes the hull as triangles, which are exactly convex; some may be thin.
 ///
 /// # Errors
-/// Those of [`hull`].
+/// The errors of [`hull`].
 pub(crate) fn triangles(
     points: &[Vector3],
     within: f64,
@@ -166,7 +167,7 @@ pub(crate) fn triangles(
     }
 }
 
-/// Corners and faces, and whether `most` points were enough.
+/// Returns corners and faces, and whether `most` points were sufficient.
 fn built(
     points: &[Vector3],
     within: f64,
@@ -185,14 +186,14 @@ fn built(
 /// A closed convex surface of facets around points.
 struct Wrapped {
     facets: Vec<Facet>,
-    /// Whether no point is further outside than was allowed.
+    /// Whether no point is further outside than allowed.
     is_whole: bool,
-    /// Points nearer to a plane than this lie in it `[m]`.
+    /// Distance below which points lie in a plane `[m]`.
     flat: f64,
 }
 
 impl Wrapped {
-    /// With at most `most` of the points, from which it may leave those out that are outside by no more than `within` `[m]`.
+    /// Wraps the points with at most `most` corners. Points outside by at most `within` `[m]` may be omitted.
     fn around(points: &[Vector3], within: f64, most: usize) -> Result<Self, NoHull> {
         let first = points.first().ok_or(NoHull::Flat)?;
         let size = points.iter().map(|point| (point - first).norm());
@@ -218,14 +219,14 @@ impl Wrapped {
             let (visible, mut kept): (Vec<_>, Vec<_>) = facets.into_iter().partition(is_visible);
             let edges: HashSet<_> = visible.iter().flat_map(Facet::edges).collect();
             let mut fresh = Vec::new();
-            // In the order of the facets: a set has none.
+            // Iterate in facet order for determinism; a set is unordered.
             for (from, to) in visible.iter().flat_map(Facet::edges) {
                 if !edges.contains(&(to, from)) {
                     fresh.push(Facet::of(points, [from, to, next]));
                 }
             }
             for number in visible.into_iter().flat_map(|facet| facet.outside) {
-                // It may be outside of one that was kept by more than of the new one beside it.
+                // It may be further outside a kept facet than outside the adjacent new one.
                 if number != next && !give(points, number, &mut fresh, within) {
                     give(points, number, &mut kept, within);
                 }
@@ -241,13 +242,13 @@ impl Wrapped {
     }
 }
 
-/// Whether faces close, and no corner is further in front of one than a tolerance `[m]`.
+/// Returns whether faces form a closed surface and no corner is in front of a face by more than a tolerance `[m]`.
 fn is_solid(points: &[Vector3], faces: &[Polygon], tolerance: f64) -> bool {
     let mut corners: Vec<usize> = faces.iter().flat_map(|face| face.corners.clone()).collect();
     let sides = corners.len();
     corners.sort_unstable();
     corners.dedup();
-    // Euler's formula: a closed surface without holes has as many edges as corners and faces less two.
+    // Euler's formula: a closed surface without holes has edges = corners + faces - 2.
     let closes = corners.len() + faces.len() == sides / 2 + 2 && sides.is_multiple_of(2);
     let is_behind = |face: &Polygon| {
         let mut heights = corners
@@ -258,7 +259,7 @@ fn is_solid(points: &[Vector3], faces: &[Polygon], tolerance: f64) -> bool {
     closes && faces.iter().all(is_behind)
 }
 
-/// A tetrahedron of points that are far from each other.
+/// Returns a tetrahedron of mutually distant points.
 fn start(points: &[Vector3], flat: f64) -> Option<Vec<Facet>> {
     let numbers = || 0..points.len();
     let first = numbers().min_by(|&a, &b| by_axes(&points[a], &points[b]))?;
@@ -277,7 +278,7 @@ fn start(points: &[Vector3], flat: f64) -> Option<Vec<Facet>> {
     } else {
         [second, third]
     };
-    // The fourth is on the back of the first three.
+    // The fourth point is behind the first three.
     let facets = [
         [first, a, b],
         [a, first, fourth],
@@ -295,7 +296,8 @@ fn by_axes(a: &Vector3, b: &Vector3) -> std::cmp::Ordering {
         .unwrap_or(std::cmp::Ordering::Equal)
 }
 
-/// Gives a point to the facet from which it is furthest outside, if it is so by more than `within`. Whether it is.
+/// Assigns a point to the facet from which it is furthest outside, if by more than `within`. Returns whether there is
+/// one.
 fn give(points: &[Vector3], number: usize, facets: &mut [Facet], within: f64) -> bool {
     let point = &points[number];
     let highest = facets
@@ -312,7 +314,7 @@ fn give(points: &[Vector3], number: usize, facets: &mut [Facet], within: f64) ->
     false
 }
 
-/// Only the points that are corners, and the faces by their numbers.
+/// Keeps only the points that are corners, and renumbers the faces.
 fn renumbered(points: &[Vector3], mut faces: Vec<Polygon>) -> (Vec<Vector3>, Vec<Polygon>) {
     let mut used: Vec<usize> = faces
         .iter()
@@ -337,7 +339,7 @@ mod tests {
         2.0 * (number as f64 * prime).fract() - 1.0
     }
 
-    /// Points within a unit cube, some of them many times over, on a grid or not.
+    /// Returns points in a unit cube, some of them repeated, on a grid or not.
     fn clouds() -> Vec<Vec<Vector3>> {
         let grid = |n: usize| (0..n * n * n).map(move |k| [k % n, k / n % n, k / n / n]);
         let on_grid = grid(5).map(|[x, y, z]| Vector3::new(x as f64, y as f64, z as f64) * 0.37);
@@ -371,7 +373,7 @@ mod tests {
                     assert!((face.normal.dot(&corners[corner]) - face.offset).abs() < 1e-8);
                 }
             }
-            // Each corner is one: some direction has it alone.
+            // Every corner is an extreme point in some direction.
             for (number, corner) in corners.iter().enumerate() {
                 let at = faces.iter().filter(|face| face.corners.contains(&number));
                 let out: Vector3 = at.map(|face| face.normal).sum();
@@ -413,7 +415,7 @@ mod tests {
                 heights.fold(f64::NEG_INFINITY, f64::max)
             };
             let most = ball.iter().map(outside).fold(0.0, f64::max);
-            // The ball has a diameter of 2, and points within 6 FLAT of a face are of it.
+            // The ball has a diameter of 2; points within 6 FLAT of a face belong to it.
             assert!(most <= within + 2e-5, "{most} {within}");
         }
         assert!(last < 40, "{last}");

@@ -1,22 +1,22 @@
-//! Flat faces of a convex surface of triangles.
+//! Flat faces of a convex triangle surface.
 
 use std::collections::HashMap;
 
 use crate::convex::{Facet, Polygon};
 use crate::rigid::Vector3;
 
-/// A closed surface of facets, and which face each is part of.
+/// A closed surface of facets, and the face of each facet.
 struct Faces<'a> {
     facets: &'a [Facet],
     points: &'a [Vector3],
-    /// The facet of each directed edge.
+    /// Facet of each directed edge.
     owner: HashMap<(usize, usize), usize>,
     face: Vec<usize>,
     count: usize,
 }
 
-/// Faces of a convex surface: facets whose corners are within `tolerance` `[m]` of the plane of a larger one beside them are
-/// part of its face. `None` if the surface is not closed.
+/// Computes the faces of a convex surface: facets with all corners within `tolerance` `[m]` of the plane of a larger
+/// adjacent facet join its face. `None` if the surface is not closed.
 pub(crate) fn polygons(
     facets: &[Facet],
     points: &[Vector3],
@@ -24,7 +24,7 @@ pub(crate) fn polygons(
 ) -> Option<Vec<Polygon>> {
     let mut faces = Faces::new(facets, points)?;
     faces.grow(tolerance);
-    // Each round has a face less.
+    // Each round removes a face.
     for _ in 0..facets.len() {
         let at = faces.at_corners();
         let outlines: Vec<Vec<usize>> = (0..faces.count)
@@ -58,12 +58,12 @@ impl<'a> Faces<'a> {
         })
     }
 
-    /// The facet on the other side of an edge.
+    /// Returns the facet across an edge.
     fn across(&self, (from, to): (usize, usize)) -> Option<usize> {
         self.owner.get(&(to, from)).copied()
     }
 
-    /// Makes faces from the largest facets on: their planes are the best known.
+    /// Grows faces from the largest facets, whose planes are the most accurate.
     fn grow(&mut self, tolerance: f64) {
         let mut by_size: Vec<usize> = (0..self.facets.len()).collect();
         by_size.sort_by(|&a, &b| self.facets[b].area.total_cmp(&self.facets[a].area));
@@ -91,7 +91,7 @@ impl<'a> Faces<'a> {
             }
             self.count += 1;
         }
-        // In the order of their first facets.
+        // Number the faces in the order of their first facets.
         let mut numbers = vec![usize::MAX; self.count];
         let mut count = 0;
         for face in &mut self.face {
@@ -103,7 +103,7 @@ impl<'a> Faces<'a> {
         }
     }
 
-    /// How many faces meet at each corner.
+    /// Returns the number of faces that meet at each corner.
     fn at_corners(&self) -> HashMap<usize, usize> {
         let mut at: HashMap<usize, Vec<usize>> = HashMap::new();
         for (facet, face) in self.facets.iter().zip(&self.face) {
@@ -119,7 +119,8 @@ impl<'a> Faces<'a> {
             .collect()
     }
 
-    /// The corners of a face in order; one at which two faces meet lies within an edge. `None` if there is more than one outline.
+    /// Returns the corners of a face in order, without those at which only two faces meet, which lie within an edge.
+    /// `None` if there is more than one outline.
     fn outline(&self, face: usize, at: &HashMap<usize, usize>) -> Option<Vec<usize>> {
         let mut next: HashMap<usize, usize> = HashMap::new();
         for facet in (0..self.facets.len()).filter(|&facet| self.face[facet] == face) {
@@ -147,7 +148,7 @@ impl<'a> Faces<'a> {
         Some(corners)
     }
 
-    /// Makes a face part of the one with which it has the longest rim.
+    /// Merges a face into the neighbour with the longest common boundary.
     fn give_away(&mut self, thin: usize) -> Option<()> {
         let mut rims: Vec<f64> = vec![0.0; self.count];
         for facet in (0..self.facets.len()).filter(|&facet| self.face[facet] == thin) {
@@ -177,7 +178,7 @@ impl<'a> Faces<'a> {
 
 fn polygon(points: &[Vector3], corners: Vec<usize>) -> Option<Polygon> {
     let middle = points[*corners.first()?];
-    // Newell's formula: the areas of the triangles from one corner.
+    // Newell's formula: the sum of the triangle areas from one corner.
     let area: Vector3 = corners
         .windows(2)
         .map(|pair| (points[pair[0]] - middle).cross(&(points[pair[1]] - middle)))

@@ -1,7 +1,8 @@
-//! Spheres that leave a solid through another side than they entered it.
+//! Detection of spheres that leave a solid through another side than they entered.
 //!
-//! The force on a sphere whose centre is inside a solid is away from the nearest face, which a force can push it past: it then goes on
-//! through the far side. Meshes and hulls follow their surface, and a sphere stays where it entered them.
+//! If the centre of a sphere is inside a solid, the force points away from the nearest face. A strong push can move
+//! the centre past the middle; the sphere then leaves through the far side. Meshes and hulls track the surface, so a
+//! sphere stays on the side of entry.
 
 use crate::WorldRenderer;
 use crate::pairs::Point;
@@ -9,21 +10,21 @@ use crate::rigid::Vector3;
 use crate::solid::Solid;
 use crate::state::{ContactState, Progress};
 
-/// Cosine of the angle between the normals from which on they are of sides that lie opposite: that of a tetrahedron's faces is
-/// -0.33, and that of a box's neighbouring ones 0.
+/// Cosine of the angle between two normals below which their sides are opposite. The cosine is -0.33 for the faces of
+/// a tetrahedron and 0 for adjacent faces of a box.
 const OPPOSITE: f64 = -0.2;
 
-/// How a sphere's centre is inside a solid.
+/// State of a sphere's centre inside a solid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Entry {
-    /// The normal of where it went in, in the axes of the solid's body; none while the centre is outside.
+    /// Normal at the point of entry, in the axes of the solid's body; `None` while the centre is outside.
     normal: Option<Vector3>,
-    /// Whether it has come to the opposite side at the last sample.
+    /// Whether it reached the opposite side at the last sample.
     pub is_through: bool,
 }
 
 impl WorldRenderer {
-    /// Looks at the contacts of the last sample.
+    /// Checks the contacts of the last sample.
     pub(crate) fn watch_sides(&self, state: &mut Progress) {
         for ((point, contact), side) in self
             .points
@@ -49,7 +50,7 @@ impl WorldRenderer {
     }
 }
 
-/// Whether the centre of a sphere is inside a solid that has a far side.
+/// Returns whether the centre of a sphere is inside a solid that has a far side.
 fn is_inside(point: &Point, contact: &ContactState) -> bool {
     contact.penetration > point.radius
         && matches!(

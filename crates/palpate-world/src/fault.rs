@@ -1,4 +1,4 @@
-//! What is wrong with a world.
+//! Faults of a world.
 
 use std::fmt;
 
@@ -6,14 +6,14 @@ use palpate::Range;
 
 use crate::world_field::WorldField;
 
-/// The largest number, of either sign, that a quantity of a world may have, in whatever unit. The squares and the
-/// products of larger ones may not be finite.
+/// Largest allowed magnitude of a quantity of a world, in any unit. Squares and products of larger values may not be
+/// finite.
 pub const LARGEST: f64 = 1e12;
-/// The least number, in whatever unit, of a quantity that has to be above 0.
+/// Smallest allowed value, in any unit, of a quantity that must be above 0.
 pub const LEAST: f64 = 1e-20;
 
-/// What is wrong with the `value` of a quantity of a world that has to lie in `range`; `None` where nothing is. The quantity
-/// is called `name` there.
+/// Returns the message for a `value` outside `range`, or `None` if it is inside. The message calls the quantity
+/// `name`.
 #[must_use]
 pub fn out_of_range(name: impl fmt::Display, value: f64, range: Range) -> Option<String> {
     let least = if range == Range::Positive { LEAST } else { 0.0 };
@@ -46,41 +46,41 @@ pub fn out_of_range(name: impl fmt::Display, value: f64, range: Range) -> Option
     Some(format!("{name} is {shown}, and has to be {allowed}"))
 }
 
-/// A part of a world, in which a fault is.
+/// The part of a world that has a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum WorldPart {
     /// The world as a whole.
     World,
-    /// The tool of this number, from 0.
+    /// The tool with this index, from 0.
     Tool(usize),
-    /// The body of this number, from 0.
+    /// The body with this index, from 0.
     Body(usize),
-    /// The contact of this number, from 0.
+    /// The contact with this index, from 0.
     Contact(usize),
-    /// The joint of this number, from 0.
+    /// The joint with this index, from 0.
     Joint(usize),
     /// The loop in which a world is rendered.
     Loop,
-    /// The method by which it is rendered.
+    /// The rendering method.
     Method,
 }
 
-/// A fault of a world: where it is, of what, and what is allowed.
+/// A fault of a world: location, cause and allowed values.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{subject}: {message}")]
 pub struct WorldError {
-    /// Which part of the world.
+    /// Part of the world.
     pub part: WorldPart,
-    /// The field of that part.
+    /// Field of that part.
     pub field: WorldField,
-    /// The part in words, for instance `body "ball"`.
+    /// The part in words, for example `body "ball"`.
     pub subject: String,
-    /// What is wrong, with the value, and what is allowed.
+    /// Cause with the value, and the allowed values.
     pub message: String,
 }
 
 impl WorldError {
-    /// A fault of a part, with a message that says what is allowed.
+    /// Creates a fault of a part. The message must include the allowed values.
     pub fn new(
         part: WorldPart,
         field: WorldField,

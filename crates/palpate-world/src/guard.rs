@@ -1,8 +1,8 @@
-//! The guard: a bound on the energy that held forces can give to the hands before anybody can know.
+//! Passivity guard: a bound on the energy that held forces can give to the hands.
 //!
-//! A force is fixed before the hand moves. Over one interval it can give out as much as `|f| v T` at a speed v, whatever
-//! it was computed from, and a torque `|t| w T` at a turning w. So whoever wants a guarantee and not an estimate limits
-//! forces and torques themselves, of all devices together:
+//! A force is fixed before the hand moves. Over one interval it can deliver up to `|f| v T` at speed v, regardless of
+//! its origin, and a torque `|t| w T` at angular speed w. A guarantee therefore requires a limit on the forces and
+//! torques themselves, over all devices together:
 //!
 //! ```text
 //! sum of (|f| v_max + |t| w_max) T <= balance + allowance - what is on its way
@@ -10,11 +10,12 @@
 //!           - what damping and friction took - work at the ports
 //! ```
 //!
-//! While devices keep below v_max and w_max and samples come within the nominal period, what the hands have been given
-//! never exceeds what there was for them and the allowance. Damping and friction count as they are known at the sample.
+//! While device speeds stay below v_max and w_max and samples arrive within the nominal period, the energy given to
+//! the hands never exceeds the available energy plus the allowance. Damping and friction are included as known at the
+//! sample.
 //!
-//! A force may act later than the loop says. With `late` samples the work at the ports is reckoned for each
-//! whole number of samples up to that by which all forces may be late, and the largest counts.
+//! A force may act later than the loop's actuation model. With `late` samples, the work at the ports is computed for
+//! each whole number of samples of additional delay up to `late`, and the largest value is used.
 
 use palpate::Range;
 
@@ -24,33 +25,33 @@ use crate::fault::out_of_range;
 use crate::rigid::Vector3;
 use crate::{Vector, WorldError, WorldField, WorldPart};
 
-/// Whether the energy given out is bounded, and how.
+/// Bound on the delivered energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum WorldGuard {
     /// No bound.
     #[default]
     Off,
-    /// Forces beyond the bound are held, and reported in [`Limited::guard`](crate::Limited::guard).
+    /// Forces beyond the bound are sent, and reported in [`Limited::guard`](crate::Limited::guard).
     Report(WorldGuardParams),
-    /// The forces and torques on all devices are made smaller by one factor where they exceed the bound, down to none.
+    /// Forces and torques on all devices are scaled by a common factor between 0 and 1 to respect the bound.
     Limit(WorldGuardParams),
 }
 
-/// What the guard reckons with.
+/// Parameters of the guard.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldGuardParams {
-    /// Fastest motion of each device against which the bound holds, v_max `[m/s]`, above 0.
+    /// Maximum speed of each device for which the bound holds, v_max `[m/s]`, above 0.
     pub largest_speed: f64,
-    /// Fastest turning of each device that turns, w_max `[rad/s]`, above 0.
+    /// Maximum angular speed of each device that turns, w_max `[rad/s]`, above 0.
     pub largest_turning: f64,
-    /// Energy that may be given out beyond the balance `[J]`, at least 0. Without any, a contact that has stored nothing
-    /// yet could not begin to push.
+    /// Energy that may be delivered in excess of the balance `[J]`, at least 0. With 0, a contact that has not yet
+    /// stored energy could not begin to push.
     pub allowance: f64,
-    /// By how many samples forces may act later than the loop's actuation says, at most [`MOST_LATE`].
+    /// Additional delay of the forces over the loop's actuation model, in samples, at most [`MOST_LATE`].
     pub late: usize,
 }
 
-/// Most samples of an untold delay that a guard reckons with.
+/// Maximum unmodelled delay of a guard, in samples.
 pub const MOST_LATE: usize = 8;
 
 impl WorldGuard {
@@ -61,12 +62,12 @@ impl WorldGuard {
         }
     }
 
-    /// Whether it makes forces smaller.
+    /// Returns whether the guard limits forces.
     pub(crate) fn limits(&self) -> bool {
         matches!(self, Self::Limit(_))
     }
 
-    /// Each of its parameters outside its range.
+    /// Returns a fault for each parameter out of range.
     pub(crate) fn faults(&self) -> Vec<WorldError> {
         let mut faults = Vec::new();
         let Some(params) = self.params() else {
@@ -97,25 +98,25 @@ impl WorldGuard {
     }
 }
 
-/// A force `[N]` and a torque `[N m]`, or a way `[m]` and a turn `[rad]`.
+/// A force `[N]` and a torque `[N m]`, or a displacement `[m]` and a rotation `[rad]`.
 pub(crate) type Both = [Vector3; 2];
 
-/// The guard's account, besides what the books have.
+/// State of the guard in addition to the energy ledger.
 #[derive(Clone, Debug)]
 pub(crate) struct Account {
-    /// What was there at the start, and what has appeared with a first sample since `[J]`.
+    /// Initial energy, plus energy that has appeared at first samples since `[J]`.
     there: f64,
-    /// Work at the ports if forces were so many samples later than the loop says `[J]`.
+    /// Work at the ports for each number of samples of additional delay `[J]`.
     ports: [f64; MOST_LATE + 1],
-    /// What acted on each tool in the intervals that have ended, by what the loop says, the newest first.
+    /// Action on each tool in the last intervals by the actuation model, newest first.
     acted: Vec<Both>,
     tools: usize,
-    /// Energy that the forces of the last output could give the hands `[J]`.
+    /// Energy that the forces of the last output could still deliver to the hands `[J]`.
     pub left: f64,
 }
 
 impl Account {
-    /// Of a world at its start, with that energy `[J]`.
+    /// Creates the state for a world with this initial energy `[J]`.
     pub fn new(guard: &WorldGuard, tools: usize, there: f64) -> Self {
         let kept = guard.params().map_or(0, |params| params.late + 1);
         Self {
@@ -127,7 +128,7 @@ impl Account {
         }
     }
 
-    /// Comes to be as `other`, of the same guard and as many tools. It does not allocate.
+    /// Copies the state of `other`, which has the same guard and number of tools. It does not allocate.
     pub fn copy_from(&mut self, other: &Self) {
         self.there = other.there;
         self.ports = other.ports;
@@ -137,8 +138,8 @@ impl Account {
         }
     }
 
-    /// Begins with the energy that bodies, contacts and joints have now, by books that began before. What acted in the last
-    /// interval counts for those before it, too. It does not allocate.
+    /// Restarts with the current energy of bodies, contacts and joints, for ledgers that started earlier. The action
+    /// in the last interval is also used for the intervals before it. It does not allocate.
     pub fn begin_at(&mut self, books: &Books, (commands, torque_commands): (&Commands, &Commands)) {
         for (place, acted) in self.acted.iter_mut().enumerate() {
             let tool = place % self.tools;
@@ -153,13 +154,13 @@ impl Account {
         self.there = bodies + contacts + joints - had(books);
     }
 
-    /// Energy appeared in the contacts, as a tool was found in them or the world was changed `[J]`.
+    /// Adds energy that appeared in the contacts, at a first sample of a tool or a change of the world `[J]`.
     pub fn appeared(&mut self, energy: f64) {
         self.there += energy;
     }
 
-    /// An interval has ended, whose forces `commands` have let pass. `moved`: by how much each device went and turned in
-    /// it; `None`: nobody knows, so as far as it can in a `period` `[s]`, to its gain.
+    /// Ends an interval with the forces in `commands`. `moved`: translation and rotation of each device in it; `None`
+    /// if unknown. In that case the largest possible work over a `period` `[s]` is assumed.
     pub fn pass(
         &mut self,
         params: &WorldGuardParams,
@@ -184,8 +185,8 @@ impl Account {
         }
     }
 
-    /// Energy that the hands may still be given over one interval `[J]`, for which `expected` of what is on its way has a
-    /// claim `[J]`.
+    /// Returns the energy that may still be given to the hands over one interval `[J]`. `expected` is the claim of
+    /// pending forces `[J]`.
     pub fn free(
         &self,
         params: &WorldGuardParams,
@@ -199,19 +200,19 @@ impl Account {
         let late = self.acted.chunks_exact(self.tools.max(1));
         for (port, acted) in self.ports.iter().zip(late) {
             let left = there - port - claimed;
-            // What is no number lets nothing pass.
+            // A non-finite balance blocks all forces.
             least = if left.is_nan() { 0.0 } else { left.min(least) };
-            // If forces are one sample later yet, this one is still to act.
+            // With one more sample of delay, this force has yet to act.
             claimed += most(params, acted) * period;
         }
         least.max(0.0)
     }
 }
 
-/// What there was since the books began, besides what was there and what went through the ports `[J]`: work of the bodies'
-/// constant forces and from outside, less what damping and friction took. Work of the mechanism of a device that lacks an axis does
-/// not count, nor does that of a hand that turns a tool without a torque: whoever does it feels no motor, so that energy is not
-/// there for a hand.
+/// Returns the energy available since the start of the ledger, without the initial energy and the work at the ports
+/// `[J]`. It is the work of the bodies' constant forces and of external changes, minus the energy dissipated by
+/// damping and friction. Excluded are the work of a mechanism that lacks an axis and that of a hand that turns a tool
+/// without a torque: a hand that feels no motor cannot receive this energy.
 fn had(books: &Books) -> f64 {
     let gone = &books.gone;
     let bodies = books.bodies.iter().chain([&gone.bodies]);
@@ -223,7 +224,7 @@ fn had(books: &Books) -> f64 {
     bodies - contacts - joints
 }
 
-/// Work of what acted on the tools over what they moved by `[J]`.
+/// Returns the work of the actions on the tools over their motions `[J]`.
 fn work(acted: &[Both], moved: impl Fn(usize) -> Both) -> f64 {
     let each = acted.iter().enumerate().map(|(tool, [force, torque])| {
         let [way, turn] = moved(tool);
@@ -232,7 +233,7 @@ fn work(acted: &[Both], moved: impl Fn(usize) -> Both) -> f64 {
     each.sum()
 }
 
-/// Largest power of what acts on the tools `[W]`.
+/// Returns the maximum power of the actions on the tools `[W]`.
 fn most(params: &WorldGuardParams, acting: &[Both]) -> f64 {
     let each = acting.iter().map(|[force, torque]| {
         force.norm() * params.largest_speed + torque.norm() * params.largest_turning
@@ -240,7 +241,7 @@ fn most(params: &WorldGuardParams, acting: &[Both]) -> f64 {
     each.sum()
 }
 
-/// Power that what is to be sent can have `[W]`, by its size alone.
+/// Returns the maximum power of the forces and torques to be sent, from their magnitudes `[W]`.
 pub(crate) fn most_of(params: &WorldGuardParams, forces: &[Vector], torques: &[Vector]) -> f64 {
     let size = |vectors: &[Vector]| -> f64 {
         let sizes = vectors.iter().map(|vector| Vector3::from(*vector).norm());

@@ -10,38 +10,38 @@ use crate::pairs::MOST_POINTS;
 use crate::rigid::{Rotation, Vector3};
 use crate::{MassProperties, Mesh, MeshError, Vector};
 
-/// A convex solid: the least one around some points, in the own axes of the body that has it.
+/// A convex solid: the convex hull of some points, in the axes of its body.
 #[derive(Clone, PartialEq)]
 pub struct Hull {
     corners: Arc<Corners>,
-    /// The same surface by triangles.
+    /// Triangulation of the surface.
     mesh: Arc<Mesh>,
-    /// Largest distance of a given point outside of it `[m]`.
+    /// Largest distance of a given point outside the solid `[m]`.
     left_out: f64,
 }
 
-/// Why some points have no hull.
+/// Reason for rejecting a hull.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HullError {
-    /// A point that is no place.
+    /// A point that is not finite or too large.
     #[error("point {0} of the hull is not three finite numbers within 1e100 m of 0")]
     NotFinite(usize),
-    /// Fewer than four points, or all of them in a plane.
+    /// Fewer than four points, or coplanar points.
     #[error("the points of the hull lie in a plane, or nearly so; it needs four that do not")]
     Flat,
-    /// More corners than are taken.
+    /// Too many corners.
     #[error(
         "the hull has more than {0} corners, and at most {0} are taken; give fewer points, let it leave out points that are further \
          outside, or take the corners that stand out most, as a scene does without `within_m`"
     )]
     TooMany(usize),
-    /// A tolerance that is no length.
+    /// The tolerance is not a length.
     #[error(
         "the hull may leave points out that are {0} m outside of it; this has to be at least 0 m"
     )]
     Within(f64),
-    /// Its surface is not one of triangles: corners that are nearly the same place.
+    /// The triangulation of the surface is invalid: some corners nearly coincide.
     #[error("the triangles of the hull's surface: {0}")]
     Surface(MeshError),
 }
@@ -64,18 +64,19 @@ impl HullError {
     }
 }
 
-/// Points of single precision are so near to the plane that they were meant to be in, as a share of their size.
+/// Distance of points in single precision from their intended plane, relative to their size.
 const SINGLE_PRECISION: f64 = 1e-6;
 
 impl Mesh {
-    /// Most corners of a [`convex`](Self::convex) mesh.
+    /// Maximum number of corners of a [`convex`](Self::convex) mesh.
     pub const MOST_CONVEX_CORNERS: usize = 4096;
 
-    /// The surface of the least convex solid around `points` `[m]`. It leaves points out that are outside of it by no more
-    /// than 1e-6 of their largest coordinate. A [`Hull`] has fewer corners, and more shapes touch it.
+    /// Creates the surface of the convex hull of `points` `[m]`. Points outside by at most 1e-6 of the largest
+    /// coordinate are omitted. A [`Hull`] has fewer corners and supports contacts with more shapes.
     ///
     /// # Errors
-    /// The points lie in a plane, or the solid has more than [`MOST_CONVEX_CORNERS`](Self::MOST_CONVEX_CORNERS) corners.
+    /// The points are coplanar, or the solid has more than [`MOST_CONVEX_CORNERS`](Self::MOST_CONVEX_CORNERS)
+    /// corners.
     pub fn convex(points: &[Vector]) -> Result<Self, HullError> {
         let places = places_of(points)?;
         let size = places.iter().map(Vector3::amax).fold(0.0, f64::max);
@@ -85,7 +86,7 @@ impl Mesh {
         let (corners, faces) = triangles(&places, within, most).map_err(refused)?;
         match surface(&corners, &faces) {
             Ok(mesh) if mesh.is_closed() => Ok(mesh),
-            // Triangles without an area are missing: faces of several corners have none.
+            // Degenerate triangles are missing; polygonal faces have none.
             _ => {
                 let (corners, faces) = hull(&places, within, most).map_err(refused)?;
                 surface(&corners, &faces)
@@ -102,7 +103,7 @@ fn places_of(points: &[Vector]) -> Result<Vec<Vector3>, HullError> {
     Ok(points.iter().map(|&point| point.into()).collect())
 }
 
-/// The surface of a convex solid, each face as triangles about its first corner.
+/// Triangulates the surface of a convex solid with fans around the first corner of each face.
 fn surface(corners: &[Vector3], faces: &[Polygon]) -> Result<Mesh, HullError> {
     let number = |corner: usize| u32::try_from(corner).unwrap_or(u32::MAX);
     let triangles = faces.iter().flat_map(|face| fan(corners, &face.corners));
@@ -111,7 +112,8 @@ fn surface(corners: &[Vector3], faces: &[Polygon]) -> Result<Mesh, HullError> {
     Mesh::new(&vertices, &triangles).map_err(HullError::Surface)
 }
 
-/// Triangles of a convex polygon about its first corner, or, if corners lie nearly in a line with that one, about the best one.
+/// Triangulates a convex polygon with a fan around its first corner, or around the best corner if others are nearly
+/// collinear with it.
 fn fan(places: &[Vector3], corners: &[usize]) -> Vec<[usize; 3]> {
     let about = |first: usize| {
         let ring = (0..corners.len()).map(|k| corners[(first + k) % corners.len()]);
@@ -121,7 +123,7 @@ fn fan(places: &[Vector3], corners: &[usize]) -> Vec<[usize; 3]> {
             .map(|two| [ring[0], two[0], two[1]])
             .collect::<Vec<_>>()
     };
-    // Twice the least area over the square of the longest side.
+    // Smallest ratio of twice the area to the square of the longest side.
     let worst = |triangles: &[[usize; 3]]| {
         let each = triangles.iter().map(|triangle| {
             let [a, b, c] = triangle.map(|corner| places[corner]);
@@ -143,28 +145,29 @@ fn fan(places: &[Vector3], corners: &[usize]) -> Vec<[usize; 3]> {
     })
 }
 
-/// Triangles with less than this twice their area over the square of their longest side are avoided.
+/// Ratio of twice a triangle's area to the square of its longest side below which it is avoided.
 const NEARLY_A_LINE: f64 = 1e-6;
 
 impl Hull {
-    /// Most corners of a hull.
+    /// Maximum number of corners of a hull.
     pub const MOST_CORNERS: usize = MOST_POINTS;
-    /// Corners of a simplified hull: they leave room for other contacts among the points of a world.
+    /// Number of corners of a simplified hull. It leaves contact points of the world for other contacts.
     pub const SIMPLIFIED_CORNERS: usize = 48;
 
-    /// The least convex solid around `points` `[m]`.
+    /// Creates the convex hull of `points` `[m]`.
     ///
     /// # Errors
-    /// The points lie in a plane, or the solid has more than [`MOST_CORNERS`](Self::MOST_CORNERS) corners.
+    /// The points are coplanar, or the solid has more than [`MOST_CORNERS`](Self::MOST_CORNERS) corners.
     pub fn around(points: &[Vector]) -> Result<Self, HullError> {
         Self::within(points, 0.0)
     }
 
-    /// A convex solid whose corners are the [`SIMPLIFIED_CORNERS`](Self::SIMPLIFIED_CORNERS) of `points` `[m]` that stand out most, or
-    /// fewer if there are fewer corners: [`left_out`](Self::left_out) is the largest distance of a point outside of it.
+    /// Creates a convex solid from the [`SIMPLIFIED_CORNERS`](Self::SIMPLIFIED_CORNERS) furthest protruding `points`
+    /// `[m]`, or from fewer if there are fewer corners. [`left_out`](Self::left_out) is the largest distance of a
+    /// point outside it.
     ///
     /// # Errors
-    /// The points lie in a plane.
+    /// The points are coplanar.
     pub fn simplified(points: &[Vector]) -> Result<Self, HullError> {
         Self::of(points, |places| {
             Corners::of_most(places, Self::SIMPLIFIED_CORNERS)
@@ -172,12 +175,12 @@ impl Hull {
         })
     }
 
-    /// A convex solid whose corners are some of `points` `[m]`, chosen so that no other of them is further outside of a face than
+    /// Creates a convex solid whose corners are some of `points` `[m]`. No other point is further outside a face than
     /// `tolerance` `[m]`, at least 0.
     ///
     /// # Errors
-    /// The points lie in a plane, the solid has more than [`MOST_CORNERS`](Self::MOST_CORNERS) corners, or a tolerance that is no
-    /// such length.
+    /// The points are coplanar, the solid has more than [`MOST_CORNERS`](Self::MOST_CORNERS) corners, or the
+    /// tolerance is not such a length.
     pub fn within(points: &[Vector], tolerance: f64) -> Result<Self, HullError> {
         if !(tolerance >= 0.0 && tolerance.is_finite()) {
             return Err(HullError::Within(tolerance));
@@ -201,40 +204,41 @@ impl Hull {
         })
     }
 
-    /// Largest distance outside of it of a point that it was made from `[m]`: 0 but for round-off, if all corners are taken.
+    /// Returns the largest distance of a source point outside the solid `[m]`. It is 0 up to rounding if all corners
+    /// are used.
     #[must_use]
     pub fn left_out(&self) -> f64 {
         self.left_out
     }
 
-    /// Its corners `[m]`.
+    /// Returns the corners `[m]`.
     #[must_use]
     pub fn corners(&self) -> Vec<Vector> {
         let corners = self.corners.places.iter();
         corners.map(|&corner| corner.into()).collect()
     }
 
-    /// Its flat faces, each by the numbers of its corners, counter-clockwise when it is seen from outside.
+    /// Returns the flat faces, each given by its corner indices in counter-clockwise order seen from outside.
     #[must_use]
     pub fn faces(&self) -> Vec<Vec<usize>> {
         let faces = self.corners.faces.iter();
         faces.map(|face| face.corners.clone()).collect()
     }
 
-    /// Its surface by triangles.
+    /// Returns the triangulation of the surface.
     #[must_use]
     pub fn mesh(&self) -> &Arc<Mesh> {
         &self.mesh
     }
 
-    /// Centre, principal axes and moments of inertia of a body of `mass` `[kg]` that fills it evenly; see
+    /// Returns centre of mass, principal axes and moments of inertia of a homogeneous body of `mass` `[kg]`; see
     /// [`Mesh::mass_properties`].
     #[must_use]
     pub fn mass_properties(&self, mass: f64) -> Option<MassProperties> {
         self.mesh.mass_properties(mass)
     }
 
-    /// The same solid in axes that begin at a centre `[m]` and are turned.
+    /// Returns the solid in axes with a given origin `[m]` and orientation.
     pub(crate) fn seen_from(&self, of: &MassProperties) -> Self {
         let (centre, axes) = (of.centre.into(), rotation(of.orientation));
         Self {
@@ -257,24 +261,24 @@ pub(crate) struct Corners {
     pub edges: Vec<Edge>,
 }
 
-/// Where two faces of a convex solid meet.
+/// Edge between two faces of a convex solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Edge {
-    /// Numbers of its corners.
+    /// Indices of its corners.
     pub ends: [usize; 2],
-    /// Numbers of its faces.
+    /// Indices of its faces.
     pub faces: [usize; 2],
-    /// Unit vector along it, to the side of the cross product of the second face's normal and the first's.
+    /// Unit vector along the edge, in the direction of the cross product of the second face's normal and the first's.
     pub along: Vector3,
 }
 
 impl Corners {
-    /// Of points, from which the solid may leave those out that are outside of it by no more than `within` `[m]`.
+    /// Computes the hull of points. Points outside by at most `within` `[m]` may be omitted.
     pub fn around(points: &[Vector3], within: f64) -> Result<Self, NoHull> {
         Ok(Self::of_faces(hull(points, within, MOST_POINTS)?))
     }
 
-    /// Of points; of their solid, so many corners that stand out most.
+    /// Computes the solid of the `most` furthest protruding points.
     pub fn of_most(points: &[Vector3], most: usize) -> Result<Self, NoHull> {
         Ok(Self::of_faces(coarse_hull(points, most)?))
     }
@@ -287,7 +291,7 @@ impl Corners {
         }
     }
 
-    /// Largest distance of one of the points outside of the solid `[m]`.
+    /// Returns the largest distance of one of the points outside the solid `[m]`.
     fn left_out(&self, points: &[Vector3]) -> f64 {
         let outside = points.iter().filter(|point| {
             let mut faces = self.faces.iter();
@@ -297,7 +301,7 @@ impl Corners {
         distances.fold(0.0, f64::max)
     }
 
-    /// Of a box of half these lengths, above 0 `[m]`: a corner's number has a bit for each axis.
+    /// Creates a box with these half-extents, above 0 `[m]`. A corner's index has one bit per axis.
     pub fn of_box(half: Vector3) -> Self {
         let side = |number: usize, axis: usize| if number >> axis & 1 == 1 { 1.0 } else { -1.0 };
         let corner = |number: usize| Vector3::from_fn(|axis, _| side(number, axis) * half[axis]);
@@ -325,8 +329,8 @@ impl Corners {
         }
     }
 
-    /// Corners of the face that has the most: a corner has the law of a contact over this, so that no face has more than
-    /// the whole law.
+    /// Returns the number of corners of the largest face. A corner has the law of a contact divided by it, so that no
+    /// face exceeds the full law.
     pub fn most_on_a_face(&self) -> usize {
         let each = self.faces.iter().map(|face| face.corners.len());
         each.max().unwrap_or(1)
@@ -349,7 +353,7 @@ impl Corners {
     }
 }
 
-/// The edges of a closed surface, each once.
+/// Returns the edges of a closed surface, each once.
 fn edges(places: &[Vector3], faces: &[Polygon]) -> Vec<Edge> {
     let sides = |face: &Polygon| {
         let next = face.corners.iter().cycle().skip(1).copied();

@@ -1,12 +1,12 @@
-//! Moments of inertia of shapes that are filled evenly.
+//! Moments of inertia of homogeneous shapes.
 
 use crate::{NOT_TURNED, Shape, Vector};
 
 impl Shape {
-    /// Moments of inertia along the shape's own axes of a body of `mass` `[kg]` that fills the shape evenly
-    /// `[kg m^2]`; `None` for a half-space, which has no end, for several spheres, which may overlap, for an open mesh,
-    /// and for a mesh or hull whose axes do not begin at its centre of mass or are not principal ones, which
-    /// [`Body::balanced`](crate::Body::balanced) mends.
+    /// Returns the moments of inertia along the shape's axes of a homogeneous body of `mass` `[kg]` `[kg m^2]`.
+    /// Returns `None` for a half-space (unbounded), several spheres (they may overlap), and an open mesh. Also
+    /// returns `None` for a mesh or hull whose axes do not start at its centre of mass or are not principal;
+    /// [`Body::balanced`](crate::Body::balanced) corrects this.
     #[must_use]
     pub fn moments(&self, mass: f64) -> Option<Vector> {
         let of_cylinder = |mass: f64, radius: f64, half_length: f64| {
@@ -34,7 +34,7 @@ impl Shape {
                 radius,
                 half_length,
             } => {
-                // A cylinder with half a ball at each end, whose centres of mass lie 3/8 of the radius beyond.
+                // A cylinder with a half-ball at each end, with its centre of mass 3/8 of the radius beyond.
                 let (middle, ends) = (2.0 * half_length, 4.0 / 3.0 * radius);
                 let of_ends = mass * ends / (middle + ends);
                 let [across, _, along] = of_cylinder(mass - of_ends, radius, half_length);

@@ -1,4 +1,4 @@
-//! One interval of what is in contact: bounded work, and finer where a contact changes its mode.
+//! Integration over one interval: bounded work, with finer steps at changes of contact mode.
 
 use crate::blocks::Blocks;
 use crate::moving::Moving;
@@ -8,24 +8,26 @@ use crate::part::Part;
 use crate::rigid::Vector3;
 use crate::solid::Solid;
 
-/// How finely an interval is integrated.
+/// Sub-step settings of an interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SubSteps {
-    /// Least number in an interval.
+    /// Minimum number of sub-steps per interval.
     pub least: u32,
-    /// Most, before any is refined; four times as many where a motion would grow by so few.
+    /// Maximum number before refinement; four times as many if the integration would otherwise be unstable.
     pub most: u32,
-    /// Phase of the fastest contact that one may have, where the number allows it `[rad]`.
+    /// Target phase of the fastest contact per sub-step, if the maximum number allows it `[rad]`.
     pub phase: f64,
-    /// Largest number of shorter ones that replace one in which a contact begins, ends, sticks or slides, or comes across an edge to
-    /// another face. The shortest of them is a 2048th of it, and has the change.
+    /// Maximum number of shorter sub-steps that replace one in which a contact begins, ends, sticks, slides or
+    /// crosses an edge to another face. The shortest is 1/2048 of the original and contains the change.
     pub finer: u32,
-    /// How many of an interval may be replaced if each takes [`finer`](Self::finer) shorter ones. Where they take fewer, more may be.
+    /// Number of sub-steps per interval that can be refined with [`finer`](Self::finer) shorter ones each. If they
+    /// need fewer, more can be refined.
     pub refined: u32,
 }
 
 impl Default for SubSteps {
-    /// 16 to 64, 0.03 rad; up to 4 of them in 32 shorter ones: 188 at most, and 380 where 64 are too few for a motion not to grow.
+    /// 16 to 64 sub-steps, 0.03 rad; up to 4 of them in 32 shorter ones. The maximum is 188 in total, or 380 if 64
+    /// are too few for stability.
     fn default() -> Self {
         Self {
             least: 16,
@@ -37,24 +39,24 @@ impl Default for SubSteps {
     }
 }
 
-/// What the integration of intervals has cost, and what it left out.
+/// Computing effort of the integration, and omitted work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
-    /// Sub-steps taken, with those that were replaced.
+    /// Number of sub-steps, including replaced ones.
     pub sub_steps: u32,
-    /// Sub-steps that were replaced by shorter ones.
+    /// Number of sub-steps that were replaced by shorter ones.
     pub refined: u32,
-    /// Sub-steps in which a contact changed its mode or its face and that were not replaced, because those before had taken the
-    /// room that [`SubSteps::refined`] gives.
+    /// Number of sub-steps with a change of contact mode or face that were not refined, because the budget of
+    /// [`SubSteps::refined`] was used up.
     pub unrefined: u32,
-    /// Whether the fastest contact or joint asked for more than [`SubSteps::most`]. With
-    /// [`Fault::Overflow`](palpate::Fault::Overflow) it is why the sample was refused.
+    /// Whether the fastest contact or joint required more than [`SubSteps::most`]. With
+    /// [`Fault::Overflow`](palpate::Fault::Overflow) it is the reason for rejecting the sample.
     pub too_fast: bool,
-    /// Whether it is so fast that its computed motion would grow without bound by four times [`SubSteps::most`], too: the sample is
-    /// refused.
+    /// Whether the integration would be unstable even with four times [`SubSteps::most`]. The sample is then
+    /// rejected.
     pub unstable: bool,
-    /// Triangles of meshes, contacts with them, and points of shells that a sub-step had no room for, at most: the furthest from what
-    /// they might touch, or the least deep.
+    /// Maximum number of mesh triangles, mesh contacts and shell points that a sub-step omitted for lack of capacity:
+    /// the most distant or least deep ones.
     pub left_out: u32,
 }
 
@@ -71,75 +73,77 @@ impl Effort {
     }
 }
 
-/// How many times [`SubSteps::most`] an interval may have where its motion would grow by that many.
+/// Factor on [`SubSteps::most`] for an interval that would otherwise be unstable.
 pub(crate) const MOST_TIMES: u32 = 4;
-/// Phase of the fastest contact in a sub-step beyond which its motion would grow `[rad]`: half of that up to which Verlet's
-/// method is stable, since the frequency is a bound of several contacts together.
+/// Phase of the fastest contact per sub-step above which the integration counts as unstable `[rad]`: half of the
+/// stability limit of Verlet's method, because the frequency is a bound over several contacts.
 const MOST_PHASE: f64 = 1.0;
-/// Largest rate of a damper times a sub-step, and a fourth of the square of the phase with it. A damper sees the velocity that is
-/// expected at the sub-step's end. With velocity w and damper's push b, both times the sub-step, s the square of the phase and u
-/// the rate of the damper times the sub-step:
+/// Maximum of the damping rate times the sub-step plus a quarter of the squared phase. A damper uses the velocity
+/// expected at the end of the sub-step. Let w be the velocity and b the damper's push, both times the sub-step, s the
+/// squared phase, and u the damping rate times the sub-step:
 ///
 /// ```text
 /// x' = x + w + b/2    b' = -s x' - u (w + b)    w' = w + (b + b')/2
 /// ```
 ///
-/// With s = 0 that is r^2 - (1 - 3u/2) r - u/2 = 0 for the factor r of w and b from a sub-step to the next, and r = -1 at u = 1. With
-/// s the motion is stable while u + s/4 < 1. (A damper that saw the velocity half a sub-step before would be stable up to u = 2.)
-/// The velocity at the end is w + b + (b' - b)/2, so the expected one, w + b, misses m = (b' - b)/2. Where the damper adds what the last
-/// sub-step missed, its force is of third order, and the motion is stable while 2u + s/4 < 1.
+/// For s = 0 the factor r of w and b per sub-step satisfies r^2 - (1 - 3u/2) r - u/2 = 0, and r = -1 at u = 1. For
+/// any s the motion is stable while u + s/4 < 1. (A damper with the velocity of half a sub-step earlier would be
+/// stable up to u = 2.) The velocity at the end is w + b + (b' - b)/2, so the expected velocity w + b has the error m
+/// = (b' - b)/2. If the damper adds the error of the last sub-step, the force error is of third order, and the motion
+/// is stable while 2u + s/4 < 1.
 const MOST_DAMPING: f64 = 0.9;
 
-/// What sub-steps move on, and put back where one is done anew.
+/// State that is advanced by sub-steps and restored when a sub-step is repeated.
 pub(crate) trait SubStepped {
-    /// Where two may touch.
+    /// A possible contact.
     type Pair;
 
-    /// Takes over what sub-steps change, where both are in the same interval and look at the same pairs. It does not allocate.
+    /// Copies the state that sub-steps change from `other`, which has the same interval and active pairs. It does not
+    /// allocate.
     fn copy_near_from(&mut self, other: &Self);
 
-    /// One sub-step of `h` `[s]`.
+    /// Performs one sub-step of `h` `[s]`.
     fn sub_step(&mut self, pairs: &[Self::Pair], h: f64);
 
-    /// Whether a contact's mode is another than in `other`, or it came across an edge.
+    /// Returns whether a contact's mode differs from that in `other`, or a contact crossed an edge.
     fn changed_from(&self, other: &Self) -> bool;
 
-    /// Says whether the dampers of contacts add to the velocity that they expect what the last sub-step missed.
+    /// Sets whether contact dampers add the prediction error of the last sub-step to the velocity that they expect.
     fn expect_the_missed(&mut self, is_added: bool);
 
-    /// Forgets what the last sub-step missed: the next one has another length, or a contact has changed its mode.
+    /// Discards the prediction error: the next sub-step has another length, or a contact changed its mode.
     fn expect_anew(&mut self);
 }
 
-/// Bounds of what is fastest.
+/// Bounds of the fastest modes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fastest {
     /// Angular frequency `[rad/s]`.
     pub frequency: f64,
-    /// Rate of dampers `[1/s]`.
+    /// Damping rate `[1/s]`.
     pub damping: f64,
 }
 
 impl Fastest {
-    /// How many sub-steps of an interval of `h` `[s]` keep to a phase `[rad]`.
+    /// Returns the number of sub-steps of an interval of `h` `[s]` that limits the phase `[rad]`.
     fn asks_for(self, h: f64, phase: f64) -> f64 {
         self.frequency.max(self.damping / DAMPING_PER_FREQUENCY) * h / phase
     }
 
-    /// Whether its computed motion would grow, by sub-steps of `h` `[s]`.
+    /// Returns whether sub-steps of `h` `[s]` are unstable.
     fn grows(self, h: f64) -> bool {
         let phase = self.frequency * h;
         phase > MOST_PHASE || self.damping * h + 0.25 * phase * phase > MOST_DAMPING
     }
 
-    /// Whether a damper may add to the velocity that it expects what the last sub-step missed.
+    /// Returns whether a damper may add the prediction error of the last sub-step.
     fn may_expect(self, h: f64) -> bool {
         let phase = self.frequency * h;
         2.0 * self.damping * h + 0.25 * phase * phase < MOST_DAMPING
     }
 }
 
-/// Integrates `moving` over `h` `[s]`, from contacts that were looked at. `before` is overwritten.
+/// Integrates `moving` over `h` `[s]`, starting from evaluated contacts. `before` is overwritten.
 pub(crate) fn advance(
     moving: &mut Moving,
     before: &mut Moving,
@@ -156,8 +160,9 @@ pub(crate) fn advance(
     effort
 }
 
-/// Integrates `moving` over `h` `[s]`, by as many sub-steps as what is `fastest` asks for, and by so many `times`
-/// [`SubSteps::most`] where it would grow by that many. Where it would grow by these, too, nothing moves. `before` is overwritten.
+/// Integrates `moving` over `h` `[s]`. The bounds `fastest` determine the number of sub-steps: up to
+/// [`SubSteps::most`], or up to `times` that number if the integration would be unstable. If it would still be
+/// unstable, nothing moves. `before` is overwritten.
 pub(crate) fn integrate<M: SubStepped>(
     moving: &mut M,
     before: &mut M,
@@ -182,7 +187,7 @@ pub(crate) fn integrate<M: SubStepped>(
         count = sub_steps.most.saturating_mul(times);
         effort.unstable = fastest.grows(h / f64::from(count));
     }
-    // The sample is refused, and the books keep nothing of a motion that grows.
+    // The sample is rejected, and the energy ledger excludes an unstable motion.
     if effort.unstable {
         return effort;
     }
@@ -211,11 +216,12 @@ pub(crate) fn integrate<M: SubStepped>(
     effort
 }
 
-/// How many times shorter than a sub-step the piece is in which a contact changes its mode: a power of two.
+/// Ratio of a sub-step to the shortest piece, which contains a mode change: a power of two.
 const SHORTEST: u32 = 2048;
 
-/// A sub-step of `step` `[s]` in which a contact changes its mode, in at most `most` pieces, those that were tried counted. The
-/// piece with the change is halved until it is the shortest, so no longer one has a change in it. Gives the number of pieces.
+/// Performs a sub-step of `step` `[s]` with a change of contact mode in at most `most` pieces, including rejected
+/// ones. The piece with the change is halved down to the shortest length, so no longer piece contains a change.
+/// Returns the number of pieces.
 fn refine<M: SubStepped>(
     moving: &mut M,
     before: &mut M,
@@ -224,11 +230,11 @@ fn refine<M: SubStepped>(
     step: f64,
 ) -> u32 {
     let shortest = step / f64::from(SHORTEST);
-    // Each halving costs a piece that was tried, and makes one more.
+    // Each halving rejects one piece and adds another.
     let halvings = most / 2;
     let (mut pieces, mut halved) = (0, 0);
     let (mut at, mut length) = (0, SHORTEST);
-    // Whether the change is in this piece or in its other half.
+    // Whether it is still unknown if the change is in this piece or in its other half.
     let mut is_sought = halvings > 0;
     if is_sought {
         (length, halved) = (SHORTEST / 2, 1);
@@ -257,7 +263,7 @@ fn refine<M: SubStepped>(
     pieces
 }
 
-/// A count that is known to be one.
+/// Converts a non-negative integral value.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -267,17 +273,18 @@ pub(crate) fn whole(count: f64) -> u32 {
     count as u32
 }
 
-/// Material damping of this rate `[1/s]` counts as a frequency of 1 rad/s.
+/// Material damping rate `[1/s]` equivalent to a frequency of 1 rad/s.
 const DAMPING_PER_FREQUENCY: f64 = 2.0;
 
-/// How far two boxes may come nearer to each other within `h` `[s]`, and as much again `[m]`.
+/// Returns twice the distance by which two boxes may approach each other within `h` `[s]` `[m]`.
 fn reach_of_blocks(first: &Part, second: &Part, blocks: &Blocks, h: f64) -> f64 {
     let [one, other] = blocks.reaches();
     approach(first, second, one, other, h)
 }
 
-/// Bounds of the largest angular frequency and damping rate among the contacts that touch, or may within `h` `[s]`: over a
-/// contact's two sides, the sum of the stiffness or damping times mobility of all contacts there, and the stiffest spring of a drive.
+/// Returns bounds of the angular frequency and damping rate among the contacts that touch or may touch within `h`
+/// `[s]`. The bound over the two sides of a contact is the sum of stiffness or damping times mobility of all contacts
+/// there, plus the stiffest drive spring.
 fn fastest(moving: &Moving, points: &[Point], h: f64) -> Fastest {
     let mut most_square: f64 = 0.0;
     let mut most_damping: f64 = 0.0;
@@ -385,8 +392,8 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> Fastest {
 
 #[cfg(test)]
 mod tests {
-    /// How much a contact's motion has grown after 4000 sub-steps, by the equations at [`super::MOST_DAMPING`]: `u` is the rate of the
-    /// damper times the sub-step, `s` the square of the phase.
+    /// Returns the growth of a contact's motion after 4000 sub-steps, by the equations at [`super::MOST_DAMPING`].
+    /// `u` is the damping rate times the sub-step, `s` the squared phase.
     fn growth(u: f64, s: f64) -> f64 {
         let (mut x, mut w, mut b, mut missed) = (1.0_f64, 0.3_f64, -s, 0.0);
         for _ in 0..4000 {

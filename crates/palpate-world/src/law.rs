@@ -1,9 +1,9 @@
-//! What a contact does at one point.
+//! Contact law at one point.
 
 use crate::ContactLaw;
 use crate::rigid::Vector3;
 
-/// The law of one point: a contact of several points shares its law among them.
+/// Law of one point: the points of a contact share its law.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PointLaw {
     /// K `[N/m]`.
@@ -18,28 +18,28 @@ pub(crate) struct PointLaw {
     pub friction_damping: f64,
 }
 
-/// Whether two surfaces touch, and whether they slide.
+/// Contact mode of two surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
     /// Apart.
     #[default]
     Free,
-    /// They touch, and the bristle holds, or there is no friction.
+    /// Touching; the bristle sticks, or there is no friction.
     Sticks,
-    /// They touch, and the bristle is at its limit.
+    /// Touching; the bristle is at its limit.
     Slides,
-    /// They overlap but do not push: they part faster than the material follows.
+    /// Overlapping without force: the surfaces separate faster than the material follows.
     Parts,
 }
 
-/// A bristle, cut to its limit.
+/// A bristle within its limit.
 pub(crate) struct Cut {
     pub bristle: Vector3,
     pub mode: Mode,
 }
 
 impl PointLaw {
-    /// The share of one among `points`.
+    /// Returns the share of one of `points` points.
     pub fn share(law: &ContactLaw, points: f64) -> Self {
         Self {
             stiffness: law.stiffness / points,
@@ -50,12 +50,12 @@ impl PointLaw {
         }
     }
 
-    /// max(0, K p + B p') of a penetration p above 0 `[N]`.
+    /// Returns max(0, K p + B p') for a penetration p above 0 `[N]`.
     pub fn normal_force(&self, penetration: f64, rate: f64) -> f64 {
         (self.stiffness * penetration + self.damping * rate).max(0.0)
     }
 
-    /// The bristle within what a normal force `[N]` holds: mu N/k_t.
+    /// Limits the bristle to the deflection mu N/k_t that a normal force `[N]` can hold.
     pub fn cut(&self, bristle: Vector3, normal_force: f64) -> Cut {
         if normal_force <= 0.0 || self.friction <= 0.0 {
             return Cut {
@@ -81,8 +81,9 @@ impl PointLaw {
         }
     }
 
-    /// The damper's part of the friction force `[N]`, at a tangential velocity `[m/s]`: the force of bristle and damper together is
-    /// limited to mu N. It takes energy at any velocity, since the bristle's own force lies within the limit.
+    /// Returns the damper's part of the friction force `[N]` at a tangential velocity `[m/s]`. Bristle and damper
+    /// force together are limited to mu N. The damper dissipates energy at any velocity, because the bristle force
+    /// itself is within the limit.
     pub fn bristle_damping(
         &self,
         bristle: &Vector3,
@@ -102,7 +103,8 @@ impl PointLaw {
         }
     }
 
-    /// The damping rates of normal and bristle together, for mobilities `along` and `across` the normal `[1/s]`: the larger.
+    /// Returns the larger of the damping rates of normal and bristle, for mobilities `along` and `across` the normal
+    /// `[1/s]`.
     pub fn damping_rate(&self, along: f64, across: f64) -> f64 {
         let tangential = if self.friction > 0.0 {
             self.friction_damping * across
@@ -112,15 +114,15 @@ impl PointLaw {
         (self.damping * along).max(tangential)
     }
 
-    /// Energy that penetration and bristle store `[J]`: K p^2/2 + k_t |z|^2/2.
+    /// Returns the energy stored by penetration and bristle `[J]`: K p^2/2 + k_t |z|^2/2.
     pub fn stored(&self, penetration: f64, bristle: &Vector3) -> f64 {
         0.5 * (self.stiffness * penetration * penetration
             + self.friction_stiffness * bristle.norm_squared())
     }
 }
 
-/// `vector` of a plane with normal `from`, carried with the plane to one with normal `to`: turned about the axis
-/// that is perpendicular to both, and by no more.
+/// Transports a tangential `vector` from a plane with normal `from` to one with normal `to`, by the smallest rotation
+/// between the normals.
 #[inline]
 pub(crate) fn carried(vector: Vector3, from: &Vector3, to: &Vector3) -> Vector3 {
     let axis = from.cross(to);
@@ -139,8 +141,8 @@ mod tests {
     use super::*;
     use crate::rigid::Rotation;
 
-    /// Carried around a cone in small steps, and not about the normal itself: a loop leaves the bristle turned by the
-    /// cone's angle, as a wheel that rolls does.
+    /// Parallel transport around a cone in small steps: a loop rotates the bristle by the cone's angle, as for a
+    /// rolling wheel.
     #[test]
     fn a_bristle_turns_with_the_normal_and_keeps_its_length() {
         let half_angle: f64 = 0.4;

@@ -2,8 +2,8 @@
 //!
 //! # Frames and signs
 //!
-//! Everything is in one frame, the world's, in SI units. A half-space is solid on the side that its normal points
-//! away from. A contact pushes two bodies apart; the force on a tool is what its device gives to the hand.
+//! All quantities are in the world frame and in SI units. A half-space is solid on the side opposite to its normal. A
+//! contact pushes two bodies apart; the force on a tool is the force that its device exerts on the hand.
 
 mod axes;
 mod blocks;
@@ -74,10 +74,10 @@ pub use state::{BodyState, ContactState, ToolState, WorldState};
 pub use world::World;
 pub use world_field::WorldField;
 
-/// Three numbers along the axes of the world's frame, for instance a position `[m]` or a force `[N]`.
+/// A vector along the axes of the world frame, for example a position `[m]` or a force `[N]`.
 pub type Vector = [f64; 3];
-/// A unit quaternion `[w, x, y, z]` `[1]` that turns a body's own axes into those of the world.
+/// A unit quaternion `[w, x, y, z]` `[1]` that rotates a body's own axes to the world's axes.
 pub type Quaternion = [f64; 4];
 
-/// The quaternion of a body that is not turned.
+/// The identity quaternion.
 pub const NOT_TURNED: Quaternion = [1.0, 0.0, 0.0, 0.0];

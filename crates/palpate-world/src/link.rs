@@ -1,10 +1,10 @@
-//! The springs of joints, in motion.
+//! Springs of joints in motion.
 
 use crate::joint::{Joint, JointKind};
 use crate::part::{Part, Twist};
 use crate::rigid::{Rigid, Rotation, Vector3};
 
-/// What a joint does along its coordinate.
+/// Spring, damper and stops along a joint's coordinate.
 #[derive(Clone, Copy, Debug)]
 struct Along {
     spring: f64,
@@ -15,13 +15,13 @@ struct Along {
 }
 
 impl Along {
-    /// How far it is beyond a stop.
+    /// Returns the distance beyond a stop.
     fn beyond(&self, q: f64) -> f64 {
         self.limits
             .map_or(0.0, |[low, high]| q - q.clamp(low, high))
     }
 
-    /// What pulls back at q, without damping.
+    /// Returns the restoring force at q, without damping.
     fn force(&self, q: f64) -> f64 {
         -self.spring * (q - self.rest) - self.stop * self.beyond(q)
     }
@@ -31,46 +31,47 @@ impl Along {
     }
 }
 
-/// What a link holds.
+/// Quantity constrained by a link.
 #[derive(Clone, Copy, Debug)]
 enum Holds {
-    /// A point of the first where it was on the second: stiffness and damping along the three axes of its frame.
+    /// A point of the first part, fixed to the second: stiffness and damping along the three axes of its frame.
     Point {
         stiffness: Vector3,
         damping: Vector3,
     },
-    /// The way of that point along the first axis of the frame.
+    /// Displacement of that point along the first axis of the frame.
     Way(Along),
-    /// The angle about the first axis of the frame: a unit vector of the first, which was along the frame's second axis.
+    /// Angle about the first axis of the frame. `mark` is a unit vector of the first part, initially along the
+    /// frame's second axis.
     Angle { mark: Vector3, along: Along },
 }
 
-/// A part of a joint, and what it does.
+/// An element of a joint, with its state.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Link {
-    /// Number of its joint.
+    /// Index of its joint.
     pub joint: usize,
     first: usize,
     /// `None`: the world.
     second: Option<usize>,
-    /// The point in the axes of the first `[m]`,
+    /// The point in the axes of the first part `[m]`.
     on_first: Vector3,
-    /// and where it was, in those of the second `[m]`.
+    /// Initial position of the point in the axes of the second part `[m]`.
     on_second: Vector3,
-    /// In the axes of the second.
+    /// Frame in the axes of the second part.
     frame: [Vector3; 3],
     holds: Holds,
-    /// How fast a force at the point moves it at most, on each side: in the axes of the bodies, so it does not change `[1/kg]`.
+    /// Upper bound of the mobility at the point on each side, constant because it is in body axes `[1/kg]`.
     moves: [f64; 2],
     /// -1 or 1 beyond a stop.
     beyond: i8,
-    /// Energy of its springs `[J]`.
+    /// Energy stored in its springs `[J]`.
     pub stored: f64,
-    /// Force on the first, at the point `[N]`,
+    /// Force on the first part, at the point `[N]`.
     force: Vector3,
-    /// of which by damping,
+    /// Part of the force due to damping.
     by_damping: Vector3,
-    /// and the same of a torque `[N m]`.
+    /// Torque on the first part `[N m]`; `torque_by_damping` is its damping part.
     torque: Vector3,
     torque_by_damping: Vector3,
     place: Vector3,
@@ -78,11 +79,11 @@ pub(crate) struct Link {
     damping_power: f64,
     /// Work on both sides since the interval began `[J]`.
     pub work: f64,
-    /// What damping took since then `[J]`.
+    /// Energy dissipated by damping since the interval began `[J]`.
     pub dissipated: f64,
 }
 
-/// The links of a joint, for bodies as they stand at the start.
+/// Creates the links of a joint for the initial poses of the bodies.
 pub(crate) fn links_of(
     joint: &Joint,
     number: usize,
@@ -172,11 +173,11 @@ pub(crate) fn links_of(
     }
 }
 
-/// Components of a unit vector that differ by no more than this are equal.
+/// Tolerance for equal components of a unit vector.
 const EQUAL: f64 = 1e-6;
 
-/// A unit vector across the axis of a joint: that of the body's axes which is least along it, of equal ones the first. So it turns
-/// with a world that is turned as a whole.
+/// Returns a unit vector perpendicular to the axis of a joint, from the body axis with the smallest component along
+/// it; ties go to the lower index. It thus rotates with the whole world.
 fn across(axis: &Vector3, orientation: &Rotation) -> Vector3 {
     let own = orientation.inverse() * axis;
     let most = own.amin() + EQUAL;
@@ -185,9 +186,9 @@ fn across(axis: &Vector3, orientation: &Rotation) -> Vector3 {
     orientation * (way - own * own.dot(&way)).normalize()
 }
 
-/// How fast a force moves a part at most, that acts so far from its centre of mass, in its own axes `[1/kg]`.
+/// Returns an upper bound of the mobility of a part at `lever` from its centre of mass, in its own axes `[1/kg]`.
 fn moves_at(part: &Part, lever: Vector3) -> f64 {
-    // 1/m - [r] I^-1 [r], whose largest eigenvalue its norm bounds.
+    // The norm bounds the largest eigenvalue of 1/m - [r] I^-1 [r].
     let across = lever.cross_matrix();
     let turns = across * nalgebra::Matrix3::from_diagonal(&part.mobility.angular) * across;
     part.mobility.linear.max() + turns.norm()
@@ -203,8 +204,8 @@ fn rigid_world() -> Rigid {
 }
 
 impl Link {
-    /// A new joint in a world that runs: its point and its axes are where the description has them, and it bears the bodies as they
-    /// stand `now`, which may be elsewhere than they are `described`.
+    /// Attaches a new joint in a running world: point and axes are taken from the poses `described`, and the joint
+    /// holds the bodies at their poses `now`, which may differ.
     pub fn is_borne(&mut self, described: &[Part], now: &[Part]) {
         let of_second = |parts: &[Part]| match self.second {
             Some(second) => parts[second].rigid,
@@ -231,7 +232,7 @@ impl Link {
         self.moves = [moves_at(&parts[self.first], self.on_first), of_second];
     }
 
-    /// Holds what a link of the same bearing held before, in another world: the coordinate goes on.
+    /// Takes the anchors of a link with the same bearing in another world, so that the coordinate continues.
     pub fn stays_at(&mut self, before: &Self, parts: &[Part]) {
         self.on_first = before.on_first;
         self.on_second = before.on_second;
@@ -245,7 +246,7 @@ impl Link {
         self.find_moves(parts);
     }
 
-    /// Goes on with the force of a link of the same bearing before, in another world.
+    /// Continues with the force of a link with the same bearing in another world.
     pub fn goes_on_from(&mut self, before: &Self) {
         self.beyond = before.beyond;
         self.force = before.force;
@@ -257,13 +258,13 @@ impl Link {
         self.damping_power = before.damping_power;
     }
 
-    /// An interval begins.
+    /// Begins an interval.
     pub fn begin(&mut self) {
         self.work = 0.0;
         self.dissipated = 0.0;
     }
 
-    /// Whether a stop has begun or ended.
+    /// Returns whether contact with a stop has begun or ended.
     pub fn changed_from(&self, other: &Self) -> bool {
         self.beyond != other.beyond
     }
@@ -284,7 +285,7 @@ impl Link {
         }
     }
 
-    /// What it does where everything is now, and its load.
+    /// Evaluates the link at the current poses and applies its load.
     pub fn meet(&mut self, parts: &mut [Part]) {
         let first = parts[self.first].rigid;
         let second = self
@@ -320,7 +321,7 @@ impl Link {
                 let mark = first.orientation * mark;
                 let (x, y) = (mark.dot(&axes[1]), mark.dot(&axes[2]));
                 let q = y.atan2(x);
-                // The angle changes by this times the relative rotation.
+                // Rate of change of the angle with the relative rotation.
                 let by = mark.cross(&(axes[2] * x - axes[1] * y)) / (x * x + y * y);
                 self.stored = along.stored(q);
                 self.torque = by * along.force(q);
@@ -340,7 +341,7 @@ impl Link {
         self.load(parts);
     }
 
-    /// Loads its bodies with what it does.
+    /// Applies the force and torque of the link to its bodies.
     pub fn load(&self, parts: &mut [Part]) {
         let (force, place) = (self.force, self.place);
         for (number, sign) in [(Some(self.first), 1.0), (self.second, -1.0)] {
@@ -351,7 +352,7 @@ impl Link {
         }
     }
 
-    /// What damping takes at the velocities that there are now.
+    /// Computes the power dissipated by damping at the current velocities.
     pub fn watch_damping(&mut self, parts: &[Part]) {
         let relative = self.relative(parts, |part| &part.twist);
         let power =
@@ -359,7 +360,7 @@ impl Link {
         self.damping_power = (-power).max(0.0);
     }
 
-    /// Half a sub-step under its force, over which the velocities have become what they are now.
+    /// Adds half a sub-step under the force to the sums, ending at the current velocities.
     pub fn book(&mut self, parts: &[Part], half: f64) {
         let now = self.relative(parts, |part| &part.twist);
         let velocity = self.relative.velocity + now.velocity;
@@ -369,7 +370,7 @@ impl Link {
         self.relative = now;
     }
 
-    /// Bounds of the squared angular frequency that it gives to each of its sides `[1/s^2]`, and of the damping rate `[1/s]`.
+    /// Returns bounds of the squared angular frequency `[1/s^2]` and damping rate `[1/s]` at each of its sides.
     pub fn rates(&self, parts: &[Part]) -> [(Option<usize>, f64, f64); 2] {
         let of = |number: Option<usize>, moves: f64| {
             let Some(number) = number else {

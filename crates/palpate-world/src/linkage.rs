@@ -1,20 +1,20 @@
-//! A device whose mass matrix follows its place.
+//! Device with a position-dependent mass matrix.
 //!
 //! ```text
 //! M v' = f + g(x, v)      g = v^T (grad M) v/2 - (v . grad M) v
 //! ```
 //!
-//! The observers learn one mobility theta along each axis of the matrix at the table's reference, where it is D, and the hand by the
-//! acceleration e that it would give there. At another place the mobility is that of the table, scaled along both sides by what they
-//! have learned:
+//! The observers estimate one mobility theta along each axis of the matrix at the table's reference, where the matrix
+//! is D. The hand is represented by the acceleration e that it would cause there. At another position the mobility is
+//! that of the table, scaled on both sides by the estimates:
 //!
 //! ```text
 //! v' = W f + T e + M^-1 g      W = theta^1/2 N theta^1/2   T = theta^1/2 N theta^-1/2   N = D^1/2 M^-1 D^1/2
 //! ```
 //!
-//! N is the unit matrix at the reference. Over an interval a device feels the mean of this at its beginning, middle and end by
-//! Simpson's rule. An avatar feels it in each sub-step, by a series of the matrix about the middle of the interval: of first order across
-//! the avatar's way, and of second order along it.
+//! N is the unit matrix at the reference. Over an interval a device uses the mean over beginning, middle and end by
+//! Simpson's rule. A proxy uses a series expansion of the matrix about the middle of the interval in each sub-step:
+//! of first order perpendicular to the proxy's displacement, and of second order along it.
 
 use std::sync::Arc;
 
@@ -24,64 +24,64 @@ use crate::mass_table::{MassTable, principal};
 use crate::part::Part;
 use crate::rigid::{Matrix3, Vector3};
 
-/// A device with a table of masses.
+/// A device with a mass table.
 #[derive(Clone, Debug)]
 pub(crate) struct Linkage {
     table: Arc<MassTable>,
     axes: Axes,
-    /// Roots of the masses at the reference, along the axes there.
+    /// Square roots of the masses at the reference, along the axes there.
     roots: Vector3,
 }
 
-/// A linkage at a place, along the device's axes.
+/// A linkage at a position, along the device's axes.
 #[derive(Clone, Copy, Debug)]
 struct Local {
-    /// M,
+    /// Mass matrix M.
     mass: Matrix3,
-    /// and how it changes along each axis.
+    /// Derivatives of M along each axis.
     slopes: [Matrix3; 3],
     /// D^1/2.
     roots: Vector3,
 }
 
-/// How it answers there.
+/// Response of the linkage at a position.
 #[derive(Clone, Copy, Debug)]
 struct Answer {
     /// N.
     shape: Matrix3,
-    /// M^-1 g: acceleration as the mass changes `[m/s^2]`.
+    /// M^-1 g: acceleration due to the change in mass `[m/s^2]`.
     change: Vector3,
 }
 
-/// A linkage over an interval, along the device's axes: at its beginning, middle and end.
+/// Response of a linkage at the beginning, middle and end of an interval, along the device's axes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Passage {
     answers: [Answer; 3],
     duration: f64,
 }
 
-/// A quantity that changes over an interval.
+/// A quantity that varies over an interval.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Changing {
     pub mean: Vector3,
-    /// By how much what it adds up to comes earlier than that of a constant one, times the duration.
+    /// Moment by which its integral comes earlier than that of a constant quantity, times the duration.
     pub lead: Vector3,
 }
 
-/// Where a device is as an interval begins, and what pushes it.
+/// State of a device at the beginning of an interval, and the forces on it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Start {
-    /// `[m]`
+    /// Position `[m]`.
     pub position: Vector3,
-    /// `[m/s]`
+    /// Velocity `[m/s]`.
     pub velocity: Vector3,
-    /// e along the axes `[m/s^2]`,
+    /// e along the axes `[m/s^2]`.
     pub external: Vector3,
-    /// and the force of everything else `[N]`.
+    /// Force without e `[N]`.
     pub force: Vector3,
 }
 
-/// Quotients, 0 where the divisor is.
+/// Returns the componentwise quotients, 0 for a divisor of 0.
 fn over(of: &Vector3, by: &Vector3) -> Vector3 {
     of.zip_map(by, |of, by| if by > 0.0 { of / by } else { 0.0 })
 }
@@ -91,7 +91,7 @@ fn diagonal(of: &Vector3) -> Matrix3 {
 }
 
 impl Local {
-    /// With a velocity `velocity` along the axes.
+    /// Returns the response at a velocity `velocity` along the axes.
     fn answer(&self, velocity: &Vector3) -> Answer {
         let mut push = Vector3::zeros();
         for (axis, slope) in self.slopes.iter().enumerate() {
@@ -109,7 +109,8 @@ impl Local {
         }
     }
 
-    /// After a way along the axes `[m]` over which the slopes change by a `share` of `bend`.
+    /// Returns the linkage after a displacement along the axes `[m]` with a change of the slopes by a `share` of
+    /// `bend`.
     fn moved(&self, way: &Vector3, bend: &[Matrix3; 3], share: f64) -> Self {
         let mut moved = *self;
         for (axis, slope) in moved.slopes.iter_mut().enumerate() {
@@ -119,7 +120,7 @@ impl Local {
         moved
     }
 
-    /// Momentum of a velocity, both along the axes `[N s]`; none along an axis of no mobility.
+    /// Returns the momentum of a velocity, both along the axes `[N s]`; 0 along an axis without mobility.
     fn momentum(&self, theta: &Vector3, velocity: &Vector3) -> Vector3 {
         let scale = self.roots.component_mul(&theta.map(f64::sqrt));
         over(&(self.mass * over(velocity, &scale)), &scale)
@@ -127,17 +128,18 @@ impl Local {
 }
 
 impl Answer {
-    /// The force along the axes that moves a device at the reference as this one does here `[N]`.
+    /// Returns the force along the axes that accelerates a device at the reference like `force` accelerates this one
+    /// here `[N]`.
     fn equivalent(&self, roots: &Vector3, force: &Vector3) -> Vector3 {
         over(&(self.shape * roots.component_mul(force)), roots)
     }
 
-    /// Acceleration along each axis of each unit of e along that axis.
+    /// Returns the acceleration along each axis per unit of e along it.
     fn share(&self) -> Vector3 {
         self.shape.diagonal()
     }
 
-    /// Acceleration of what no contact pushes, along the axes `[m/s^2]`.
+    /// Returns the acceleration without contacts, along the axes `[m/s^2]`.
     fn acceleration(&self, roots: &Vector3, external: &Vector3) -> Vector3 {
         roots.component_mul(&(self.shape * over(external, roots))) + self.change
     }
@@ -153,18 +155,19 @@ impl Passage {
         }
     }
 
-    /// The force along the axes that moves a device of the mobility `theta` along each axis as this one does this one `[N]`.
+    /// Returns the force along the axes that accelerates a device of mobility `theta` along each axis like `force`
+    /// accelerates this one `[N]`.
     pub fn equivalent(&self, theta: &Vector3, force: &Vector3) -> Changing {
         let roots = theta.map(f64::sqrt);
         self.changing(|answer| answer.equivalent(&roots, force))
     }
 
-    /// Acceleration along each axis of each unit of e along that axis.
+    /// Returns the acceleration along each axis per unit of e along it.
     pub fn share(&self) -> Vector3 {
         self.changing(Answer::share).mean
     }
 
-    /// By how much more than by its share of e it accelerates without a contact, along the axes `[m/s^2]`.
+    /// Returns the acceleration without contacts in excess of the share of e, along the axes `[m/s^2]`.
     pub fn bias(&self, theta: &Vector3, external: &Vector3) -> Changing {
         let roots = theta.map(f64::sqrt);
         let share = self.share();
@@ -175,7 +178,7 @@ impl Passage {
 }
 
 impl Linkage {
-    /// `None` of a device whose mass is the same everywhere.
+    /// Returns `None` for a device with a constant mass.
     pub fn of(tool: &Tool) -> Option<Self> {
         let table = tool.mass_table.as_ref()?;
         let (_, masses) = table.principal();
@@ -186,10 +189,10 @@ impl Linkage {
         })
     }
 
-    /// At a place in the world.
+    /// Evaluates the linkage at a position in the world.
     fn at(&self, place: &Vector3) -> Local {
         let local = self.table.at(&self.table.own(place));
-        // From the table's axes to the device's.
+        // Rotation from the table's axes to the device's.
         let turn = Matrix3::from_columns(&[0, 1, 2].map(|axis| {
             let mut unit = Vector3::zeros();
             unit[axis] = 1.0;
@@ -219,18 +222,18 @@ impl Linkage {
         }
     }
 
-    /// Momentum of a device at a place with a velocity, along its axes `[N s]`.
+    /// Returns the momentum of a device at a position with a velocity, along its axes `[N s]`.
     pub fn momentum(&self, theta: &Vector3, [place, velocity]: [&Vector3; 2]) -> Vector3 {
         self.at(place).momentum(theta, &self.axes.own(velocity))
     }
 
-    /// Kinetic energy there `[J]`.
+    /// Returns the kinetic energy `[J]`.
     pub fn kinetic_energy(&self, theta: &Vector3, [place, velocity]: [&Vector3; 2]) -> f64 {
         let momentum = self.momentum(theta, [place, velocity]);
         0.5 * momentum.dot(&self.axes.own(velocity))
     }
 
-    /// Over an interval of `h` `[s]` from `start`.
+    /// Evaluates the linkage over an interval of `h` `[s]` from `start`.
     pub fn over(&self, theta: &Vector3, start: &Start, h: f64) -> Passage {
         let pushed = start.external + theta.component_mul(&self.axes.own(&start.force));
         let roots = theta.map(f64::sqrt);
@@ -255,8 +258,8 @@ impl Linkage {
         }
     }
 
-    /// What carries an avatar, whose device has the mobility `theta`, over an interval of `h` `[s]` that begins, in which it is
-    /// driven as `part` is.
+    /// Returns the motion parameters of a proxy over an interval of `h` `[s]` that begins. Its device has the
+    /// mobility `theta`; its drive is that of `part`.
     pub fn carried(&self, part: &Part, theta: &Vector3, h: f64) -> Carried {
         let half = part.rigid.velocity * (0.5 * h);
         let middle = part.rigid.position + half;
@@ -281,32 +284,32 @@ impl Linkage {
     }
 }
 
-/// An avatar of a linkage over an interval.
+/// Proxy of a linkage over an interval.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Carried {
     axes: Axes,
-    /// Where it is in the middle, or nearly so `[m]`,
+    /// Approximate position in the middle of the interval `[m]`.
     middle: Vector3,
-    /// and the linkage there.
+    /// Linkage at that position.
     local: Local,
-    /// How its slopes change from beginning to end,
+    /// Change of the slopes from beginning to end.
     bend: [Matrix3; 3],
-    /// and this way's inverse, along the axes: times a way it is the share of that change `[1/m]`.
+    /// Inverse of the displacement along the axes: times a displacement it is the fraction of that change `[1/m]`.
     per_bend: Vector3,
     /// theta^1/2.
     roots: Vector3,
-    /// e,
+    /// e.
     external: Vector3,
-    /// and how it falls with velocity and way, along the axes.
+    /// Derivatives of e with respect to velocity and displacement, along the axes, with negative sign.
     damping_rate: Vector3,
     spring_rate: Vector3,
 }
 
 impl Carried {
-    /// Sets mobility and drive of the avatar for a sub-step of `h` `[s]` that begins.
+    /// Sets mobility and drive of the proxy for the next sub-step of `h` `[s]`.
     pub fn carry(&self, part: &mut Part, h: f64) {
         let way = part.rigid.position + part.rigid.velocity * (0.5 * h) - self.middle;
-        // Half a sub-step before its velocity changed by as much as it will have half a sub-step later.
+        // Extrapolated half a sub-step ahead with the velocity change of the last half.
         let velocity = part.rigid.velocity + part.gained;
         let way = self.axes.own(&way);
         let share = self.per_bend.dot(&way);
@@ -359,7 +362,7 @@ mod tests {
         Vector3::from(table.masses_at_reference()).map(f64::recip)
     }
 
-    /// Over an interval in which it goes 2.6 mm, against 64 times finer ones of the device.
+    /// Over a displacement of 2.6 mm, compared with 64 times finer intervals of the device.
     #[test]
     fn device_and_avatar_go_the_way_that_finer_intervals_go() {
         let tool = tool();

@@ -1,7 +1,7 @@
-//! The mass matrix of a device by the place of its tool.
+//! Mass matrix of a device as a function of the tool position.
 //!
-//! Along each axis the matrix is a cubic from place to place: at a place it has the slope of the parabola through the place and its
-//! neighbours, so that neither the matrix nor the forces of its change have a step inside of the grid.
+//! Along each axis the matrix is a piecewise cubic. Its slope at a grid point is that of the parabola through the
+//! point and its neighbours. The matrix and the forces from its change are therefore continuous inside the grid.
 
 use nalgebra::SMatrix;
 
@@ -9,14 +9,15 @@ use crate::Vector;
 use crate::axes::OwnAxes;
 use crate::rigid::{Matrix3, Vector3};
 
-/// How the mass of a device changes with the place of its tool: a linkage, such as a pantograph, has another mass matrix M at each
-/// place.
+/// Position-dependent mass of a device: a linkage such as a pantograph has a mass matrix M that depends on the tool
+/// position.
 ///
 /// ```text
 /// (M v)' = f + grad (v^T M v/2)      under the sum f of contacts and hand, at the velocity v
 /// ```
 ///
-/// [`Tool::with_mass_table`](crate::Tool::with_mass_table) makes it. Beyond its places the nearest one of their boundary counts.
+/// Created by [`Tool::with_mass_table`](crate::Tool::with_mass_table). Outside the grid the nearest point of its
+/// boundary is used.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MassTable {
     axes: OwnAxes,
@@ -26,74 +27,74 @@ pub struct MassTable {
     principal: Principal,
 }
 
-/// What is wrong with a table of masses.
+/// Fault of a mass table.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MassTableError {
-    /// Not one list of places for each axis.
+    /// The number of coordinate lists differs from the number of axes.
     #[error("there are places along {given} axes, and the device has {axes}; give a list for each")]
     Axes {
-        /// Lists given.
+        /// Number of given lists.
         given: usize,
-        /// Axes of the device.
+        /// Number of axes of the device.
         axes: usize,
     },
-    /// A place that is no number or not beyond the one before it, or none.
+    /// A coordinate that is not finite or not above the previous one, or an empty list.
     #[error(
         "the places along axis {axis} are {places:?}, and have to be one or more finite numbers, each above the one before"
     )]
     Places {
-        /// Number of the axis, from 1.
+        /// Index of the axis, from 1.
         axis: usize,
-        /// What was given `[m]`.
+        /// Given coordinates `[m]`.
         places: Vec<f64>,
     },
-    /// Not one matrix for each place.
+    /// The number of matrices differs from the number of grid points.
     #[error(
         "there are {given} matrices, and the grid has {places} places; give one for each, those of the last axis side by side"
     )]
     Count {
-        /// Matrices given.
+        /// Number of given matrices.
         given: usize,
-        /// Places of the grid.
+        /// Number of grid points.
         places: usize,
     },
-    /// A matrix of another size.
+    /// A matrix of the wrong size.
     #[error("matrix {number} has {given} numbers; a device of {axes} axes has {size}")]
     Size {
-        /// Number of the matrix, from 1.
+        /// Index of the matrix, from 1.
         number: usize,
-        /// Numbers given.
+        /// Number of given values.
         given: usize,
-        /// Axes of the device.
+        /// Number of axes of the device.
         axes: usize,
-        /// How many it has to have.
+        /// Required number of values.
         size: &'static str,
     },
-    /// A matrix that is none of masses.
+    /// A matrix that is not finite and positive definite.
     #[error(
         "matrix {number} is {matrix:?}, and has to be finite and positive definite: no motion has an energy of 0 or less"
     )]
     Matrix {
-        /// Number of the matrix, from 1.
+        /// Index of the matrix, from 1.
         number: usize,
-        /// What was given `[kg]`.
+        /// Given matrix `[kg]`.
         matrix: Vec<f64>,
     },
-    /// Matrices between which the table has one that is no matrix of masses.
+    /// Matrices with an interpolated matrix between them that is not positive definite.
     #[error(
         "the masses change so much from place to place that one between the places {from:?} and {to:?} m is not positive \
          definite; give more places there"
     )]
     Between {
-        /// Where the cell of the grid begins, along the device's axes `[m]`.
+        /// First corner of the grid cell, along the device's axes `[m]`.
         from: Vector,
-        /// Where it ends.
+        /// Last corner of the grid cell.
         to: Vector,
     },
 }
 
-/// Axes along which a matrix is diagonal, and what it is along them.
+/// Principal axes of a matrix, and its values along them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Principal {
     axes: OwnAxes,
@@ -101,18 +102,18 @@ struct Principal {
     masses: Vector3,
 }
 
-/// The mass matrix at a place and its slopes along the table's axes, in these axes.
+/// Mass matrix at a position and its slopes along the table's axes, in these axes.
 pub(crate) struct LocalMass {
     pub mass: Matrix3,
     pub slopes: [Matrix3; 3],
 }
 
-/// Nodes that count along an axis.
+/// Maximum number of nodes that contribute along an axis.
 const NEAR: usize = 4;
 type Weights = [f64; NEAR];
 
 impl MassTable {
-    /// Of a device that has these of its axes, which are those of the world or its own: see
+    /// Creates a table for a device with these of its axes, which are its own or those of the world: see
     /// [`Tool::with_mass_table`](crate::Tool::with_mass_table).
     pub(crate) fn new<P: AsRef<[f64]>, M: AsRef<[f64]>>(
         (has, axes): ([bool; 3], OwnAxes),
@@ -168,7 +169,8 @@ impl MassTable {
         Ok(table)
     }
 
-    /// Masses along the axes of the tool, those of the mobility at the reference `[kg]`; infinite along an axis that the device lacks.
+    /// Returns the masses at the reference along the tool's axes, those of the mobility there `[kg]`; infinite along
+    /// an axis that the device lacks.
     #[must_use]
     pub fn masses_at_reference(&self) -> Vector {
         [0, 1, 2].map(|axis| {
@@ -180,37 +182,38 @@ impl MassTable {
         })
     }
 
-    /// The axes along which the places and the matrices are: unit vectors at right angles.
+    /// Returns the axes of the grid and the matrices: orthogonal unit vectors.
     #[must_use]
     pub fn axes(&self) -> [Vector; 3] {
         let axes = self.axes.unwrap_or_else(Matrix3::identity);
         [0, 1, 2].map(|axis| axes.column(axis).into_owned().into())
     }
 
-    /// Places along each of these axes `[m]`; one along an axis that the device lacks.
+    /// Returns the grid coordinates along each of these axes `[m]`; one along an axis that the device lacks.
     #[must_use]
     pub fn places(&self) -> &[Vec<f64>; 3] {
         &self.places
     }
 
-    /// The matrix of each place, as xx, yy, zz, xy, xz and yz, those of the last axis side by side `[kg]`; the unit matrix along an
-    /// axis that the device lacks.
+    /// Returns the matrix of each grid point as xx, yy, zz, xy, xz and yz, last axis fastest `[kg]`; it is the unit
+    /// matrix along an axis that the device lacks.
     #[must_use]
     pub fn matrices(&self) -> &[[f64; 6]] {
         &self.masses
     }
 
-    /// The axes of the matrix at the reference, and the masses along them; 1 kg along an axis that the device lacks.
+    /// Returns the axes of the matrix at the reference and the masses along them; 1 kg along an axis that the device
+    /// lacks.
     pub(crate) fn principal(&self) -> (OwnAxes, Vector3) {
         (self.principal.axes, self.principal.masses)
     }
 
-    /// A vector of the world along the table's axes.
+    /// Transforms a vector from the world's axes to the table's axes.
     pub(crate) fn own(&self, vector: &Vector3) -> Vector3 {
         crate::axes::own(&self.axes, vector)
     }
 
-    /// At a place along the table's axes `[m]`.
+    /// Evaluates the table at a position along its axes `[m]`.
     pub(crate) fn at(&self, place: &Vector3) -> LocalMass {
         let near = [0, 1, 2].map(|axis| Near::at(&self.places[axis], place[axis]));
         let sum = |of: [&Weights; 3]| matrix(&self.sum(&near, of));
@@ -222,7 +225,7 @@ impl MassTable {
         }
     }
 
-    /// Sum of the matrices nearby, each times the product of its weights along the axes.
+    /// Returns the sum of the nearby matrices, each times the product of its weights along the axes.
     fn sum(&self, near: &[Near; 3], [x, y, z]: [&Weights; 3]) -> [f64; 6] {
         let mut sum = [0.0; 6];
         let rows = self.places[1].len();
@@ -242,7 +245,8 @@ impl MassTable {
         sum
     }
 
-    /// In each cell every matrix is a mean of control matrices (Bézier's form): all of them have to be positive definite.
+    /// In each cell every matrix is a weighted mean of control matrices (Bézier form), which must all be positive
+    /// definite.
     fn check_between(&self) -> Result<(), MassTableError> {
         let cells = |axis: usize| 0..(self.places[axis].len() - 1).max(1);
         for x in cells(0) {
@@ -277,7 +281,7 @@ impl MassTable {
     }
 }
 
-/// A matrix of the axes that are there, as one of three axes.
+/// Expands a matrix of the available axes to three axes.
 fn whole(there: &[usize], number: usize, given: &[f64]) -> Result<[f64; 6], MassTableError> {
     let size = match there.len() {
         1 => "1: [xx]",
@@ -303,7 +307,7 @@ fn whole(there: &[usize], number: usize, given: &[f64]) -> Result<[f64; 6], Mass
         .enumerate()
         .flat_map(|(place, one)| there[place + 1..].iter().map(move |other| one + other));
     for (sum, part) in pairs.zip(given_parts) {
-        // x and y are 0 and 1, so their sum tells the pair.
+        // x and y are 0 and 1, so their sum identifies the pair.
         mass[2 + sum] = *part;
     }
     if is_of_masses(&matrix(&mass)) {
@@ -316,7 +320,7 @@ fn whole(there: &[usize], number: usize, given: &[f64]) -> Result<[f64; 6], Mass
     }
 }
 
-/// Least mass along any direction, over the sum of the three on the diagonal.
+/// Smallest mass along any direction, relative to the trace.
 const LIGHTEST: f64 = 1e-9;
 
 fn is_of_masses(mass: &Matrix3) -> bool {
@@ -328,20 +332,20 @@ fn matrix([xx, yy, zz, xy, xz, yz]: &[f64; 6]) -> Matrix3 {
     Matrix3::new(*xx, *xy, *xz, *xy, *yy, *yz, *xz, *yz, *zz)
 }
 
-/// The places along an axis that count in a cell, and how much at a place.
+/// Grid points along an axis that contribute in a cell, and their weights at a position.
 struct Near {
     first: usize,
     count: usize,
-    /// Of the value there,
+    /// Weights of the value.
     weights: Weights,
-    /// and of its slope.
+    /// Weights of the slope.
     slopes: Weights,
-    /// The ends of the cell by their values and by their slopes times the cell's length.
+    /// Values at the ends of the cell, and slopes times the cell's length.
     ends: [[Weights; 2]; 2],
 }
 
 impl Near {
-    /// What a cell is made of. `weights` are those of its beginning.
+    /// Returns the weights of a cell; `weights` are those at its beginning.
     fn of_cell(places: &[f64], cell: usize) -> Self {
         let last = places.len() - 1;
         let count = places.len().min(NEAR);
@@ -354,7 +358,7 @@ impl Near {
             let length = places[cell + 1] - places[cell];
             for (node, [value, slope]) in (cell..).zip(&mut ends) {
                 value[node - first] = 1.0;
-                // Through the neighbours goes a parabola; from the places before and after its middle one, lines.
+                // The slope is that of the parabola through the neighbours, a combination of two line segments.
                 let middle = node.clamp(1, last.max(2) - 1);
                 let mut line = |from: usize, part: f64| {
                     let by = part * length / (places[from + 1] - places[from]);
@@ -392,7 +396,7 @@ impl Near {
         let beyond = (at - places[cell]) / length;
         let t = beyond.clamp(0.0, 1.0);
         let rate = if beyond == t { 1.0 / length } else { 0.0 };
-        // Hermite's cubics of t, and their slopes.
+        // Cubic Hermite polynomials of t, and their slopes.
         let rise = t * t * (3.0 - 2.0 * t);
         let of = [
             [1.0 - rise, t * (1.0 - t) * (1.0 - t)],
@@ -421,7 +425,7 @@ impl Near {
         }
     }
 
-    /// The four controls of the cell.
+    /// Returns the four control values of the cell.
     fn controls(&self) -> [Weights; 4] {
         let [[start, rise], [end, fall]] = &self.ends;
         let beside = |value: &Weights, slope: &Weights, third: f64| {
@@ -440,10 +444,11 @@ impl Near {
     }
 }
 
-/// Sweeps of Jacobi's rotations, each of which squares what is left beside the diagonal.
+/// Number of sweeps of Jacobi rotations; each squares the remaining off-diagonal part.
 const SWEEPS: usize = 6;
 
-/// What a symmetric matrix is along its principal axes, and these as columns: each the nearest to the axis of its number, or nearly so.
+/// Returns the principal values of a symmetric matrix and its principal axes as columns, each approximately the
+/// nearest to the axis of the same index.
 pub(crate) fn principal(of: &Matrix3) -> (Vector3, Matrix3) {
     let (mut left, mut axes) = (*of, Matrix3::identity());
     for _ in 0..SWEEPS {
@@ -479,7 +484,7 @@ mod tests {
         Tool::new("tool", Shape::Sphere { radius: 0.0 })
     }
 
-    /// Of second order along each axis: so is the table, exactly.
+    /// Quadratic along each axis, which the table represents exactly.
     fn quadratic([x, y]: [f64; 2]) -> [f64; 3] {
         [
             0.2 + 0.5 * x + 3.0 * x * x * (1.0 + y),
@@ -517,7 +522,7 @@ mod tests {
                 assert!(!inside || off < 1e-7, "{place:?} {axis}: {off:e}");
             }
         }
-        // Beyond its places nothing changes.
+        // The matrix is constant outside the grid.
         let [edge, far] = [0.08, 0.5].map(|z| table.at(&Vector3::new(0.0, 0.0, z)));
         assert_eq!(edge.mass, far.mass);
         assert_eq!(far.slopes[2], Matrix3::zeros());

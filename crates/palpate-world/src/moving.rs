@@ -1,4 +1,4 @@
-//! A world in motion: where everything is, what the contacts do, and what has passed since an interval began.
+//! A world in motion: poses, contact states, and sums since the interval began.
 
 use crate::blocks::Blocks;
 use crate::interval::SubStepped;
@@ -17,25 +17,25 @@ use crate::touch::{Met, Past, Touch};
 pub(crate) struct Moving {
     /// Tools, then bodies.
     pub parts: Vec<Part>,
-    /// How many tools there are.
+    /// Number of tools.
     pub tools: usize,
     pub touches: Vec<Touch>,
-    /// The points that are looked at. No other one touches.
+    /// Active contact points. Inactive points do not touch.
     pub nearby: Nearby,
-    /// The meshes that spheres touch.
+    /// Meshes in contact with spheres.
     pub surfaces: Vec<Surface>,
-    /// The pairs of boxes, hulls and capsules.
+    /// Pairs of boxes, hulls and capsules.
     pub blocks: Vec<Blocks>,
-    /// The springs of the joints.
+    /// Springs of the joints.
     pub links: Vec<Link>,
-    /// Of each tool, what carries an avatar whose mass changes with its place; of no tool if none has one.
+    /// Linkage motion of each tool's proxy with a position-dependent mass; empty if no tool has one.
     pub carried: Vec<Option<Carried>>,
-    /// Whether the dampers of contacts add to the velocity that they expect what the last sub-step missed.
+    /// Whether contact dampers add the prediction error of the last sub-step to the velocity that they expect.
     pub expects_the_missed: bool,
 }
 
 impl Moving {
-    /// Takes over the state of another motion of the same world, without allocating.
+    /// Copies the state of another motion of the same world, without allocation.
     pub fn copy_from(&mut self, other: &Self) {
         self.parts.copy_from_slice(&other.parts);
         self.touches.copy_from_slice(&other.touches);
@@ -65,7 +65,7 @@ impl Moving {
         sum.is_finite()
     }
 
-    /// An interval begins: nothing has passed.
+    /// Begins an interval with zero sums.
     pub fn begin(&mut self) {
         for touch in &mut self.touches {
             touch.past = Past::default();
@@ -78,7 +78,7 @@ impl Moving {
         }
     }
 
-    /// Spheres may be on another side of the meshes than they were, and boxes beside other faces of each other.
+    /// Resets the sides of spheres relative to meshes, and the faces of boxes relative to each other.
     pub fn forget_sides(&mut self) {
         for blocks in &mut self.blocks {
             blocks.forget();
@@ -88,39 +88,39 @@ impl Moving {
         }
     }
 
-    /// Largest number of triangles or contacts of the meshes, or of points of contact, that were left out at a time since this was
-    /// last asked.
+    /// Returns the maximum number of mesh triangles, mesh contacts or contact points omitted at a time since the last
+    /// call.
     pub fn take_left_out(&mut self) -> u32 {
         let each = self.surfaces.iter_mut().map(Surface::take_left_out);
         each.fold(self.nearby.take_left_out(), u32::max)
     }
 
-    /// Looks at all points that touch, after a change from outside.
+    /// Activates all touching points, after an external change.
     pub fn recollect(&mut self) {
         let touches = |number: usize| !self.touches[number].is_apart();
         self.nearby.recollect(touches);
     }
 
-    /// Looks for the points that touch, or may within `h` `[s]`.
+    /// Activates the points that touch or may touch within `h` `[s]`.
     pub fn gather(&mut self, points: &[Point], h: f64) {
         let touches = |number: usize| !self.touches[number].is_apart();
         self.nearby.gather(&self.parts, points, touches, h);
     }
 
-    /// Energy stored in the contact at a point `[J]`.
+    /// Returns the energy stored in the contact at a point `[J]`.
     pub fn stored(&self, number: usize, point: &Point) -> f64 {
         let touch = &self.touches[number];
         point.law.stored(touch.penetration, &touch.bristle)
     }
 
-    /// An interval begins, so ways are counted anew: no point is known to be clear.
+    /// Resets the clearances of all points, because displacements are counted from the start of the interval.
     pub fn look_at_all(&mut self) {
         for &number in self.nearby.numbers() {
             self.touches[number].clear = 0.0;
         }
     }
 
-    /// Looks at the contacts anew, after tools or bodies were put to other places.
+    /// Re-evaluates the contacts after tools or bodies have been displaced.
     pub fn look(&mut self, points: &[Point]) {
         for part in &mut self.parts {
             part.settle();
@@ -135,7 +135,8 @@ impl Moving {
         self.parts.iter_mut().filter(|part| !part.is_fixed)
     }
 
-    /// The contacts of where everything is now, half a sub-step after it began to move as it does, and their loads.
+    /// Evaluates the contacts and their loads at the current positions, which were reached by moving for `half` a
+    /// sub-step with the current velocities.
     fn meet(&mut self, points: &[Point], half: f64) {
         for part in &mut self.parts {
             part.force = Vector3::zeros();
@@ -237,7 +238,7 @@ impl Moving {
         }
     }
 
-    /// What the contacts' damping takes from where everything is now.
+    /// Computes the power dissipated by contact damping at the current state.
     fn measure(&mut self, points: &[Point]) {
         for &number in self.nearby.numbers() {
             let (touch, point) = (&mut self.touches[number], &points[number]);
@@ -268,8 +269,8 @@ impl SubStepped for Moving {
         self.copy_between(other);
     }
 
-    /// One sub-step of `h` `[s]`, by the velocity form of Verlet's method. Damping and friction see the velocities
-    /// that are expected at its end, which keeps it of second order.
+    /// Performs one sub-step of `h` `[s]` with the velocity form of Verlet's method. Damping and friction use the
+    /// velocities expected at its end, which preserves second order.
     fn sub_step(&mut self, points: &[Point], h: f64) {
         let half = 0.5 * h;
         for (part, carried) in self.parts.iter_mut().zip(&self.carried) {
@@ -340,13 +341,13 @@ impl SubStepped for Moving {
     }
 }
 
-/// The tool of a point's two, and on which side it is: see [`Point::sign_on`].
+/// Returns the tool of a point's pair and its sign: see [`Point::sign_on`].
 fn tool_of<'a>(parts: &'a [Part], point: &Point, tools: usize) -> Option<(&'a Part, f64)> {
     let tool = point.tool(tools)?;
     Some((&parts[tool], point.sign_on(tool)?))
 }
 
-/// Velocity of the first's material at `place` against the second's `[m/s]`.
+/// Returns the velocity of the first's material at `place` relative to the second's `[m/s]`.
 fn relative(
     first: &Part,
     of_first: &Twist,

@@ -1,4 +1,4 @@
-//! Which points of contact an interval looks at, where there are more than it has time for.
+//! Selection of the contact points that an interval evaluates, for worlds with many points.
 
 use std::sync::Arc;
 
@@ -6,21 +6,21 @@ use crate::pairs::{MOST_POINTS, Point};
 use crate::part::Part;
 use crate::rigid::Vector3;
 
-/// Points of a shell that lie together. Where the other solid is far from all of them, none is looked at.
+/// A cluster of shell points. If the other solid is far from all of them, none is evaluated.
 #[derive(Clone, Debug)]
 pub(crate) struct Patch {
-    /// Numbers of the points among all of the world.
+    /// Indices of the points in the world.
     numbers: Vec<usize>,
-    /// A ball around the points, in the axes of the first: centre and radius `[m]`.
+    /// Bounding sphere of the points, in the axes of the first part: centre and radius `[m]`.
     centre: Vector3,
     radius: f64,
 }
 
-/// Most points of a patch: so few that it pays to look at each, so many that there are few patches.
+/// Maximum number of points of a patch: small enough to evaluate each, large enough for few patches.
 const MOST_OF_A_PATCH: usize = 16;
 
 impl Patch {
-    /// The patches of a shell, of which these are the numbers and the places.
+    /// Divides a shell into patches, given the indices and positions of its points.
     pub fn of(points: Vec<(usize, Vector3)>) -> Vec<Self> {
         let (mut whole, mut left) = (Vec::new(), vec![points]);
         while let Some(mut points) = left.pop() {
@@ -47,39 +47,38 @@ impl Patch {
     }
 }
 
-/// The numbers of the points that are looked at: all that are in no patch, and of those in patches the nearest, as
-/// many as there is room for.
+/// Indices of the active points: all points outside patches, and the nearest points in patches up to the capacity.
 #[derive(Clone, Debug)]
 pub(crate) struct Nearby {
     patches: Arc<[Patch]>,
-    /// How many points are in no patch.
+    /// Number of points outside patches.
     always: usize,
-    /// Their numbers first. Its length never changes: that is no work in a tick.
+    /// Points outside patches come first. The length is constant, so a tick does not allocate.
     numbers: Box<[usize]>,
-    /// How many of [`numbers`](Self::numbers) count.
+    /// Number of valid entries in [`numbers`](Self::numbers).
     count: usize,
-    /// Most points near the other solid at a time for which there was no room.
+    /// Maximum number of near points beyond the capacity at a time.
     left_out: u32,
 }
 
-/// Most points in patches that are looked at: as many as may lie in a plane, and some beside it.
+/// Maximum number of active points in patches: as many as may lie in a plane, plus some beside it.
 const ROOM: usize = MOST_POINTS + MOST_POINTS / 2;
-/// Most points that are looked at: an interval goes through pairs of them.
+/// Maximum number of active points; an interval iterates over pairs of them.
 pub(crate) const MOST_NEARBY: usize = MOST_POINTS + ROOM;
 
-/// A point that is at least so far off when an interval begins is not looked at in it, beyond what two parts approach each other
-/// by then `[m]`: contacts may push a part faster than it was.
+/// Safety margin of the distance at which a point stays inactive in an interval, in addition to the approach of the
+/// two parts `[m]`: contacts may accelerate a part.
 const MARGIN: f64 = 2e-4;
-/// By how much more than the way the distance from a solid may change on a way: that of a grid is a spline's, and swings
-/// beside edges.
+/// Maximum ratio of the change in distance from a solid to the displacement: the spline of a grid overshoots near
+/// edges.
 const STEEPEST: f64 = 1.25;
 
-/// A point that is apart is looked at again after it has moved by this share of its distance: a half, since the distance from a grid
-/// may change by more than the way.
+/// Fraction of its distance by which a separated point must move before it is evaluated again: one half, because the
+/// distance from a grid may change by more than the displacement.
 pub(crate) const NEARER: f64 = 0.5;
 
 impl Nearby {
-    /// Of a world's points, those in these patches only where they are near.
+    /// Creates the selection: points in these patches are active only if near.
     pub fn new(points: usize, patches: Vec<Patch>) -> Self {
         let mut is_in_patch = vec![false; points];
         for &number in patches.iter().flat_map(|patch| &patch.numbers) {
@@ -97,23 +96,23 @@ impl Nearby {
         }
     }
 
-    /// Takes over which points are looked at, without allocating.
+    /// Copies the selection, without allocation.
     pub fn copy_from(&mut self, other: &Self) {
         self.numbers.copy_from_slice(&other.numbers);
         (self.count, self.left_out) = (other.count, other.left_out);
     }
 
-    /// The numbers of the points that are looked at.
+    /// Returns the indices of the active points.
     pub fn numbers(&self) -> &[usize] {
         &self.numbers[..self.count]
     }
 
-    /// How many points there was no room for since this was last asked, at most.
+    /// Returns the maximum number of points beyond the capacity since the last call.
     pub fn take_left_out(&mut self) -> u32 {
         std::mem::take(&mut self.left_out)
     }
 
-    /// Looks at all points that touch, whether it did before or not: after a change from outside.
+    /// Activates all touching points, after an external change.
     pub fn recollect(&mut self, touches: impl Fn(usize) -> bool) {
         let mut found = Found::new();
         for &number in self.patches.iter().flat_map(|patch| &patch.numbers) {
@@ -133,7 +132,8 @@ impl Nearby {
         self.left_out = self.left_out.max(found.left_out);
     }
 
-    /// Looks for the points that touch, or may within `h` `[s]`. `touches` tells of a point whether it touches already.
+    /// Activates the points that touch or may touch within `h` `[s]`. `touches` returns whether a point already
+    /// touches.
     pub fn gather(
         &mut self,
         parts: &[Part],
@@ -155,7 +155,7 @@ impl Nearby {
                 continue;
             };
             if any.is_held {
-                // The method says what touches, and may have said so since the last time.
+                // The method decides which points touch, and may have changed it since the last call.
                 for &number in &patch.numbers {
                     if touches(number) && !found.has(number) {
                         found.take(f64::NEG_INFINITY, number);
@@ -196,8 +196,8 @@ impl Nearby {
     }
 }
 
-/// How far two parts may come nearer to each other at these distances from their centres `[m]` within `h` `[s]`, and as much
-/// again `[m]`.
+/// Returns twice the distance by which two parts may approach each other within `h` `[s]`, at these distances from
+/// their centres `[m]`.
 pub(crate) fn approach(first: &Part, second: &Part, of_first: f64, of_second: f64, h: f64) -> f64 {
     let relative = (first.rigid.velocity - second.rigid.velocity).norm();
     let pushed = (first.drive.acceleration - second.drive.acceleration).norm();
@@ -205,7 +205,7 @@ pub(crate) fn approach(first: &Part, second: &Part, of_first: f64, of_second: f6
     (relative + turns + pushed * h) * 2.0 * h
 }
 
-/// How far a point has moved at most since the interval began, in the axes of the second `[m]`.
+/// Returns an upper bound of a point's displacement since the interval began, in the axes of the second `[m]`.
 pub(crate) fn approached(first: &Part, second: &Part, point: &Point) -> f64 {
     let way = first.way + first.turned * point.lever + second.way;
     if second.turned > 0.0 {
@@ -216,7 +216,7 @@ pub(crate) fn approached(first: &Part, second: &Part, point: &Point) -> f64 {
     }
 }
 
-/// The nearest points so far, in the order in which they were found.
+/// The nearest points found so far, in order of discovery.
 struct Found {
     distances: [f64; ROOM],
     numbers: [usize; ROOM],
@@ -238,7 +238,7 @@ impl Found {
         self.numbers[..self.count].contains(&number)
     }
 
-    /// Takes a point, in place of the furthest one where there is no room and that one is further.
+    /// Adds a point; at full capacity it replaces the most distant one if that is further away.
     fn take(&mut self, distance: f64, number: usize) {
         if self.count < ROOM {
             (self.distances[self.count], self.numbers[self.count]) = (distance, number);
@@ -266,7 +266,7 @@ mod tests {
         Shape, Tool, World, WorldLoop, WorldRenderer,
     };
 
-    /// A ball of 20 mm with bumps, of 16 rings of 24 vertices and two poles.
+    /// Returns a ball of 20 mm with bumps: 16 rings of 24 vertices and two poles.
     fn bumpy_ball() -> Mesh {
         let (rings, around) = (16_u32, 24_u32);
         let mut vertices = vec![[0.0, 0.0, 0.02], [0.0, 0.0, -0.02]];
@@ -292,7 +292,7 @@ mod tests {
         Mesh::new(&vertices, &faces).unwrap()
     }
 
-    /// The ball of so many points falls into a corner of a floor, a block and a capsule.
+    /// The ball with `points` points falls into a corner formed by a floor, a block and a capsule.
     fn renderer(points: usize) -> WorldRenderer {
         let shell = PointShell::over(&bumpy_ball(), points).unwrap();
         let mesh = bumpy_ball().with_shell(shell.shared_by(3).unwrap());

@@ -1,32 +1,32 @@
-//! The observer of a device along one axis: a Kalman filter of the device's motion under the forces it has felt.
+//! Observer of a device along one axis: a Kalman filter of the device's motion under the applied forces.
 //!
-//! Over an interval the device is pushed by the force f that is held and by an acceleration a of everything else: the
-//! hand, gravity, friction. The hand is a spring and a damper as well, whose force follows the device's motion:
+//! Over an interval the held force f and an acceleration a due to everything else (hand, gravity, friction) act on
+//! the device. The hand is also a spring and a damper, whose force depends on the device's motion:
 //!
 //! ```text
 //! x' = u    u' = a + theta f    a' = -lambda u' - kappa u + w    w white: the jerk of the hand
 //! ```
 //!
-//! theta = 1/m, lambda (damping over mass) and kappa (stiffness over mass) are parts of the state, which an interval
-//! of contact tells. f counts by its mean over the interval, and by how much of it comes early, so the interval's end follows in closed form; a series in h of six terms is
-//! within rounding of it where lambda h and kappa h^2 are small.
+//! theta = 1/m, lambda (damping over mass) and kappa (stiffness over mass) are part of the state and become
+//! observable in contact. f is represented by its mean over the interval and its lead, so the state at the end has a
+//! closed form. A series in h with six terms equals it to rounding if lambda h and kappa h^2 are small.
 
 use nalgebra::{SMatrix, SVector};
 use palpate::{SensorInterval, SensorNoise};
 
-/// What is estimated: x, u, a, theta, lambda, kappa.
+/// Number of estimated states: x, u, a, theta, lambda, kappa.
 const STATES: usize = 6;
 type Row = SVector<f64, STATES>;
 type Covariance = SMatrix<f64, STATES, STATES>;
 
-/// A device along one axis at a sample.
+/// State of a device along one axis at a sample.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AxisMotion {
-    /// Position, counted from the measured one `[m]`.
+    /// Position relative to the measured one `[m]`.
     pub offset: f64,
     /// u `[m/s]`.
     pub velocity: f64,
-    /// a: acceleration by everything but the contacts `[m/s^2]`.
+    /// a: acceleration without contacts `[m/s^2]`.
     pub external: f64,
     /// theta `[1/kg]`.
     pub mobility: f64,
@@ -36,7 +36,7 @@ pub(crate) struct AxisMotion {
     pub spring_rate: f64,
 }
 
-/// What an interval does to a device.
+/// Change of a device's state over an interval.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Change {
     /// Displacement `[m]`.
@@ -47,27 +47,28 @@ pub(crate) struct Change {
     pub external: f64,
 }
 
-/// A force on a device along an axis, over an interval.
+/// Force on a device along an axis over an interval.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AxisForce {
-    /// Its mean `[N]`.
+    /// Mean `[N]`.
     pub mean: f64,
-    /// By how much its impulse comes earlier than a constant force's `[N s^2]`.
+    /// Moment by which its impulse comes earlier than that of a constant force `[N s^2]`.
     pub lead: f64,
-    /// Standard deviation of its impulse `[N s]`.
+    /// Standard deviation of the impulse `[N s]`.
     pub impulse_deviation: f64,
-    /// Mean of a known acceleration beside it `[m/s^2]`,
+    /// Mean of an additional known acceleration `[m/s^2]`.
     pub bias: f64,
-    /// and the way that it adds by not being constant `[m]`.
+    /// Displacement due to the variation of that acceleration `[m]`.
     pub bias_lead: f64,
-    /// Acceleration that it has of each unit of the external one: 1 but for a linkage that is not at its reference.
+    /// Effective fraction of the external acceleration: 1, except for a linkage away from its reference.
     pub share: f64,
 }
 
-/// Derivatives of a velocity by time, from the velocity itself on.
+/// Time derivatives of a velocity, from the velocity itself on.
 type Series = [f64; STATES];
 
-/// By the derivatives of a velocity at the start: what an interval of `h` does to place, velocity and acceleration.
+/// Returns the change of position, velocity and acceleration over `h` from the derivatives of a velocity at the
+/// start.
 fn over(series: &Series, h: f64) -> Change {
     let mut change = Change {
         travel: 0.0,
@@ -91,7 +92,7 @@ fn over(series: &Series, h: f64) -> Change {
 }
 
 impl AxisMotion {
-    /// From where it was measured with this velocity `[m/s]`, whatever pushes.
+    /// Returns a device at its measured position with this velocity `[m/s]`, independent of forces.
     fn led(velocity: f64) -> Self {
         Self {
             offset: 0.0,
@@ -103,8 +104,8 @@ impl AxisMotion {
         }
     }
 
-    /// Derivatives of the velocity that begins with these two, with what enters each further one, where so much of each unit of the
-    /// external acceleration is felt.
+    /// Returns the derivatives of a velocity that begin with `first`. `enters` is the input to each further one;
+    /// `share` is the effective fraction of the external acceleration.
     fn series(&self, first: [f64; 2], share: f64, enters: impl Fn(usize) -> f64) -> Series {
         let mut series = [first[0], first[1], 0.0, 0.0, 0.0, 0.0];
         let (damping_rate, spring_rate) = (self.damping_rate * share, self.spring_rate * share);
@@ -119,7 +120,7 @@ impl AxisMotion {
         self.series([self.velocity, pushed], force.share, |_| 0.0)
     }
 
-    /// What an interval of `h` `[s]` does to it under a `force` on it.
+    /// Returns the change over an interval of `h` `[s]` under a `force`.
     pub fn under(&self, force: &AxisForce, h: f64) -> Change {
         let mut change = over(&self.own_series(force), h);
         change.travel += self.mobility * force.lead + force.bias_lead;
@@ -127,7 +128,8 @@ impl AxisMotion {
         change
     }
 
-    /// How place, velocity and acceleration at the end come from the state at the start.
+    /// Returns the derivatives of position, velocity and acceleration at the end with respect to the state at the
+    /// start.
     fn transition(&self, force: &AxisForce, h: f64) -> [Row; 3] {
         let AxisForce {
             mean, lead, share, ..
@@ -171,26 +173,26 @@ impl AxisMotion {
     }
 }
 
-/// What is known of a device and its hand before the first sample, each as a standard deviation.
+/// Prior standard deviations of device and hand parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prior {
-    /// Of the velocity `[m/s]`.
+    /// Velocity `[m/s]`.
     pub velocity: f64,
-    /// Of the acceleration by the hand `[m/s^2]`.
+    /// Acceleration by the hand `[m/s^2]`.
     pub acceleration: f64,
-    /// Of 1/m, and of one over the moments of inertia, as a part of what was told.
+    /// 1/m and inverse moments of inertia, relative to their model values.
     pub mobility: f64,
-    /// Of the hand's damping over the mass, and over the moments of inertia `[1/s]`.
+    /// Hand damping over mass, and over moments of inertia `[1/s]`.
     pub damping_rate: f64,
-    /// Of the hand's stiffness over the mass `[1/s^2]`.
+    /// Hand stiffness over mass `[1/s^2]`.
     pub spring_rate: f64,
-    /// Of the hand's jerk, from sample to sample; less is reckoned with while the hand rests `[m/s^3]`.
+    /// Hand jerk between samples; a smaller value is used while the hand rests `[m/s^3]`.
     pub jerk: f64,
-    /// Of the angular velocity of a device that turns `[rad/s]`.
+    /// Angular velocity of a device that turns `[rad/s]`.
     pub angular_velocity: f64,
-    /// Of the angular acceleration by the hand `[rad/s^2]`.
+    /// Angular acceleration by the hand `[rad/s^2]`.
     pub angular_acceleration: f64,
-    /// Of its change, from sample to sample `[rad/s^3]`.
+    /// Angular jerk by the hand between samples `[rad/s^3]`.
     pub angular_jerk: f64,
 }
 
@@ -211,7 +213,8 @@ impl Default for Prior {
 }
 
 impl Prior {
-    /// Of a device whose mass is known exactly, on which a force acts that does not depend on its motion.
+    /// Returns the prior of a device with exactly known mass and an external force that does not depend on its
+    /// motion.
     #[must_use]
     pub fn of_a_known_mass() -> Self {
         Self {
@@ -223,47 +226,48 @@ impl Prior {
     }
 }
 
-/// The place of the velocity in the state.
+/// Index of the velocity in the state.
 const VELOCITY: usize = 1;
-/// Innovations whose square is beyond this multiple of what is expected are no jerk, but a kick. With 25, as along an axis alone, first
-/// contacts of masses told wrong count as kicks at 10 ms; with 100, a tool that goes over an edge may.
+/// Squared innovation, relative to its variance, above which it is attributed to a kick instead of jerk. With 25, as
+/// for a single axis, first contacts with wrong model masses count as kicks at 10 ms. With 100, a tool that crosses
+/// an edge may.
 pub(crate) const SURPRISE: f64 = 900.0;
-/// Square of the standard deviations that are left of a surprise when a kick has been reckoned with.
+/// Squared normalised innovation that remains after a kick has been included.
 pub(crate) const EXPLAINED: f64 = 4.0;
-/// By which part the variance of the jerk falls from a sample to the next while the device is where it is expected.
+/// Relative decrease of the jerk variance per sample while the device is where it is expected.
 const CALMING: f64 = 0.2;
-/// Quantum of a sensor that is not known to have one, or a finer one `[m]`. Finer positions would tell more than a filter can use that
-/// takes its equations for straight: it would trust what the first samples say of the hand's spring and damper far too much.
+/// Quantum assumed for a sensor with unknown or finer quantum `[m]`. With a smaller value the filter, which
+/// linearises its equations, would rely too much on the first samples for the hand's spring and damper.
 const FINEST_QUANTUM: f64 = 5e-7;
-/// The device is taken for no lighter than this part of what was told,
+/// Minimum of the estimated mass, relative to its model value.
 const LIGHTEST: f64 = 0.05;
-/// and for no heavier than this multiple of it.
+/// Maximum of the estimated mass, relative to its model value.
 const HEAVIEST: f64 = 20.0;
-/// Largest hand damping and stiffness over mass that are believed, times the period and its square: beyond them the
-/// series ends too early.
+/// Maximum of the hand damping over mass times the period, and of the stiffness over mass times its square: beyond it
+/// the truncated series is inaccurate.
 const MOST_RATE: f64 = 0.5;
 
-/// The observer of a device along one axis.
+/// Observer of a device along one axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AxisObserver {
     pub motion: AxisMotion,
     covariance: Covariance,
-    /// Variance of the hand's jerk, as far as innovations show one `[m^2/s^6]`.
+    /// Variance of the hand's jerk as shown by the innovations `[m^2/s^6]`.
     jerk_variance: f64,
     sensor_noise: SensorNoise<f64>,
 }
 
-/// What an observer starts from.
+/// Initial values of an observer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AxisPrior {
-    /// 1/m as told `[1/kg]`; 0 for what no force moves.
+    /// 1/m from the model mass `[1/kg]`; 0 if no force moves the device.
     pub mobility: f64,
     /// Variance of a measured position `[m^2]`.
     pub measurement_variance: f64,
     pub prior: Prior,
-    /// The jerk that is reckoned with while the device is where it is expected, at least `[m/s^3]`.
+    /// Minimum jerk assumed while the device is where it is expected `[m/s^3]`.
     least_jerk: f64,
-    /// Whether the device has this axis. If not, the tool is where it is measured, and nothing is estimated.
+    /// Whether the device has this axis. Otherwise the tool is at the measured position and nothing is estimated.
     is_there: bool,
 }
 
@@ -272,7 +276,7 @@ impl AxisPrior {
         let quantum = quantum.max(FINEST_QUANTUM);
         Self {
             mobility: 1.0 / mass,
-            // A position is anywhere within its quantum.
+            // Uniform distribution within the quantum.
             measurement_variance: quantum * quantum / 12.0,
             prior,
             least_jerk: 0.0,
@@ -280,8 +284,9 @@ impl AxisPrior {
         }
     }
 
-    /// Of a device whose mass is another at each place. One mobility for each axis is only nearly right there, and what is left over
-    /// has to be put down to a jerk: with less of it E of the arm of `palpate-sim --test it linkages::` is 24 % at 4 ms in place of 9 %.
+    /// Returns the prior for a position-dependent mass. One mobility per axis is an approximation, and the remainder
+    /// must be attributed to jerk. With less jerk, E of the arm in `palpate-sim --test it linkages::` is 24 % at 4 ms
+    /// instead of 9 %.
     pub fn of_a_linkage(self) -> Self {
         Self {
             least_jerk: self.prior.jerk,
@@ -289,7 +294,7 @@ impl AxisPrior {
         }
     }
 
-    /// Of an axis that the device lacks.
+    /// Returns the prior for an axis that the device lacks.
     pub fn of_no_axis(self) -> Self {
         Self {
             mobility: 0.0,
@@ -299,7 +304,8 @@ impl AxisPrior {
     }
 }
 
-/// Covariance of the state at the start of an interval with that at its end, and that of the state at its end without the jerk.
+/// Returns the covariance of the state at the start of an interval with that at its end, and the covariance at the
+/// end without jerk.
 fn carried(at_start: &Covariance, transition: &[Row; 3]) -> (Covariance, Covariance) {
     let mut cross = *at_start;
     for (column, row) in transition.iter().enumerate() {
@@ -338,12 +344,12 @@ impl AxisObserver {
         }
     }
 
-    /// Takes the sample at the end of an interval of `h` `[s]` over which the device has moved by `moved` `[m]` under
-    /// a held `force` `[N]`. Returns the device at the interval's beginning as the sample makes it look now: smoothed by
-    /// one step, but for theta, lambda and kappa, which are the same at both ends.
+    /// Updates the estimate with the sample at the end of an interval of `h` `[s]`, in which the device moved by
+    /// `moved` `[m]` under a held `force` `[N]`. Returns the smoothed state at the beginning of the interval
+    /// (one-step smoothing). theta, lambda and kappa are equal at both ends.
     pub fn see(&mut self, from: &AxisPrior, moved: f64, force: &AxisForce, h: f64) -> AxisMotion {
         if !from.is_there {
-            // Straight from the one measured place to the next, and on.
+            // Linear motion between measured positions, extrapolated.
             self.motion = AxisMotion::led(moved / h);
             return self.motion;
         }
@@ -352,7 +358,7 @@ impl AxisObserver {
         let change = before.under(force, h);
         let transition = before.transition(force, h);
         let jerk = Row::from([h * h * h / 6.0, h * h / 2.0, h, 0.0, 0.0, 0.0]);
-        // What is not known of the force: a kick that is not there, or is there twice.
+        // Uncertain force: the kick may be missing or doubled.
         let kicked = before.mobility * force.impulse_deviation * h;
         let innovation = moved - (before.offset + change.travel);
         let expects = |at_start: &Covariance, jerk_variance: f64| {
@@ -365,7 +371,7 @@ impl AxisObserver {
         let mut jerk_variance = self.jerk_variance;
         let (mut cross, mut covariance, mut variance) = expects(&at_start, jerk_variance);
         let square = innovation * innovation;
-        // By a unit of jerk, in an interval.
+        // Variance of the displacement per unit jerk variance.
         let travel_variance = jerk[0] * jerk[0];
         let most = from.prior.jerk * from.prior.jerk;
         if square > EXPLAINED * variance && jerk_variance < most {
@@ -375,13 +381,13 @@ impl AxisObserver {
             (cross, covariance, variance) = expects(&at_start, jerk_variance);
         }
         let calm = CALMING * (1.0 - square / variance).max(0.0);
-        // One whose way in an interval the sensor cannot tell from none costs nothing.
+        // Jerk whose displacement per interval is below the sensor resolution has no cost.
         let least = measurement_variance / travel_variance;
         let least = least.max(from.least_jerk * from.least_jerk).min(most);
         let calmed = (jerk_variance * (1.0 - calm)).max(least);
         if square > SURPRISE * variance {
-            // Nothing the filter reckons with: something kicked the device. Let the kick come first in the interval, which makes the
-            // velocity that of the last step.
+            // The filter model cannot explain this innovation: something kicked the device. Assume the kick at the
+            // start of the interval, which makes the velocity that of the last step.
             at_start[(VELOCITY, VELOCITY)] += (square / EXPLAINED - variance) / (h * h);
             (cross, covariance, variance) = expects(&at_start, jerk_variance);
         }
@@ -397,7 +403,7 @@ impl AxisObserver {
         let spring_rate = (before.spring_rate + update[5]).clamp(0.0, MOST_RATE / (h * h));
         let mut covariance = (covariance + covariance.transpose()) * 0.5;
         for state in 0..STATES {
-            // By rounding only.
+            // Negative only by rounding.
             covariance[(state, state)] = covariance[(state, state)].max(0.0);
         }
         let adapted = Self {
@@ -428,7 +434,7 @@ impl AxisObserver {
         }
     }
 
-    /// Variance of the sample that ends an interval `[m^2]`, by what free motion has shown.
+    /// Returns the variance of the sample that ends an interval, from the noise observed in free motion `[m^2]`.
     fn sensor_variance(&mut self, from: &AxisPrior, moved: f64, force: &AxisForce, h: f64) -> f64 {
         let known = self.motion;
         let interval = SensorInterval {

@@ -1,4 +1,4 @@
-//! Which tools and bodies of a world can touch, and at which points.
+//! Pairs of tools and bodies that can touch, and their contact points.
 
 use std::sync::Arc;
 
@@ -12,24 +12,24 @@ use crate::rigid::{Mobility, Rigid, Vector3};
 use crate::solid::Solid;
 use crate::{Mesh, Motion, PointShell, Shape, World, WorldError, WorldField, WorldPart};
 
-/// Most points of contact that a world may have, those of [large](PointShell::MOST_ALWAYS) shells apart: a tick looks at all of them
-/// in every sub-step. Of the points of large shells it looks at as many again, those that are near.
+/// Maximum number of contact points of a world, without those of [large](PointShell::MOST_ALWAYS) shells. A tick
+/// evaluates all of them in every sub-step. It also evaluates up to the same number of near points of large shells.
 pub const MOST_POINTS: usize = 64;
 
-/// Most points of contact of large shells that a world may have: a tick looks at all of them a few times.
+/// Maximum number of contact points of large shells in a world. A tick visits all of them a few times.
 pub const MOST_SHELL_POINTS: usize = 4096;
 
 /// One side of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Side {
-    /// The tool of this number, from 0.
+    /// The tool with this index, from 0.
     Tool(usize),
-    /// The body of this number, from 0.
+    /// The body with this index, from 0.
     Body(usize),
 }
 
 impl Side {
-    /// That of a number among tools and bodies, tools first.
+    /// Returns the side for an index among tools and bodies, tools first.
     pub(crate) fn of(number: usize, tools: usize) -> Self {
         match number.checked_sub(tools) {
             None => Self::Tool(number),
@@ -38,33 +38,32 @@ impl Side {
     }
 }
 
-/// A point at which two tools or bodies can touch: a sphere of the first, or a corner as one of radius 0, and the
-/// nearest point of the second's solid.
+/// A possible contact point of two tools or bodies: a sphere of the first (radius 0 for a corner) and the nearest
+/// point of the second's solid.
 #[derive(Clone, Debug)]
 pub(crate) struct Point {
-    /// Numbers of the two among tools and bodies, tools first.
+    /// Indices of the two among tools and bodies, tools first.
     pub first: usize,
     pub second: usize,
-    /// Whether the centre is another one than the first's own.
+    /// Whether the sphere's centre differs from the origin of the first.
     pub is_off_centre: bool,
     /// Centre of the sphere, in the axes of the first `[m]`.
     pub centre: Vector3,
-    /// Its distance from the mass centre of the first `[m]`.
+    /// Distance of the centre from the mass centre of the first `[m]`.
     pub lever: f64,
     pub radius: f64,
     pub solid: Solid,
     pub law: PointLaw,
-    /// Whether the method says which force this contact holds over an interval: the sub-steps do not compute it.
+    /// Whether the method sets the contact force over an interval; the sub-steps then do not compute it.
     pub is_held: bool,
-    /// Of both sides, the largest squared lever of a force across the surface times the inverse moment of inertia
-    /// `[1/kg]`.
+    /// For both sides, the largest squared lever of a tangential force times the inverse moment of inertia `[1/kg]`.
     pub across: [f64; 2],
-    /// The same for a force along the normal: 0 for a sphere.
+    /// For both sides, the same quantity for a normal force: 0 for a sphere.
     pub along: [f64; 2],
 }
 
 impl Point {
-    /// Where the sphere's centre is `[m]`.
+    /// Returns the position of the sphere's centre `[m]`.
     pub fn centre_of(&self, first: &Rigid) -> Vector3 {
         if self.is_off_centre {
             first.position + first.orientation * self.centre
@@ -73,8 +72,8 @@ impl Point {
         }
     }
 
-    /// 1 if a tool is the first of the two, on which the contact's force acts; -1 if it is the second, on which the
-    /// opposite force does.
+    /// Returns 1 if the tool is the first of the two, on which the contact force acts, and -1 if it is the second, on
+    /// which the opposite force acts.
     pub fn sign_on(&self, tool: usize) -> Option<f64> {
         if self.first == tool {
             Some(1.0)
@@ -85,7 +84,7 @@ impl Point {
         }
     }
 
-    /// The tool among the two, if one is: two tools do not touch.
+    /// Returns the tool of the pair, if any: two tools never collide.
     pub fn tool(&self, tools: usize) -> Option<usize> {
         [self.first, self.second]
             .into_iter()
@@ -93,7 +92,7 @@ impl Point {
     }
 }
 
-/// One of a world's tools and bodies.
+/// A tool or body of a world.
 struct Candidate<'a> {
     name: &'a str,
     shape: &'a Shape,
@@ -121,18 +120,18 @@ impl Candidate<'_> {
     }
 }
 
-/// Where the tools and bodies of a world can touch.
+/// Possible contacts between the tools and bodies of a world.
 pub(crate) struct Contacts {
     pub points: Vec<Point>,
-    /// Which of them are looked at always.
+    /// Selection of the active points.
     pub nearby: Nearby,
-    /// The meshes that spheres touch.
+    /// Meshes in contact with spheres.
     pub surfaces: Vec<Surface>,
-    /// The pairs of boxes, hulls, capsules and cylinders.
+    /// Pairs of boxes, hulls, capsules and cylinders.
     pub blocks: Vec<Blocks>,
 }
 
-/// All points of contact of a checked world, or every pair that cannot be rendered.
+/// Returns all contact points of a checked world, or a fault for every pair that cannot be rendered.
 pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts, Vec<WorldError>> {
     let tools = world.tools.iter().enumerate().map(|(i, tool)| Candidate {
         name: &tool.name,
@@ -165,7 +164,7 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                 .or_else(|| spheres_on_mesh(other.shape, one.shape).map(|found| (j, i, found)));
             if let Some((first, second, (spheres, mesh))) = on_mesh {
                 for sphere in spheres {
-                    // A mesh is looked at once for all points of a sphere.
+                    // A mesh is evaluated once for all points of a sphere.
                     points.extend((0..POINTS_PER_MESH).map(|point| {
                         let solid = Solid::Mesh {
                             surface: surfaces.len(),
@@ -179,7 +178,7 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                 }
                 continue;
             }
-            // A half-space has no centre from which all of it is within reach, so it is the second.
+            // An unbounded half-space has no bounding sphere, so it must be the second.
             let (shapes, sides) = match one.shape {
                 Shape::HalfSpace { .. } => ([other.shape, one.shape], [j, i]),
                 _ => ([one.shape, other.shape], [i, j]),
@@ -290,14 +289,14 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
     }
 }
 
-/// A sphere that a shape touches others with, and the share of a contact's law that it has.
+/// A sphere of a shape for contacts, and its share of a contact's law.
 struct Touching {
     centre: Vector3,
     radius: f64,
     share: f64,
 }
 
-/// Why the corners of a shape are not the points at which it touches `other`.
+/// Returns the fault of a shape whose corners cannot serve as contact points with `other`.
 fn no_corners(shape: &Candidate<'_>, other: &Candidate<'_>, reason: NoHull) -> WorldError {
     let why = match reason {
         NoHull::TooMany => format!(
@@ -314,7 +313,7 @@ fn no_corners(shape: &Candidate<'_>, other: &Candidate<'_>, reason: NoHull) -> W
     WorldError::new(shape.place, WorldField::Shape, subject, why)
 }
 
-/// What a sphere is, or several are; `None` of any other shape.
+/// Returns the spheres of a sphere shape; `None` for any other shape.
 fn own_spheres(shape: &Shape) -> Option<Vec<Touching>> {
     let whole = |centre: crate::Vector, radius: f64| Touching {
         centre: centre.into(),
@@ -332,7 +331,7 @@ fn own_spheres(shape: &Shape) -> Option<Vec<Touching>> {
     }
 }
 
-/// The spheres of a shape, and the triangles of another one that they can touch.
+/// Returns the spheres of a shape and the mesh that they can touch.
 fn spheres_on_mesh<'a>(shape: &Shape, other: &'a Shape) -> Option<(Vec<Touching>, &'a Arc<Mesh>)> {
     let mesh = match other {
         Shape::Mesh(mesh) => mesh,
@@ -342,7 +341,7 @@ fn spheres_on_mesh<'a>(shape: &Shape, other: &'a Shape) -> Option<(Vec<Touching>
     Some((own_spheres(shape)?, mesh))
 }
 
-/// Of two meshes, by the points of whichever one the other could be touched: whether the first is the smaller one.
+/// Returns whether the first of two meshes is the smaller one, whose points are used for the contact.
 fn is_smaller_mesh(shape: &Shape, other: &Shape) -> bool {
     match (shape, other) {
         (Shape::Mesh(one), Shape::Mesh(other)) => one.reach() < other.reach(),
@@ -350,8 +349,8 @@ fn is_smaller_mesh(shape: &Shape, other: &Shape) -> bool {
     }
 }
 
-/// The spheres of a shape with which it can touch `other`, and the other's solid, where no two places of the two
-/// surfaces meet unless a sphere does.
+/// Returns the spheres of a shape for contacts with `other`, and the other's solid, if any contact of the two
+/// surfaces involves a sphere.
 fn spheres_on(shape: &Shape, other: &Shape) -> Option<Result<(Vec<Touching>, Solid), NoHull>> {
     if let Shape::Mesh(mesh) = shape
         && let Some(shell) = mesh.shell()
@@ -362,7 +361,7 @@ fn spheres_on(shape: &Shape, other: &Shape) -> Option<Result<(Vec<Touching>, Sol
     let spheres = match (shape, other) {
         (Shape::Sphere { .. } | Shape::Spheres { .. }, _) => own_spheres(shape)?,
         (Shape::Hull(hull), Shape::HalfSpace { .. }) => hull.by_corners().touching(),
-        // A face that lies flat has four corners, so each has a quarter of the law.
+        // A face that lies flat has four corners, each with a quarter of the law.
         (Shape::Box { half_extents }, Shape::HalfSpace { .. }) => (0..8_u8)
             .map(|corner| Touching {
                 centre: Vector3::from_fn(|axis, _| {
@@ -373,7 +372,7 @@ fn spheres_on(shape: &Shape, other: &Shape) -> Option<Result<(Vec<Touching>, Sol
                 share: 4.0,
             })
             .collect(),
-        // Only a corner of the convex hull is the first to meet a plane.
+        // Only a corner of the convex hull can touch a plane first.
         (Shape::Mesh(mesh), Shape::HalfSpace { .. }) => match Corners::around(mesh.places(), 0.0) {
             Ok(corners) => corners.touching(),
             Err(reason) => return Some(Err(reason)),
@@ -398,7 +397,7 @@ fn spheres_on(shape: &Shape, other: &Shape) -> Option<Result<(Vec<Touching>, Sol
 }
 
 impl Corners {
-    /// Each as a sphere of radius 0, with its share of the law.
+    /// Returns each corner as a sphere of radius 0 with its share of the law.
     fn touching(&self) -> Vec<Touching> {
         let share = self.most_on_a_face() as f64;
         let each = self.places.iter();
@@ -412,7 +411,7 @@ impl Corners {
 }
 
 impl PointShell {
-    /// Each point as a sphere of radius 0, with its share of the law.
+    /// Returns each point as a sphere of radius 0 with its share of the law.
     fn touching(&self) -> Vec<Touching> {
         let share = self.sharers() as f64;
         let each = self.places().iter();

@@ -1,36 +1,36 @@
-//! The loop in which a world is rendered.
+//! Loop parameters of a world.
 
 use palpate::{Actuation, Range};
 
 use crate::fault::out_of_range;
 use crate::{SubSteps, WorldError, WorldField, WorldGuard, WorldPart};
 
-/// The loop in which a world is rendered: the same for every tool.
+/// Parameters of the loop that renders a world, common to all tools.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorldLoop {
-    /// Nominal time from sample to sample T `[s]`, above 0.
+    /// Nominal sample period T `[s]`, above 0.
     pub period: f64,
     /// Longest time between two samples that is bridged `[s]`, at least one period. `None`: 20 periods.
     pub largest_gap: Option<f64>,
-    /// Fastest motion of a device that is believed `[m/s]`, above 0. `None`: any.
+    /// Maximum plausible device speed `[m/s]`, above 0. `None`: unlimited.
     pub speed_limit: Option<f64>,
-    /// Largest force on each tool, by its norm `[N]`, above 0: of the command, and of the command times the gain of the
-    /// actuation. One number for each tool, or none at all.
+    /// Maximum norm of the force on each tool `[N]`, above 0. It applies to the command, and to the command times the
+    /// actuation gain. One value per tool, or an empty list.
     pub force_limits: Vec<f64>,
-    /// Largest torque on each tool `[N m]`: one number for each tool, or an empty list.
+    /// Maximum norm of the torque on each tool `[N m]`: one value per tool, or an empty list.
     pub torque_limits: Vec<f64>,
-    /// Fastest turning of a device that is believed `[rad/s]`, above 0. `None`: any.
+    /// Maximum plausible angular speed of a device `[rad/s]`, above 0. `None`: unlimited.
     pub turning_limit: Option<f64>,
-    /// What is known of the way from a sample to the force on each device.
+    /// Actuation model, from a sample to the force on each device.
     pub actuation: Actuation<f64>,
-    /// How finely an interval is integrated.
+    /// Sub-step settings of an interval.
     pub sub_steps: SubSteps,
-    /// Bound on the energy that held forces give out, of all tools together.
+    /// Bound on the energy delivered by held forces, over all tools.
     pub guard: WorldGuard,
 }
 
 impl WorldLoop {
-    /// A loop of nominal `period` `[s]` that believes device speeds up to 100 m/s and 100 rad/s and limits no force.
+    /// Creates a loop with nominal `period` `[s]`, plausibility limits of 100 m/s and 100 rad/s, and no force limit.
     #[must_use]
     pub fn new(period: f64) -> Self {
         Self {
@@ -46,7 +46,7 @@ impl WorldLoop {
         }
     }
 
-    /// The same loop with a largest force for each tool `[N]`.
+    /// Sets the maximum force of each tool `[N]`.
     #[must_use]
     pub fn with_force_limits(self, force_limits: Vec<f64>) -> Self {
         Self {
@@ -55,7 +55,7 @@ impl WorldLoop {
         }
     }
 
-    /// The same loop with a largest torque for each tool `[N m]`.
+    /// Sets the maximum torque of each tool `[N m]`.
     #[must_use]
     pub fn with_torque_limits(self, torque_limits: Vec<f64>) -> Self {
         Self {
@@ -64,13 +64,13 @@ impl WorldLoop {
         }
     }
 
-    /// The same loop with what is known of its actuators.
+    /// Sets the actuation model.
     #[must_use]
     pub fn with_actuation(self, actuation: Actuation<f64>) -> Self {
         Self { actuation, ..self }
     }
 
-    /// The same loop with a bound on the energy that its forces give out.
+    /// Sets the bound on the energy delivered by the forces.
     #[must_use]
     pub fn with_guard(self, guard: WorldGuard) -> Self {
         Self { guard, ..self }
@@ -80,7 +80,7 @@ impl WorldLoop {
         self.largest_gap.unwrap_or(20.0 * self.period)
     }
 
-    /// Everything that is wrong with the loop of a world of so many tools.
+    /// Returns all faults of the loop for a world with this number of tools.
     pub(crate) fn faults(&self, tools: usize) -> Vec<WorldError> {
         let mut faults = Vec::new();
         let mut fault = |field, message: String| {
@@ -162,5 +162,5 @@ impl WorldLoop {
     }
 }
 
-/// Most sub-steps that may be asked for.
+/// Maximum number of sub-steps that can be requested.
 const MOST_SUB_STEPS: u32 = 1 << 16;

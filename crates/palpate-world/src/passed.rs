@@ -1,12 +1,12 @@
-//! Books what has passed in an interval.
+//! Ledger entries at the end of an interval.
 
 use crate::books::Books;
 use crate::moving::Moving;
 use crate::pairs::Point;
 
 impl Books {
-    /// Avatars were put to other places than they were expected at, and the contacts looked at anew: since `before`,
-    /// the energies stored at the points changed from outside.
+    /// Records the change in the energy stored at the points as external: proxies have been displaced from their
+    /// expected positions and the contacts re-evaluated.
     pub(crate) fn observe(&mut self, moving: &Moving, points: &[Point]) {
         for (number, (book, point)) in self.contacts.iter_mut().zip(points).enumerate() {
             let stored = moving.stored(number, point);
@@ -15,13 +15,13 @@ impl Books {
         }
     }
 
-    /// Bodies and contacts have moved on by an interval, as `moving` says.
+    /// Records the motion of bodies and contacts over an interval, as in `moving`.
     pub(crate) fn pass(&mut self, moving: &Moving, points: &[Point], tools: usize) {
         for (number, (book, point)) in self.contacts.iter_mut().zip(points).enumerate() {
             let past = &moving.touches[number].past;
             let stored = moving.stored(number, point);
             if point.is_held {
-                // The force is held, so nothing is stored.
+                // The force is held, so the contact stores no energy.
                 book.observed += past.work;
             } else {
                 book.step_error += stored - book.stored + past.dissipated + past.work - past.handed;
@@ -47,7 +47,7 @@ impl Books {
         }
         for (book, part) in self.bodies.iter_mut().zip(&moving.parts[tools..]) {
             let kinetic = part.mobility.kinetic_energy(&part.rigid);
-            // Of its constant force, as the sub-steps have it and by where they have brought it.
+            // Work of its constant force as integrated by the sub-steps and as given by the displacement.
             let gained = part.work_of_constant_force();
             book.step_error += part.turning_error + part.driven - gained;
             book.work += kinetic - book.kinetic - part.turning_error - part.driven;

@@ -1,4 +1,4 @@
-//! One tick of a world, the same for every method.
+//! One tick of a world, common to all methods.
 
 use nalgebra::UnitQuaternion;
 use palpate::Fault;
@@ -25,22 +25,22 @@ use crate::{
     WorldLoop,
 };
 
-/// A world, rendered by one method in one loop. Immutable: a tick cannot change a parameter, and one renderer serves
-/// any number of [`WorldState`]s.
+/// Renderer of a world by one method in one loop. It is immutable: a tick cannot change a parameter, and one renderer
+/// serves any number of [`WorldState`]s.
 #[derive(Clone, Debug)]
 pub struct WorldRenderer {
     pub(crate) in_loop: WorldLoop,
     pub(crate) points: Vec<Point>,
     pub(crate) nearby: Nearby,
     pub(crate) tools: usize,
-    /// What it was made of.
+    /// World from which the renderer was created; `described` is the method.
     pub(crate) world: World,
     pub(crate) described: WorldMethod,
-    /// Of each tool, whether it turns.
+    /// Whether each tool turns.
     pub(crate) turns: Vec<bool>,
-    /// Along which axes its device moves it.
+    /// Axes along which each device moves its tool.
     pub(crate) axes: Vec<Axes>,
-    /// Tools, then bodies, as they are at the start.
+    /// Initial tools, then bodies.
     pub(crate) parts: Vec<Part>,
     pub(crate) surfaces: Vec<Surface>,
     pub(crate) blocks: Vec<Blocks>,
@@ -50,11 +50,11 @@ pub struct WorldRenderer {
 }
 
 impl WorldRenderer {
-    /// Checks world, loop and method once, and computes what depends on them only.
+    /// Checks world, loop and method, and computes all quantities that depend only on them.
     ///
     /// # Errors
     ///
-    /// Everything that is wrong with the world, or else with its pairs, the loop and the method: at least one fault.
+    /// Returns all faults of the world, or otherwise those of its pairs, the loop and the method (at least one).
     pub fn new(
         world: &World,
         in_loop: WorldLoop,
@@ -125,13 +125,13 @@ impl WorldRenderer {
         })
     }
 
-    /// The loop it is rendered in.
+    /// Returns the loop parameters.
     #[must_use]
     pub fn in_loop(&self) -> &WorldLoop {
         &self.in_loop
     }
 
-    /// The name of a tool or body.
+    /// Returns the name of a tool or body.
     #[must_use]
     pub fn name_of(&self, side: Side) -> &str {
         match side {
@@ -140,8 +140,8 @@ impl WorldRenderer {
         }
     }
 
-    /// A new state: bodies are as the world says, nothing has been sampled yet, the books are empty. The first sample
-    /// finds the devices at rest.
+    /// Creates a state before the first sample, with the bodies in their initial states and an empty energy ledger.
+    /// At the first sample the devices are assumed to be at rest.
     #[must_use]
     pub fn start(&self) -> WorldState {
         let now = Moving {
@@ -166,7 +166,7 @@ impl WorldRenderer {
             bristle: [0.0; 3],
         });
         let bodies = &self.parts[self.tools..];
-        // Where nothing turns, no torque is followed.
+        // If no tool turns, no torque is tracked.
         let turning = if self.turns.contains(&true) {
             self.tools
         } else {
@@ -212,7 +212,7 @@ impl WorldRenderer {
         WorldState { progress, memory }
     }
 
-    /// How many tools may have an avatar whose mass changes with its place.
+    /// Returns the number of tools for which a proxy with position-dependent mass must be provided.
     fn carried(&self) -> usize {
         let mut tools = self.world.tools.iter();
         if tools.any(|tool| tool.mass_table.is_some()) {
@@ -222,7 +222,7 @@ impl WorldRenderer {
         }
     }
 
-    /// Books of the joints, whose springs may be stretched at the start.
+    /// Returns the initial ledgers of the joints, whose springs may be stretched.
     fn joints_at_start(&self) -> Vec<JointBook> {
         let mut books = vec![JointBook::default(); self.joints];
         let mut parts = self.parts.clone();
@@ -233,9 +233,9 @@ impl WorldRenderer {
         books
     }
 
-    /// Says what was really sent to a tool for the last output `[N]`, where it is not the output's: a motor clips it,
-    /// or a driver has limited it. It acts when the output's would have. A force that is not finite is left as it is; along an
-    /// axis that the device lacks no motor gives one, whatever is said.
+    /// Replaces the last output on a tool by the force that was actually sent `[N]`, for example after saturation.
+    /// Its delay is that of the output. Non-finite values are ignored, and so are components along axes that the
+    /// device lacks.
     pub fn report_sent(&self, state: &mut WorldState, tool: usize, mut force: Vector) {
         if let Some(axes) = self.axes.get(tool) {
             axes.keep(&mut force);
@@ -245,8 +245,8 @@ impl WorldRenderer {
         }
     }
 
-    /// Says what torque was really sent to a tool for the last output `[N m]`, as [`report_sent`](Self::report_sent) does
-    /// of its force. To a tool that feels no torque none is sent, whatever is said.
+    /// Replaces the last output on a tool by the torque that was actually sent `[N m]`, like
+    /// [`report_sent`](Self::report_sent) for the force. Ignored for a tool that feels no torque.
     pub fn report_sent_torque(&self, state: &mut WorldState, tool: usize, torque: Vector) {
         let feels_torque = self.world.tools.get(tool).is_some_and(Tool::feels_torque);
         if torque.iter().all(|x| x.is_finite()) && feels_torque {
@@ -254,14 +254,15 @@ impl WorldRenderer {
         }
     }
 
-    /// One tick: takes a sample of all devices, gives the forces and torques to hold until the next.
+    /// Performs one tick: takes a sample of all devices and returns the forces and torques to hold until the next
+    /// one.
     ///
-    /// `state` is one that this renderer has started; with the state of another renderer a tick may panic. Apart from
-    /// that a tick is total: it never panics, allocates, blocks or loops without bound, and its forces and
-    /// torques are finite for any input.
+    /// `state` must have been started by this renderer; with the state of another renderer a tick may panic.
+    /// Otherwise a tick never panics, allocates, blocks or loops without bound, and its forces and torques are finite
+    /// for any input.
     ///
-    /// A sample that cannot be used gives forces and torques of 0 and its fault. The bodies then wait, with their momentum, where
-    /// they were at the last sample that was used.
+    /// An unusable sample gives zero forces and torques and a fault. The bodies then pause, and keep their positions
+    /// and momentum from the last used sample.
     pub fn step<'s>(&self, state: &'s mut WorldState, sample: &Sample<'_>) -> Output<'s> {
         let WorldState { progress, memory } = state;
         let elapsed = progress.tracking.believe(sample, &self.in_loop);
@@ -297,7 +298,7 @@ impl WorldRenderer {
         }
     }
 
-    /// `effort` says what it took, of a sample that is refused too.
+    /// Performs the tick. `effort` is set for a rejected sample too.
     fn try_step(
         &self,
         state: &mut Progress,
@@ -340,7 +341,7 @@ impl WorldRenderer {
         Ok(limited)
     }
 
-    /// A method finds the devices at these positions `[m]`, at rest, and makes up its mind about the next interval.
+    /// Starts the method with the devices at these positions `[m]`, at rest, and plans the next interval.
     pub(crate) fn begin_and_plan(
         &self,
         state: &mut Progress,
@@ -351,7 +352,7 @@ impl WorldRenderer {
         let _ = self.plan(state, memory);
     }
 
-    /// What the method asks for, along the axes that the devices have.
+    /// Computes the method's forces and torques, restricted to the axes that the devices have.
     fn plan(&self, state: &mut Progress, memory: &mut Memory) -> Effort {
         let effort = self.method.plan(self, state, memory);
         for (intended, axes) in state.intended.iter_mut().zip(&self.axes) {
@@ -360,7 +361,7 @@ impl WorldRenderer {
         effort
     }
 
-    /// The guard takes account of an interval that has ended, with a sample that is believed or not.
+    /// Updates the guard for an interval that has ended, with an accepted or rejected sample.
     fn account(&self, state: &mut Progress, is_believed: bool) {
         let Some(params) = self.in_loop.guard.params() else {
             return;
@@ -374,7 +375,7 @@ impl WorldRenderer {
             .pass(params, commands, moved, self.in_loop.period);
     }
 
-    /// Keeps forces and torques to what the guard lets pass, if it is to; whether they exceed it.
+    /// Limits forces and torques to the guard's bound, if it is set to limit. Returns whether they exceeded it.
     fn guard(&self, state: &mut Progress) -> bool {
         let Some(params) = self.in_loop.guard.params() else {
             return false;
@@ -398,16 +399,16 @@ impl WorldRenderer {
         kept.is_some()
     }
 
-    /// How much the guard lets pass of what can have so much power `[W]`, where it exceeds the guard's bound.
+    /// Returns the fraction that the guard allows of an action with this power `[W]`, if it exceeds the bound.
     fn kept(&self, state: &Progress, power: f64) -> Option<f64> {
         let asked = power * state.commands.gain() * self.in_loop.period;
-        // Where it exceeds the bound, asked is above 0.
+        // If it exceeds the bound, `asked` is above 0.
         (asked > state.guard.left).then(|| state.guard.left / asked)
     }
 
-    /// Makes other forces and torques, which are to be held in place of those of the last output, so small that the limits of
-    /// the loop and its guard hold for them; which of these acted. `held` has one for each tool, of which `parts` gives the
-    /// force `[N]` and the torque `[N m]`. The guard only reports where it does so in a tick.
+    /// Limits other forces and torques, to be held instead of the last output, to the limits of the loop and its
+    /// guard. Returns which limits acted. `held` has one entry per tool; `parts` gives its force `[N]` and torque `[N
+    /// m]`. A guard that only reports in a tick only reports here.
     pub fn keep_within<T>(
         &self,
         state: &WorldState,
@@ -436,7 +437,7 @@ impl WorldRenderer {
     }
 }
 
-/// Shortens what is asked for to the limit of each tool, if there are limits; whether one acted.
+/// Scales the command of each tool to its limit, if there are limits. Returns whether one acted.
 fn limit(intended: &[Vector3], sent: &mut [Vector], limits: &[f64], gain: f64) -> bool {
     let mut acted = false;
     for (tool, (intended, sent)) in intended.iter().zip(sent).enumerate() {
@@ -446,7 +447,7 @@ fn limit(intended: &[Vector3], sent: &mut [Vector], limits: &[f64], gain: f64) -
     acted
 }
 
-/// Shortens a vector that exceeds `most` after a `gain`; returns whether it did.
+/// Scales down a vector that exceeds `most` after a `gain`. Returns whether it did.
 fn shorten(vector: &mut Vector, most: Option<&f64>, gain: f64) -> bool {
     let long = Vector3::from(*vector);
     let norm = long.norm();
@@ -458,14 +459,14 @@ fn shorten(vector: &mut Vector, most: Option<&f64>, gain: f64) -> bool {
 }
 
 impl WorldRenderer {
-    /// The bodies are where the world has them at the start: their motion was no number any more.
+    /// Resets the bodies to their initial states after a non-finite motion.
     fn put_back(&self, state: &mut Progress) {
         let Moving { parts, links, .. } = &mut state.now;
         parts.copy_from_slice(&self.parts);
         for link in links {
             link.meet(parts);
         }
-        // Without the loads of the joints.
+        // Discard the loads of the joints.
         parts.copy_from_slice(&self.parts);
         for touch in &mut state.now.touches {
             *touch = Touch::apart();
@@ -490,14 +491,14 @@ impl WorldRenderer {
         }
     }
 
-    /// Writes where the bodies are.
+    /// Copies the body states.
     pub(crate) fn show_bodies(&self, state: &mut Progress) {
         for (part, body) in state.now.parts[self.tools..].iter().zip(&mut state.bodies) {
             *body = body_state(part);
         }
     }
 
-    /// Writes what can be read from a state.
+    /// Copies the readable part of a state.
     pub(crate) fn publish(&self, state: &mut Progress, memory: &Memory) {
         self.show_bodies(state);
         memory.publish(state);
@@ -510,7 +511,7 @@ impl WorldRenderer {
     }
 }
 
-/// The springs of all joints of a checked world.
+/// Returns the springs of all joints of a checked world.
 fn links(world: &World, parts: &[Part]) -> Vec<Link> {
     let number = |name: &String| {
         let place = world.bodies.iter().position(|body| body.name == *name);
@@ -536,7 +537,7 @@ fn part_of(body: &Body) -> Part {
     let Motion::Free(free) = &body.motion else {
         return Part::fixed(rigid);
     };
-    // A half-space has none, and is refused as a body that moves.
+    // A half-space has no moments of inertia and is rejected as a moving body.
     let moments = free.inertia.or_else(|| body.shape.moments(free.mass));
     let moments = moments.unwrap_or([f64::INFINITY; 3]);
     let mobility = Mobility::of_body(free.mass, moments);

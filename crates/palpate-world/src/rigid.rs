@@ -8,34 +8,34 @@ pub(crate) type Vector3 = nalgebra::Vector3<f64>;
 pub(crate) type Matrix3 = nalgebra::Matrix3<f64>;
 pub(crate) type Rotation = UnitQuaternion<f64>;
 
-/// Where a tool or body is, and how it moves. The angular momentum is the state, not the angular velocity: no
-/// torque, no change.
+/// State of a tool or body. The state variable is the angular momentum, not the angular velocity, because it is
+/// constant without torque.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rigid {
-    /// Of the centre of mass `[m]`.
+    /// Position of the centre of mass `[m]`.
     pub position: Vector3,
     pub orientation: Rotation,
-    /// Of the centre of mass `[m/s]`.
+    /// Velocity of the centre of mass `[m/s]`.
     pub velocity: Vector3,
     /// Angular momentum about the centre of mass, along the world's axes `[N m s]`.
     pub spin: Vector3,
 }
 
-/// How a tool or body answers to forces and torques.
+/// Response of a tool or body to forces and torques.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Mobility {
-    /// 1/m along each axis `[1/kg]`; 0 for what no force moves.
+    /// 1/m along each axis `[1/kg]`; 0 if no force moves the body.
     pub linear: Vector3,
-    /// Those axes.
+    /// Axes of `linear`.
     pub linear_axes: OwnAxes,
-    /// Inverse moments of inertia along the body's own axes `[1/(kg m^2)]`; 0 for what no torque turns.
+    /// Inverse moments of inertia along the body's axes `[1/(kg m^2)]`; 0 if no torque turns the body.
     pub angular: Vector3,
-    /// Whether all three moments are the same.
+    /// Whether all three moments are equal.
     pub is_round: bool,
 }
 
 impl Mobility {
-    /// Of what no force moves.
+    /// Returns the mobility of an immovable body.
     pub fn none() -> Self {
         Self {
             linear: Vector3::zeros(),
@@ -55,17 +55,17 @@ impl Mobility {
         }
     }
 
-    /// Whether nothing turns it.
+    /// Returns whether no torque turns the body.
     pub fn does_not_turn(&self) -> bool {
         self.is_round && self.angular.x == 0.0
     }
 
-    /// Acceleration by a force `[m/s^2]`.
+    /// Returns the acceleration by a force `[m/s^2]`.
     pub fn acceleration(&self, force: &Vector3) -> Vector3 {
         scaled(&self.linear_axes, &self.linear, force)
     }
 
-    /// Sum over the axes that a force can move of the products of two vectors' parts along them, each over the mobility.
+    /// Returns the sum over all movable axes of the products of two vectors' components, divided by the mobility.
     pub fn weighted(&self, one: &Vector3, other: &Vector3) -> f64 {
         let [one, other] = [one, other].map(|vector| own(&self.linear_axes, vector));
         (0..3)
@@ -74,7 +74,7 @@ impl Mobility {
             .sum()
     }
 
-    /// Angular velocity of an angular momentum `[rad/s]`.
+    /// Returns the angular velocity for an angular momentum `[rad/s]`.
     pub fn turning(&self, orientation: &Rotation, spin: &Vector3) -> Vector3 {
         if self.is_round {
             spin * self.angular.x
@@ -84,7 +84,7 @@ impl Mobility {
         }
     }
 
-    /// Angular momentum of an angular velocity `[N m s]`; none of what no torque turns.
+    /// Returns the angular momentum for an angular velocity `[N m s]`; 0 if no torque turns the body.
     pub fn spin(&self, orientation: &Rotation, turning: &Vector3) -> Vector3 {
         let own = orientation.inverse_transform_vector(turning);
         let spin = own.zip_map(&self.angular, |turning, mobility| {
@@ -97,7 +97,7 @@ impl Mobility {
         orientation * spin
     }
 
-    /// The orientation after `h` `[s]` without torque, to second order: by the midpoint rule.
+    /// Returns the orientation after `h` `[s]` without torque, to second order (midpoint rule).
     pub fn turned(&self, orientation: &Rotation, spin: &Vector3, h: f64) -> Rotation {
         if self.does_not_turn() {
             return *orientation;
@@ -110,7 +110,7 @@ impl Mobility {
         rotation(self.turning(&midway, spin) * h) * orientation
     }
 
-    /// Kinetic energy of its motion and rotation `[J]`; 0 for what no force moves.
+    /// Returns the kinetic energy of translation and rotation `[J]`; 0 for an immovable body.
     pub fn kinetic_energy(&self, rigid: &Rigid) -> f64 {
         let turning = self.turning(&rigid.orientation, &rigid.spin);
         let by_motion = self.weighted(&rigid.velocity, &rigid.velocity);
@@ -118,8 +118,8 @@ impl Mobility {
     }
 }
 
-/// A rotation by nearly `vector` `[rad]`: its angle is too small by a third part of its cube over 4 (Cayley's map),
-/// which keeps the midpoint rule of second order and needs no sine.
+/// Returns a rotation by approximately `vector` `[rad]` with Cayley's map: the angle is too small by a twelfth of its
+/// cube. It preserves the second order of the midpoint rule and needs no sine.
 fn rotation(vector: Vector3) -> Rotation {
     UnitQuaternion::new_normalize(Quaternion::from_parts(1.0, vector * 0.5))
 }

@@ -1,4 +1,4 @@
-//! What goes into a tick of a world and what comes out of it.
+//! Input and output of a tick.
 
 use palpate::Fault;
 
@@ -9,15 +9,15 @@ use crate::{Effort, Quaternion, Vector};
 pub struct Sample<'a> {
     /// Measured position of each tool, in the order of the world's tools `[m]`.
     pub positions: &'a [Vector],
-    /// Measured orientation of each tool, in the same order: a unit quaternion `[w, x, y, z]` that turns the tool's
-    /// axes into the world's. That of a tool that does not turn is not looked at; empty if none turns.
+    /// Measured orientation of each tool, in the same order: a unit quaternion `[w, x, y, z]` that rotates the tool's
+    /// axes to the world's. Ignored for a tool that does not turn; empty if none turns.
     pub orientations: &'a [Quaternion],
-    /// Time since the previous sample, if it was measured `[s]`; `None`: one nominal period.
+    /// Measured time since the previous sample `[s]`; `None`: one nominal period.
     pub elapsed: Option<f64>,
 }
 
 impl<'a> Sample<'a> {
-    /// A sample with the tools at `positions` `[m]`, one nominal period after the previous one.
+    /// Creates a sample with the tools at `positions` `[m]`, one nominal period after the previous one.
     #[must_use]
     pub fn at(positions: &'a [Vector]) -> Self {
         Self {
@@ -27,7 +27,7 @@ impl<'a> Sample<'a> {
         }
     }
 
-    /// The same sample with the tools turned by `orientations`.
+    /// Sets the orientations of the tools.
     #[must_use]
     pub fn turned(self, orientations: &'a [Quaternion]) -> Self {
         Self {
@@ -36,7 +36,7 @@ impl<'a> Sample<'a> {
         }
     }
 
-    /// The same sample, taken a measured time after the previous one `[s]`.
+    /// Sets the measured time since the previous sample `[s]`.
     #[must_use]
     pub fn after(self, elapsed: f64) -> Self {
         Self {
@@ -46,23 +46,23 @@ impl<'a> Sample<'a> {
     }
 }
 
-/// Which limits acted in a tick, on any tool.
+/// Limits that acted in a tick, on any tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Limited {
     /// A force exceeded [`WorldLoop::force_limits`](crate::WorldLoop::force_limits).
     pub force: bool,
     /// A torque exceeded [`WorldLoop::torque_limits`](crate::WorldLoop::torque_limits).
     pub torque: bool,
-    /// An offset of an avatar exceeded [`CoupledParams::offset_limit`](crate::CoupledParams::offset_limit)
-    /// or [`CoupledParams::turn_limit`](crate::CoupledParams::turn_limit).
+    /// A proxy offset exceeded [`CoupledParams::offset_limit`](crate::CoupledParams::offset_limit) or
+    /// [`CoupledParams::turn_limit`](crate::CoupledParams::turn_limit).
     pub offset: bool,
-    /// Forces and torques could give out more energy than there is: the bound of
+    /// Forces and torques could deliver more energy than available, by the bound of
     /// [`WorldLoop::guard`](crate::WorldLoop::guard).
     pub guard: bool,
 }
 
 impl Limited {
-    /// Limits of either.
+    /// Combines the limits of both.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self {
@@ -73,35 +73,35 @@ impl Limited {
         }
     }
 
-    /// Whether any limit acted.
+    /// Returns whether any limit acted.
     #[must_use]
     pub fn any(self) -> bool {
         self.force || self.torque || self.offset || self.guard
     }
 }
 
-/// Why a sample was refused: all forces are then 0, and the bodies wait.
+/// Reason for rejecting a sample. All forces are then 0, and the bodies pause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct WorldFault {
-    /// What is wrong.
+    /// Kind of fault.
     pub fault: Fault,
-    /// The tool whose position or orientation it is, where it is one's.
+    /// Index of the tool with the faulty position or orientation, if there is one.
     pub tool: Option<usize>,
 }
 
-/// The answer to one sample.
+/// Result of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Output<'a> {
-    /// Force on each tool `[N]`: what its device is to give to the hand, and to hold until the next sample.
+    /// Force on each tool, which its device exerts on the hand until the next sample `[N]`.
     pub forces: &'a [Vector],
-    /// Torque on each tool about its mass centre, along the world's axes `[N m]`, to be held likewise; zero for a tool
-    /// that does not turn.
+    /// Torque on each tool about its mass centre, along the world's axes, held until the next sample `[N m]`; zero
+    /// for a tool that does not turn.
     pub torques: &'a [Vector],
-    /// Limits that acted.
+    /// Active limits.
     pub limited: Limited,
-    /// What the tick has cost, and what did not fit in it.
+    /// Computing effort of the tick, and sub-steps that exceeded the budget.
     pub effort: Effort,
-    /// Why the sample was refused, if it was.
+    /// Reason for rejecting the sample, if it was rejected.
     pub fault: Option<WorldFault>,
 }

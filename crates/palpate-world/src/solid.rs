@@ -1,4 +1,4 @@
-//! The nearest point of a shape's surface.
+//! Nearest points on the surfaces of shapes.
 
 use std::sync::Arc;
 
@@ -6,13 +6,13 @@ use crate::hull::Corners;
 use crate::rigid::{Rigid, Vector3};
 use crate::{DistanceGrid, Shape};
 
-/// A shape that another one's centre or corner is measured against.
+/// A shape for distance queries from a sphere's centre or a corner.
 #[derive(Clone, Debug)]
 pub(crate) enum Solid {
     Ball {
         radius: f64,
     },
-    /// In the body's own axes.
+    /// In the body's axes.
     HalfSpace {
         normal: Vector3,
         offset: f64,
@@ -28,14 +28,14 @@ pub(crate) enum Solid {
         radius: f64,
         half_length: f64,
     },
-    /// What is found at one of the contact points of a sphere with a mesh, by their number among all of the world: the mesh
-    /// itself is looked at once for all of them.
+    /// Result at one of the contact points of a sphere with a mesh, by their indices in the world. The mesh itself is
+    /// evaluated once for all of them.
     Mesh {
         surface: usize,
         point: usize,
         reach: f64,
     },
-    /// A mesh by the grid of its distances.
+    /// A mesh with a distance grid.
     Grid {
         grid: Arc<DistanceGrid>,
         reach: f64,
@@ -45,8 +45,8 @@ pub(crate) enum Solid {
         corners: Arc<Corners>,
         reach: f64,
     },
-    /// What is found at one of the contact points of two boxes, by the number of the pair among all of the world; the second
-    /// box has this half diagonal `[m]`.
+    /// Result at one of the contact points of two boxes, by the index of the pair in the world. The second box has
+    /// this half-diagonal `[m]`.
     Between {
         blocks: usize,
         point: usize,
@@ -54,24 +54,24 @@ pub(crate) enum Solid {
     },
 }
 
-/// The nearest point of a surface.
+/// Nearest point of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Nearest {
-    /// Distance from it, below 0 inside `[m]`.
+    /// Signed distance, negative inside `[m]`.
     pub distance: f64,
-    /// Unit vector out of the solid there.
+    /// Outward unit normal there.
     pub normal: Vector3,
-    /// By how much the distance changes per length of a way along the normal: 1, but where a [`DistanceGrid`] rounds a bend.
+    /// Derivative of the distance along the normal: 1, except where a [`DistanceGrid`] rounds a kink.
     pub slope: f64,
 }
 
 impl Nearest {
-    /// Nothing is near.
+    /// Returns a result without a surface nearby.
     pub fn far() -> Self {
         Self::exact(f64::INFINITY, Vector3::x())
     }
 
-    /// Of a surface from which all distances are exact.
+    /// Creates the result for a surface with exact distances.
     pub fn exact(distance: f64, normal: Vector3) -> Self {
         Self {
             distance,
@@ -81,14 +81,14 @@ impl Nearest {
     }
 }
 
-/// Distances below this have no direction `[m]`.
+/// Distance below which the direction is undefined `[m]`.
 pub(crate) const NO_DIRECTION: f64 = 1e-12;
 
 impl Solid {
-    /// The solid of a shape; `None` for several spheres, a hull, and a mesh without a grid of its distances.
+    /// Returns the solid of a shape; `None` for several spheres, a hull, and a mesh without a distance grid.
     pub fn of(shape: &Shape) -> Option<Self> {
         Some(match *shape {
-            // What spheres find at a mesh is found out with the pair.
+            // Contacts of spheres with a mesh are evaluated per pair.
             Shape::Spheres { .. } | Shape::Hull(_) => return None,
             Shape::Mesh(ref mesh) => Self::Grid {
                 grid: mesh.grid()?.clone(),
@@ -121,7 +121,7 @@ impl Solid {
 }
 
 impl Solid {
-    /// The solid of a shape that the points of a shell touch.
+    /// Returns the solid of a shape for contacts with shell points.
     pub fn under_points(shape: &Shape) -> Option<Self> {
         match shape {
             Shape::Hull(hull) => Some(Self::Hull {
@@ -132,8 +132,8 @@ impl Solid {
         }
     }
 
-    /// Of the solid's surface, with the solid as `placed`, the point nearest to `point` `[m]`; of a point inside,
-    /// that of least depth.
+    /// Returns the surface point nearest to `point` `[m]`, with the solid as `placed`. For an interior point it is
+    /// the point of least depth.
     pub fn nearest(&self, placed: &Rigid, point: &Vector3) -> Nearest {
         let off = point - placed.position;
         if let Self::Ball { radius } = *self {
@@ -165,8 +165,8 @@ impl Solid {
         }
     }
 
-    /// The same, or where the surface is certainly further than `reach`, that it is at least so far `[m]`: that may be known with
-    /// less work.
+    /// Returns the nearest point, or a lower bound of the distance if the surface is certainly beyond `reach` `[m]`,
+    /// which may be cheaper.
     pub fn nearest_within(&self, placed: &Rigid, point: &Vector3, reach: f64) -> Nearest {
         let Self::Grid { grid, .. } = self else {
             return self.nearest(placed, point);
@@ -180,7 +180,7 @@ impl Solid {
         }
     }
 
-    /// Largest distance of the surface from the centre of mass `[m]`, infinite for a half-space.
+    /// Returns the largest distance of the surface from the centre of mass `[m]`; infinite for a half-space.
     pub fn reach(&self) -> f64 {
         match *self {
             Self::Ball { radius } => radius,
@@ -202,13 +202,13 @@ impl Solid {
     }
 }
 
-/// From a core, by `off`, of a surface at `radius` around it.
+/// Returns the nearest point for an offset `off` from the core of a surface at `radius` around it.
 fn from_core(off: Vector3, radius: f64) -> Nearest {
     let length = off.norm();
     let normal = if length > NO_DIRECTION {
         off / length
     } else {
-        // Every direction is as good.
+        // The direction is arbitrary.
         Vector3::x()
     };
     Nearest::exact(length - radius, normal)
@@ -255,7 +255,7 @@ mod tests {
     use super::*;
     use crate::rigid::Rotation;
 
-    /// A wedge, upright.
+    /// Returns an upright wedge.
     fn wedge() -> Solid {
         let corners = [
             [-1.0, -0.4, -WEDGE],
@@ -296,8 +296,8 @@ mod tests {
         ]
     }
 
-    /// The largest depth in the wedge, where its bottom and its two long sides are equally far: 0.8 c/(1 + c), c the sine of the
-    /// angle of 0.4 on 0.8.
+    /// The largest depth in the wedge, equidistant from its bottom and its two long sides: 0.8 c/(1 + c), where c is
+    /// the sine of the angle of 0.4 on 0.8.
     const WEDGE: f64 = 0.247_213_595_499_957_9;
 
     fn placed() -> Rigid {
@@ -309,7 +309,7 @@ mod tests {
         }
     }
 
-    /// Points all around, near and far, inside and outside.
+    /// Returns points all around: near and far, inside and outside.
     fn around() -> impl Iterator<Item = Vector3> {
         (0..2000).map(|number| {
             let part = |prime: f64| 3.0 * ((f64::from(number) * prime).fract() - 0.5);
@@ -317,7 +317,7 @@ mod tests {
         })
     }
 
-    /// The distance changes by the length of a way along the normal, and by less along any other way.
+    /// The distance changes by the length of a displacement along the normal, and by less in any other direction.
     #[test]
     fn the_normal_is_the_gradient_of_the_distance() {
         for (solid, _) in solids() {
@@ -333,7 +333,7 @@ mod tests {
                     (far - near) / (2.0 * h)
                 });
                 let off = (gradient - nearest.normal).norm();
-                // Where two places of the surface are as near, there is no gradient.
+                // The gradient is undefined if two surface positions are equally near.
                 let inside = nearest.distance < 0.0;
                 assert!(
                     off < 1e-5 || inside && (gradient.norm() - 1.0).abs() > 1e-3,
@@ -343,7 +343,7 @@ mod tests {
         }
     }
 
-    /// From any point, the way along the normal by the distance ends on the surface.
+    /// From any point, a displacement along the normal by the distance ends on the surface.
     #[test]
     fn the_nearest_point_lies_on_the_surface() {
         for (solid, depth) in solids() {

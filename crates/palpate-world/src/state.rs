@@ -1,4 +1,4 @@
-//! What a world remembers from sample to sample, and what can be read from it.
+//! State of a world between samples, and its readable part.
 
 use crate::books::{Books, ContactBook, CreatedAtPorts};
 use crate::commands::Commands;
@@ -13,7 +13,7 @@ use crate::rigid::{Rigid, Rotation, Vector3};
 use crate::tracking::Tracking;
 use crate::{NOT_TURNED, Quaternion, Vector};
 
-/// A world at a sample: made by [`WorldRenderer::start`](crate::WorldRenderer::start), changed by
+/// State of a world at a sample, created by [`WorldRenderer::start`](crate::WorldRenderer::start) and advanced by
 /// [`WorldRenderer::step`](crate::WorldRenderer::step).
 #[derive(Clone, Debug)]
 pub struct WorldState {
@@ -21,29 +21,29 @@ pub struct WorldState {
     pub(crate) memory: Memory,
 }
 
-/// What every method works on.
+/// State shared by all methods.
 #[derive(Clone, Debug)]
 pub(crate) struct Progress {
-    /// The world at the last sample that was used, its contacts looked at.
+    /// World at the last used sample, with evaluated contacts.
     pub now: Moving,
-    /// Room for what is predicted,
+    /// Scratch buffer for the prediction.
     pub ahead: Moving,
-    /// and for what a sub-step begins with.
+    /// Scratch buffer for the state at the start of a sub-step.
     pub room: Moving,
     pub tracking: Tracking,
     pub commands: Commands,
-    /// Of torques; of no tool if none turns.
+    /// Torques; empty if no tool turns.
     pub torque_commands: Commands,
-    /// Force that the method asks for on each tool `[N]`,
+    /// Force commanded by the method on each tool `[N]`.
     pub intended: Vec<Vector3>,
-    /// and torque `[N m]`.
+    /// Torque commanded by the method on each tool `[N m]`.
     pub intended_torques: Vec<Vector3>,
     pub forces: Vec<Vector>,
     pub torques: Vec<Vector>,
     pub tools: Vec<ToolState>,
     pub bodies: Vec<BodyState>,
     pub contacts: Vec<ContactState>,
-    /// Of each contact, whether it has changed its side.
+    /// Side tracking of each contact.
     pub sides: Vec<Entry>,
     pub books: Books,
     pub at_ports: CreatedAtPorts,
@@ -51,7 +51,7 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    /// Takes account of the energy created at the ports, up to this sample.
+    /// Updates the energy generated at the ports up to this sample.
     pub fn close_ports(&mut self) {
         let (commands, torque_commands) = (&self.commands, &self.torque_commands);
         let part = |side: &Side| match *side {
@@ -71,7 +71,7 @@ impl Progress {
     }
 }
 
-/// Writes the contacts of a world in motion.
+/// Copies the contacts of a world in motion.
 pub(crate) fn show_contacts(contacts: &mut [ContactState], moving: &Moving) {
     for (touch, contact) in moving.touches.iter().zip(contacts) {
         contact.mode = touch.mode;
@@ -84,26 +84,26 @@ pub(crate) fn show_contacts(contacts: &mut [ContactState], moving: &Moving) {
 }
 
 impl WorldState {
-    /// Each tool at the last sample, in the world's order.
+    /// Returns each tool at the last sample, in the world's order.
     #[must_use]
     pub fn tools(&self) -> &[ToolState] {
         &self.progress.tools
     }
 
-    /// Each body at the last sample, fixed ones too, in the world's order.
+    /// Returns each body at the last sample, including fixed ones, in the world's order.
     #[must_use]
     pub fn bodies(&self) -> &[BodyState] {
         &self.progress.bodies
     }
 
-    /// Each point at which tools and bodies can touch, at the last sample, whether they do or not.
+    /// Returns each possible contact point of tools and bodies at the last sample, also if it does not touch.
     #[must_use]
     pub fn contacts(&self) -> &[ContactState] {
         &self.progress.contacts
     }
 
-    /// The spheres that are inside a mesh, as of the last sample, each with that mesh: nothing pushes such a sphere until it has
-    /// come out. It was there when it was first seen.
+    /// Returns the spheres that are inside a mesh as of the last sample, each with that mesh. Such a sphere was
+    /// inside when first seen, and nothing pushes it until it has come out.
     pub fn inside_meshes(&self) -> impl Iterator<Item = [Side; 2]> {
         let Moving {
             surfaces, tools, ..
@@ -113,23 +113,23 @@ impl WorldState {
         inside.map(move |surface| surface.parts().map(side))
     }
 
-    /// The contacts whose first went through its second: inside a sphere, box, capsule, cylinder or hull, it has come to an opposite
-    /// side at the last sample, so that it is pushed out there and no longer back.
+    /// Returns the contacts whose first side has passed through its second side. Inside a sphere, box, capsule,
+    /// cylinder or hull it reached an opposite side at the last sample, and is now pushed out there.
     pub fn gone_through(&self) -> impl Iterator<Item = [Side; 2]> {
         let contacts = self.progress.contacts.iter().zip(&self.progress.sides);
         let through = contacts.filter(|(_, side)| side.is_through);
         through.map(|(contact, _)| contact.between)
     }
 
-    /// Energy that forces created at the ports of the devices `[J]`: [`Books::created`], where a contact whose force reached its
-    /// device by a part, because a limit cut it, counts by that part. A hand that presses on against a limited force creates
-    /// nothing, nor does a body that is pushed by more than reaches the hand.
+    /// Returns the energy generated at the ports of the devices `[J]`: [`Books::created`], weighted for each contact
+    /// by the fraction of its force that reached the device after limiting. A hand that presses against a limited
+    /// force therefore generates no energy, and neither does a body pushed by a larger force than the hand feels.
     #[must_use]
     pub fn created_at_ports(&self) -> f64 {
         self.progress.at_ports.created()
     }
 
-    /// The books of energy, as of the last sample.
+    /// Returns the energy ledger as of the last sample.
     #[must_use]
     pub fn books(&self) -> &Books {
         &self.progress.books
@@ -139,36 +139,36 @@ impl WorldState {
 /// A tool at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolState {
-    /// Where its device is, by what the method knows `[m]`.
+    /// Position of its device as estimated by the method `[m]`.
     pub position: Vector,
-    /// Its device's velocity `[m/s]`.
+    /// Velocity of its device `[m/s]`.
     pub velocity: Vector,
-    /// What the world meets in the device's place: position `[m]`,
+    /// Position of the proxy, with which the world collides instead of the device `[m]`.
     pub avatar_position: Vector,
-    /// and velocity `[m/s]`.
+    /// Velocity of the proxy `[m/s]`.
     pub avatar_velocity: Vector,
-    /// Position of the avatar less that of the device `[m]`.
+    /// Position of the proxy minus that of the device `[m]`.
     pub offset: Vector,
-    /// Velocity of the avatar less that of the device `[m/s]`.
+    /// Velocity of the proxy minus that of the device `[m/s]`.
     pub velocity_offset: Vector,
-    /// Force that is sent for this sample `[N]`: what the device is to give to the hand.
+    /// Force sent for this sample, which the device exerts on the hand `[N]`.
     pub force: Vector,
-    /// Mass of the device with the hand, as far as the method has learned it, along each axis `[kg]`.
+    /// Estimated mass of device and hand along each axis, if the method estimates it `[kg]`.
     pub mass: Option<Vector>,
-    /// How its device is turned, by what the method knows; not turned where the tool does not turn.
+    /// Orientation of its device as estimated by the method; the identity for a tool that does not turn.
     pub orientation: Quaternion,
-    /// Its device's angular velocity along the world's axes `[rad/s]`.
+    /// Angular velocity of its device along the world's axes `[rad/s]`.
     pub angular_velocity: Vector,
-    /// How the avatar is turned.
+    /// Orientation of the proxy.
     pub avatar_orientation: Quaternion,
-    /// Rotation vector along the world's axes that turns the device into the avatar `[rad]`.
+    /// Rotation vector along the world's axes from the device to the proxy `[rad]`.
     pub turn_offset: Vector,
-    /// Angular momentum of the avatar less that of the device `[N m s]`.
+    /// Angular momentum of the proxy minus that of the device `[N m s]`.
     pub momentum_offset: Vector,
-    /// Torque that is sent for this sample, about the mass centre, along the world's axes `[N m]`.
+    /// Torque sent for this sample, about the mass centre, along the world's axes `[N m]`.
     pub torque: Vector,
-    /// Moments of inertia of the device with the hand along the tool's axes, as far as the method has learned them
-    /// `[kg m^2]`.
+    /// Estimated moments of inertia of device and hand along the tool's axes, if the method estimates them `[kg
+    /// m^2]`.
     pub inertia: Option<Vector>,
 }
 
@@ -195,13 +195,13 @@ impl Default for ToolState {
     }
 }
 
-/// A rotation as a quaternion `[w, x, y, z]`.
+/// Converts a rotation to a quaternion `[w, x, y, z]`.
 pub(crate) fn quaternion(rotation: &Rotation) -> Quaternion {
     let q = rotation.quaternion();
     [q.w, q.i, q.j, q.k]
 }
 
-/// A part of a world as it is.
+/// Returns the current state of a part of a world.
 pub(crate) fn body_state(part: &Part) -> BodyState {
     let Rigid {
         position,
@@ -222,7 +222,7 @@ pub(crate) fn body_state(part: &Part) -> BodyState {
 pub struct BodyState {
     /// Position of the centre of mass `[m]`.
     pub position: Vector,
-    /// How the body is turned.
+    /// Orientation of the body.
     pub orientation: Quaternion,
     /// Velocity of the centre of mass `[m/s]`.
     pub velocity: Vector,
@@ -233,17 +233,17 @@ pub struct BodyState {
 /// A point of contact at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactState {
-    /// The two sides: the force is that on the first.
+    /// The two sides; `force` acts on the first.
     pub between: [Side; 2],
-    /// Whether they touch, and how.
+    /// Contact mode.
     pub mode: Mode,
-    /// Where the force acts `[m]`.
+    /// Point of application of the force `[m]`.
     pub point: Vector,
     /// Unit vector from the second to the first.
     pub normal: Vector,
-    /// How far they overlap, 0 where they do not `[m]`.
+    /// Overlap, 0 if apart `[m]`.
     pub penetration: f64,
-    /// Force of the contact on the first `[N]`.
+    /// Contact force on the first side `[N]`.
     pub force: Vector,
     /// Deflection of the bristle `[m]`.
     pub bristle: Vector,

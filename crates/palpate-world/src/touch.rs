@@ -1,51 +1,52 @@
-//! What a point of contact does: its force, its bristle, and what has passed there since an interval began.
+//! State of a contact point: force, bristle, and sums since the interval began.
 
 use crate::law::{Mode, carried};
 use crate::pairs::Point;
 use crate::part::Part;
 use crate::rigid::Vector3;
 
-/// Cosine of the angle by which a normal has to turn in a sub-step to be that of another face.
+/// Cosine of the normal's rotation in a sub-step below which the contact is on another face.
 pub(crate) const SAME_FACE: f64 = 0.9;
 
-/// What a point of contact does, and has done since the interval began.
+/// State of a contact point, and its sums since the interval began.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Touch {
     pub mode: Mode,
-    /// Where the force acts `[m]`.
+    /// Point of application of the force `[m]`.
     pub place: Vector3,
     /// Unit vector from the second to the first.
     pub normal: Vector3,
-    /// Above 0 where they touch, else 0 `[m]`.
+    /// Penetration, 0 if apart `[m]`.
     pub penetration: f64,
     /// Deflection of the bristle `[m]`.
     pub bristle: Vector3,
-    /// Normal force `[N]`,
+    /// Normal force `[N]`.
     pub normal_force: f64,
-    /// what of it damping adds to the spring `[N]`.
+    /// Part of the normal force due to damping `[N]`.
     by_damping: f64,
-    /// Part of the friction force that is the bristle's damping `[N]`.
+    /// Part of the friction force from the bristle's damping `[N]`.
     by_rubbing: Vector3,
-    /// How fast the two were expected to approach at the sub-step's end `[m/s]`.
+    /// Approach speed expected at the end of the sub-step `[m/s]`.
     expected: f64,
-    /// By how much faster they did approach `[m/s]`. The next sub-step adds this to what it expects, if it is as long.
+    /// Actual minus expected approach speed `[m/s]`. The next sub-step of equal length adds it to its expectation.
     pub missed: f64,
     /// Force on the first `[N]`.
     pub force: Vector3,
-    /// Velocity of the first against the second there `[m/s]`.
+    /// Velocity of the first relative to the second at the contact point `[m/s]`.
     pub relative: Vector3,
-    /// Tangential displacement that the bristle has yet to follow `[m]`.
+    /// Tangential displacement not yet applied to the bristle `[m]`.
     pub slid: Vector3,
-    /// Power that material damping takes `[W]`.
+    /// Power dissipated by material damping `[W]`.
     damping_power: f64,
-    /// Power of the material's damping on what only seems to move, a tool that is held between samples `[W]`.
+    /// Power of material damping on the apparent motion of a tool that is fixed between samples `[W]`.
     apparent_power: f64,
-    /// Of what is apart: so far the two may move since the interval began before they can touch; 0 if that is not known `[m]`.
+    /// Clearance of a separated point: displacement since the interval began below which the two cannot touch; 0 if
+    /// unknown `[m]`.
     pub clear: f64,
     pub past: Past,
 }
 
-/// What has passed at a point of contact since the interval began.
+/// Sums at a contact point since the interval began.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Past {
     /// Impulse on the first `[N s]`.
@@ -54,44 +55,44 @@ pub(crate) struct Past {
     pub angular_impulse: Vector3,
     /// Work on the first and the second together `[J]`.
     pub work: f64,
-    /// Work on the tool of the two `[J]`,
+    /// Work on the tool of the two `[J]`.
     pub work_on_tool: f64,
-    /// and what of it the torque does on a turn that the hand alone makes `[J]`.
+    /// Part of this work that the torque does on a rotation by the hand alone `[J]`.
     pub work_on_led_turn: f64,
-    /// Energy that damping and friction took, not below 0 `[J]`.
+    /// Energy dissipated by damping and friction, at least 0 `[J]`.
     pub dissipated: f64,
-    /// Energy that other points of the same pair handed to it `[J]`.
+    /// Energy transferred from other points of the same pair `[J]`.
     pub handed: f64,
 }
 
 /// A contact whose force is held over an interval.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Held {
-    /// Where the force acts `[m]`.
+    /// Point of application of the force `[m]`.
     pub place: Vector3,
     /// Unit vector from the second to the first.
     pub normal: Vector3,
-    /// `[N]`
+    /// Normal force `[N]`.
     pub normal_force: f64,
     /// Force on the first `[N]`.
     pub force: Vector3,
     pub slides: bool,
 }
 
-/// How a point and a solid overlap.
+/// Overlap of a point and a solid.
 pub(crate) struct Met {
-    /// Not above 0 where they do not `[m]`.
+    /// Penetration, not above 0 if apart `[m]`.
     pub penetration: f64,
-    /// From the second to the first.
+    /// Unit normal from the second to the first.
     pub normal: Vector3,
-    /// By how much the penetration grows per length of a way against the normal.
+    /// Derivative of the penetration against the normal.
     pub slope: f64,
-    /// Midway between the two surfaces `[m]`.
+    /// Midpoint between the two surfaces `[m]`.
     pub place: Vector3,
 }
 
 impl Touch {
-    /// Holds a force from now on.
+    /// Sets a held force.
     pub fn hold(&mut self, held: Held) {
         *self = Self {
             mode: if held.slides {
@@ -108,7 +109,7 @@ impl Touch {
         };
     }
 
-    /// Holds no force any more.
+    /// Ends the held force.
     pub fn let_go(&mut self) {
         *self = Self {
             past: self.past,
@@ -139,7 +140,7 @@ impl Touch {
         }
     }
 
-    /// The same touch at another point, at which something else has passed.
+    /// Moves the contact state to another point, with the sums of that point.
     pub fn at_the_point_of(self, other: &Self) -> Self {
         Self {
             past: other.past,
@@ -151,7 +152,7 @@ impl Touch {
         self.mode == Mode::Free
     }
 
-    /// Comes to be as `other`. Of what is apart, nothing but this differs.
+    /// Copies the state of `other`. Separated contacts differ only in these fields.
     pub fn copy_from(&mut self, other: &Self) {
         if self.is_apart() && other.is_apart() {
             (self.past, self.clear) = (other.past, other.clear);
@@ -160,13 +161,14 @@ impl Touch {
         }
     }
 
-    /// Whether its mode is another than in `other`, or it presses across an edge on another face.
+    /// Returns whether the mode differs from that of `other`, or a pressing contact has crossed an edge to another
+    /// face.
     pub fn changed_from(&self, other: &Self) -> bool {
         self.mode != other.mode || !self.is_apart() && self.normal.dot(&other.normal) < SAME_FACE
     }
 
-    /// Half a sub-step under the force, while the relative velocity goes from what it was to `relative`, and that of
-    /// the tool, if one of the two is, moves as in its own mean.
+    /// Adds half a sub-step under the force to the sums. The relative velocity changes linearly to `relative`; the
+    /// tool, if one of the two is, moves with its own mean velocity.
     pub fn book(&mut self, relative: &Vector3, tool: Option<(&Part, f64)>, half: f64) {
         let impulse = self.force * half;
         self.past.impulse += impulse;
@@ -189,8 +191,8 @@ impl Touch {
         self.past.dissipated += half * self.damping_power;
     }
 
-    /// Takes a penetration above 0, and how fast the two approach `[m/s]`. The force is the law's, of the penetration and its
-    /// rate, times the slope: that of the penetration's energy.
+    /// Applies a penetration above 0 and an approach speed `[m/s]`. The force is the law's force for penetration and
+    /// rate, times the slope: the gradient of the penetration's energy.
     pub fn press(&mut self, point: &Point, met: &Met, approach: f64) {
         if self.is_apart() {
             self.normal = met.normal;
@@ -203,9 +205,9 @@ impl Touch {
         self.by_damping = met.slope * (push - law.stiffness * met.penetration);
     }
 
-    /// Carries the bristle with the contact's plane, lets it follow what has slid before and over `way` `[m]`, and
-    /// cuts it to what the normal force holds. Its damper sees the velocity of the first against the second that is `expected` at
-    /// the sub-step's end `[m/s]`.
+    /// Transports the bristle with the contact plane, adds the earlier slip and the slip `way` `[m]`, and limits it
+    /// to the normal force. Its damper uses the velocity of the first relative to the second that is `expected` at
+    /// the end of the sub-step `[m/s]`.
     pub fn rub(&mut self, point: &Point, normal: Vector3, way: Vector3, expected: &Vector3) {
         let law = &point.law;
         if law.friction <= 0.0 {
@@ -227,7 +229,7 @@ impl Touch {
         self.by_rubbing = law.bristle_damping(&cut.bristle, &across, self.normal_force);
     }
 
-    /// Normal and friction force on the first `[N]`.
+    /// Returns the normal and friction force on the first `[N]`.
     pub fn force_of(&self, point: &Point) -> Vector3 {
         let elastic = self.normal * self.normal_force - self.bristle * point.law.friction_stiffness;
         if point.law.friction_damping > 0.0 {
@@ -237,7 +239,7 @@ impl Touch {
         }
     }
 
-    /// The surfaces are apart: what the bristle stored is lost.
+    /// Separates the surfaces. The energy stored in the bristle is lost.
     pub fn part(&mut self, point: &Point) {
         let lost = point.law.stored(0.0, &self.bristle);
         self.past.dissipated += lost;
@@ -247,7 +249,7 @@ impl Touch {
         };
     }
 
-    /// Power of the damping at a relative velocity: (N - K p) p' of the material, and that of the bristle.
+    /// Computes the damping power at a relative velocity: (N - K p) p' of the material, and that of the bristle.
     pub fn watch_damping(
         &mut self,
         point: &Point,

@@ -1,37 +1,37 @@
-//! Which samples are believed.
+//! Validation of samples.
 
 use palpate::Fault;
 
 use crate::rigid::{Rotation, Vector3};
 use crate::{Quaternion, Sample, Vector, WorldFault, WorldLoop};
 
-/// What is known of the devices' positions and orientations.
+/// Accepted and pending device positions and orientations.
 #[derive(Clone, Debug)]
 pub(crate) struct Tracking {
     /// Whether an interval is in progress, which the next sample ends.
     pub in_progress: bool,
-    /// Positions of the last sample that was used `[m]`, if one was.
+    /// Positions of the last used sample `[m]`, if there was one.
     trusted: Vec<Vector>,
-    /// Its orientations: not turned, of a tool that does not turn.
+    /// Its orientations; the identity for a tool that does not turn.
     trusted_turn: Vec<Rotation>,
     is_trusted: bool,
-    /// Positions of the last sample, if it was not used but finite.
+    /// Positions of the last sample, if it was finite but not used.
     seen: Vec<Vector>,
     pub seen_turn: Vec<Rotation>,
     is_seen: bool,
-    /// Angular velocities from the sample before that one to it `[rad/s]`, if both were finite.
+    /// Angular velocities over the interval that ended with it `[rad/s]`, if both samples were finite.
     spin: Vec<Vector3>,
     turns: Vec<bool>,
-    /// Time since the last sample that was used `[s]`.
+    /// Time since the last used sample `[s]`.
     since: f64,
 }
 
-/// A measured period this close to the nominal one, relatively, is the nominal one: differences of decimal time
-/// stamps are never exactly T.
+/// Relative tolerance within which a measured period is set to the nominal one: differences of decimal time stamps
+/// are never exactly T.
 const NOMINAL_WITHIN: f64 = 1e-6;
 
 impl Tracking {
-    /// `turns`: of each tool, whether it turns.
+    /// Creates the state. `turns`: whether each tool turns.
     pub fn new(turns: &[bool]) -> Self {
         let tools = turns.len();
         let not_turned = vec![Rotation::identity(); tools];
@@ -49,8 +49,8 @@ impl Tracking {
         }
     }
 
-    /// Time since the previous sample `[s]`, if the sample is believed. A position that leaps is believed when the
-    /// next sample confirms it.
+    /// Returns the time since the previous sample `[s]` if the sample is accepted. A jump in position is accepted if
+    /// the next sample confirms it.
     pub fn believe(&mut self, sample: &Sample<'_>, in_loop: &WorldLoop) -> Result<f64, WorldFault> {
         let elapsed = self.elapsed(sample, in_loop);
         let duration = *elapsed.as_ref().unwrap_or(&in_loop.period);
@@ -61,7 +61,7 @@ impl Tracking {
             let position = sample.positions.get(tool);
             let fault = match position {
                 Some(position) if position.iter().all(|x| x.is_finite()) => {
-                    // Of numbers beyond 1e154 no distance can be reckoned.
+                    // Distances overflow for values beyond 1e154.
                     let square: f64 = position.iter().map(|x| x * x).sum();
                     (!square.is_finite()).then_some(Fault::Overflow)
                 }
@@ -82,7 +82,7 @@ impl Tracking {
                 });
             }
         }
-        // A tool that does not turn keeps the orientation it began with.
+        // A tool that does not turn keeps its initial orientation.
         let turn_of = |tool: usize| {
             let turned = unit(sample.orientations.get(tool)).filter(|_| self.turns[tool]);
             turned.unwrap_or_else(Rotation::identity)
@@ -105,7 +105,7 @@ impl Tracking {
         } else {
             None
         };
-        // A tool whose angular velocity stays about the same really turns, however fast.
+        // A tool with a nearly constant angular velocity really rotates, at any speed.
         let kept_within = SPIN_KEPT_WITHIN * in_loop.turning_limit.unwrap_or(f64::INFINITY);
         let mut spins_on = true;
         for (tool, (spin, seen)) in self.spin.iter_mut().zip(&self.seen_turn).enumerate() {
@@ -135,7 +135,7 @@ impl Tracking {
         }
     }
 
-    /// Comes to be as `other`, of as many tools that turn or do not as these. It does not allocate.
+    /// Copies the state of `other`, which has the same tools. It does not allocate.
     pub fn copy_from(&mut self, other: &Self) {
         self.in_progress = other.in_progress;
         self.trusted.copy_from_slice(&other.trusted);
@@ -148,7 +148,7 @@ impl Tracking {
         self.since = other.since;
     }
 
-    /// The positions of the last sample that was used `[m]`, to be [put back](Self::put_trusted).
+    /// Takes the positions of the last used sample `[m]`, to be [put back](Self::put_trusted).
     pub fn take_trusted(&mut self) -> Vec<Vector> {
         std::mem::take(&mut self.trusted)
     }
@@ -157,7 +157,8 @@ impl Tracking {
         self.trusted = positions;
     }
 
-    /// By how much a tool went `[m]` and turned `[rad]` from the last sample that was used to the one that is believed.
+    /// Returns the displacement `[m]` and rotation `[rad]` of a tool between the last used sample and the accepted
+    /// one.
     pub fn moved(&self, tool: usize) -> [Vector3; 2] {
         let turn = self.seen_turn[tool] * self.trusted_turn[tool].inverse();
         [
@@ -166,7 +167,7 @@ impl Tracking {
         ]
     }
 
-    /// The last sample is used.
+    /// Marks the last sample as used.
     pub fn trust(&mut self) {
         self.trusted.copy_from_slice(&self.seen);
         self.trusted_turn.copy_from_slice(&self.seen_turn);
@@ -193,13 +194,13 @@ impl Tracking {
     }
 }
 
-/// By how much an angular velocity changes from sample to sample at most, as a part of the limit, where it is kept.
+/// Maximum change of an angular velocity between samples that counts as constant, relative to the limit.
 const SPIN_KEPT_WITHIN: f64 = 0.5;
 
-/// How far the length of an orientation may be from 1.
+/// Allowed deviation of a quaternion's length from 1.
 const LENGTH_TOLERANCE: f64 = 1e-3;
 
-/// The rotation of a quaternion of about length 1, brought to that length.
+/// Normalises a quaternion of approximate length 1 to a rotation.
 fn unit(orientation: Option<&Quaternion>) -> Option<Rotation> {
     let [w, x, y, z] = *orientation?;
     let quaternion = nalgebra::Quaternion::new(w, x, y, z);

@@ -1,15 +1,15 @@
-//! The observer of how a device turns: a Kalman filter of orientation and angular momentum under the torques that the
-//! device has felt.
+//! Observer of the rotation of a device: a Kalman filter of orientation and angular momentum under the applied
+//! torques.
 //!
 //! ```text
 //! L' = alpha + sigma tau    alpha' = -lambda L' + w    w white
 //! omega = R I0^-1 R^T L     R' = [omega] R
 //! ```
 //!
-//! tau is the torque that is held, along the world's axes, alpha that of everything else. The moments of inertia are
-//! I0/sigma along the tool's axes, I0 as told; so L is the angular momentum times sigma, and a torque changes it by
-//! what does not depend on the orientation. An error of the orientation is a rotation vector phi in the world's axes,
-//! with phi' = A (delta L + L x phi), A = R I0^-1 R^T.
+//! tau is the held torque along the world's axes, alpha the torque of everything else. The moments of inertia are
+//! I0/sigma along the tool's axes, with the model value I0. L is therefore the angular momentum times sigma, and its
+//! change by a torque does not depend on the orientation. An orientation error is a rotation vector phi in the
+//! world's axes, with phi' = A (delta L + L x phi), A = R I0^-1 R^T.
 
 use nalgebra::{Matrix3, Quaternion, SMatrix, SVector};
 
@@ -17,18 +17,18 @@ use crate::Prior;
 use crate::observer::{EXPLAINED, SURPRISE};
 use crate::rigid::{Rotation, Vector3};
 
-/// What is estimated: phi, L, alpha, sigma, lambda.
+/// Number of estimated states: phi, L, alpha, sigma, lambda.
 const STATES: usize = 11;
-/// Where sigma and lambda stand.
+/// Indices of L, sigma and lambda in the state.
 const MOMENTUM: usize = 3;
 const SIGMA: usize = 9;
 const LAMBDA: usize = 10;
 type Column = SVector<f64, STATES>;
 type Covariance = SMatrix<f64, STATES, STATES>;
-/// Steps of order 4 in which an interval is integrated.
+/// Number of fourth-order integration steps per interval.
 const STEPS: u32 = 4;
 
-/// How a device turns at a sample.
+/// Rotational state of a device at a sample.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TurningMotion {
     pub orientation: Rotation,
@@ -42,34 +42,36 @@ pub(crate) struct TurningMotion {
     pub damping_rate: f64,
 }
 
-/// A torque on a device over an interval, along the world's axes.
+/// Torque on a device over an interval, along the world's axes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Torque {
-    /// Its mean `[N m]`.
+    /// Mean `[N m]`.
     pub mean: Vector3,
-    /// By how much its impulse comes earlier than a constant torque's `[N m s^2]`.
+    /// Moment by which its impulse comes earlier than that of a constant torque `[N m s^2]`.
     pub lead: Vector3,
-    /// Standard deviation of its impulse `[N m s]`.
+    /// Standard deviation of the impulse `[N m s]`.
     pub impulse_deviation: Vector3,
 }
 
-/// What an observer starts from.
+/// Initial values of an observer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TurningPrior {
-    /// Moments of inertia along the tool's axes as told `[kg m^2]`; of a device that no torque turns, some that are large.
+    /// Model moments of inertia along the tool's axes `[kg m^2]`; large values if no torque turns the device.
     pub moments: Vector3,
-    /// Whether no torque turns it: nothing is owed to it.
+    /// Whether no torque turns the device, so that no impulse correction applies.
     pub is_immovable: bool,
-    /// Whether the hand alone turns it: it feels no torque, so nothing is owed to it and no inertia is learned.
+    /// Whether the hand alone turns the device. It feels no torque, so no impulse correction applies and no inertia
+    /// is estimated.
     pub led: bool,
     /// Variance of a measured orientation about each axis `[rad^2]`.
     pub measurement_variance: f64,
     pub prior: Prior,
 }
 
-/// Moments of inertia of a device that no torque turns: a newton metre turns it by 5e-13 rad in a millisecond `[kg m^2]`.
+/// Moments of inertia assumed if no torque turns the device: a torque of 1 N m turns it by 5e-13 rad in a millisecond
+/// `[kg m^2]`.
 const IMMOVABLE: f64 = 1e6;
-/// Quantum of an angle that is not known to have one `[rad]`.
+/// Quantum assumed for an angle sensor with unknown quantum `[rad]`.
 const FINEST_QUANTUM: f64 = 1e-8;
 
 impl TurningPrior {
@@ -89,12 +91,12 @@ impl TurningPrior {
         }
     }
 
-    /// The same of a device that gives no torque.
+    /// Sets a device that exerts no torque.
     pub fn of_a_hand(self) -> Self {
         Self { led: true, ..self }
     }
 
-    /// Moments of inertia of a device of this mobility, as far as they are learned `[kg m^2]`.
+    /// Returns the estimated moments of inertia for this mobility, if they are estimated `[kg m^2]`.
     pub fn known(&self, mobility: f64) -> Option<Vector3> {
         if self.led {
             None
@@ -117,17 +119,17 @@ impl TurningMotion {
         }
     }
 
-    /// Angular velocity `[rad/s]`.
+    /// Returns the angular velocity `[rad/s]`.
     pub fn turning(&self, moments: &Vector3) -> Vector3 {
         turning(&self.orientation, &self.momentum, moments)
     }
 
-    /// Kinetic energy of the rotation, with the inertia as it is known `[J]`.
+    /// Returns the rotational kinetic energy with the estimated inertia `[J]`.
     pub fn kinetic_energy(&self, moments: &Vector3) -> f64 {
         0.5 * self.momentum.dot(&self.turning(moments)) / self.mobility
     }
 
-    /// The device after `h` `[s]` under a torque, and the integral of its angular velocity `[rad]`.
+    /// Returns the device after `h` `[s]` under a torque, and the integral of its angular velocity `[rad]`.
     pub fn under(&self, moments: &Vector3, torque: &Torque, h: f64) -> (Self, Vector3) {
         let rate = self.external + torque.mean * self.mobility;
         let momentum = |time: f64| self.momentum + rate * decayed(self.damping_rate, time);
@@ -166,7 +168,7 @@ impl TurningMotion {
         (after, path + early)
     }
 
-    /// How an error of the state at the start becomes one at the end, to second order in h.
+    /// Returns the derivative of the state at the end with respect to that at the start, to second order in h.
     fn transition(&self, moments: &Vector3, torque: &Torque, h: f64) -> Covariance {
         let rate = self.external + torque.mean * self.mobility;
         let middle = self.momentum + rate * (0.5 * h);
@@ -209,20 +211,20 @@ impl TurningMotion {
     }
 }
 
-/// R I^-1 R^T L `[rad/s]`.
+/// Returns R I^-1 R^T L `[rad/s]`.
 fn turning(orientation: &Rotation, momentum: &Vector3, moments: &Vector3) -> Vector3 {
     let own = orientation.inverse_transform_vector(momentum);
     orientation * own.component_div(moments)
 }
 
-/// A rotation vector in the world's axes, after an orientation.
+/// Rotates an orientation by a rotation vector in the world's axes.
 pub(crate) fn rotated(vector: &Vector3, orientation: &Rotation) -> Rotation {
     Rotation::from_scaled_axis(*vector) * orientation
 }
 
-/// (1 - exp(-lambda h))/lambda `[s]`.
+/// Returns (1 - exp(-lambda h))/lambda `[s]`.
 fn decayed(rate: f64, h: f64) -> f64 {
-    // rate h is at most a half, so that eight terms are within rounding.
+    // rate h is at most one half, so eight terms are exact to rounding.
     let (mut term, mut sum) = (h, h);
     for k in 2..12_u32 {
         term *= -rate * h / f64::from(k);
@@ -231,14 +233,14 @@ fn decayed(rate: f64, h: f64) -> f64 {
     sum
 }
 
-/// The device is taken for no lighter to turn than this part of what was told,
+/// Minimum of the estimated inertia, relative to its model value.
 const LIGHTEST: f64 = 0.05;
-/// and for no heavier than this multiple of it.
+/// Maximum of the estimated inertia, relative to its model value.
 const HEAVIEST: f64 = 20.0;
-/// Largest hand damping over inertia that is believed, times the period.
+/// Maximum of the hand damping over inertia, times the period.
 const MOST_RATE: f64 = 0.5;
 
-/// The observer of how a device turns.
+/// Observer of the rotation of a device.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TurningObserver {
     pub motion: TurningMotion,
@@ -263,9 +265,9 @@ impl TurningObserver {
         }
     }
 
-    /// Takes the orientation at the end of an interval of `h` `[s]` under a held torque. Returns the device at the
-    /// interval's beginning as the sample makes it look now: smoothed by one step, but for sigma and lambda, which are
-    /// the same at both ends.
+    /// Updates the estimate with the orientation at the end of an interval of `h` `[s]` under a held torque. Returns
+    /// the smoothed state at the beginning of the interval (one-step smoothing). sigma and lambda are equal at both
+    /// ends.
     pub fn see(
         &mut self,
         from: &TurningPrior,
@@ -305,7 +307,8 @@ impl TurningObserver {
         };
         let (mut cross, mut covariance, mut inverse) = expects(&self.covariance);
         if inverse.is_some_and(|inverse| innovation.dot(&(inverse * innovation)) > SURPRISE) {
-            // A kick at the start of the interval, as along an axis: the angular velocity becomes that of the last step.
+            // Kick at the start of the interval, as along an axis: the angular velocity becomes that of the last
+            // step.
             let rate = innovation.norm_squared() / (EXPLAINED * h * h);
             let axes = before.orientation.to_rotation_matrix().into_inner();
             let inertia = axes * Matrix3::from_diagonal(&from.moments) * axes.transpose();
@@ -325,7 +328,7 @@ impl TurningObserver {
         covariance -= seen * inverse * seen.transpose();
         covariance = (covariance + covariance.transpose()) * 0.5;
         for state in 0..STATES {
-            // By rounding only.
+            // Negative only by rounding.
             covariance[(state, state)] = covariance[(state, state)].max(0.0);
         }
         let part = |column: &Column, row: usize| -> Vector3 { column.fixed_rows::<3>(row).into() };
@@ -381,7 +384,7 @@ mod tests {
         }
     }
 
-    /// Against many small steps of the same equations.
+    /// Comparison with many small steps of the same equations.
     #[test]
     fn the_motion_is_that_of_a_turning_body() {
         let (motion, torque, h) = (some_motion(), some_torque(), 0.004);
@@ -437,14 +440,15 @@ mod tests {
             for row in 0..3 {
                 let slope = (more[row] - less[row]) / (2.0 * step);
                 let told: Vector3 = transition.fixed_view::<3, 1>(3 * row, state).into();
-                // In what a typical error of the state makes of a typical size.
+                // Relative to the effect of a typical state error on a typical value.
                 let off = (slope - told).norm() * sizes[kind] / sizes[row];
                 assert!(off < 2e-3, "{row} {state}: {slope:?} {told:?} {off}");
             }
         }
     }
 
-    /// Another inertia than told, shaken by known torques in a hand that damps: the observer learns the inertia.
+    /// Inertia with a wrong model value, under known torques in a hand with damping: the observer estimates the
+    /// inertia.
     #[test]
     fn inertia_is_learned_from_torques() {
         let told = MOMENTS * 1.6;

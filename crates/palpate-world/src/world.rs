@@ -1,4 +1,4 @@
-//! A world as a whole, and its checks.
+//! World description and its checks.
 
 use std::collections::HashSet;
 
@@ -11,30 +11,29 @@ use crate::{
     WorldError, WorldField, WorldPart,
 };
 
-/// What there is: tools, bodies, and the laws of their contacts.
+/// World description: tools, bodies, joints and contact laws.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct World {
-    /// A tool for each device, in the order of the devices.
+    /// One tool per device, in the order of the devices.
     pub tools: Vec<Tool>,
     /// The bodies.
     pub bodies: Vec<Body>,
-    /// The laws of contacts. For a pair, a law between two names goes before one between a name and
-    /// [`Party::Any`], which goes before one between any two; of equals, the last one holds. A pair without a law
-    /// does not touch.
+    /// Contact laws. A law between two names has precedence over one between a name and [`Party::Any`], which has
+    /// precedence over one between any two. The last of equal rank applies. A pair without a law does not touch.
     pub contacts: Vec<Contact>,
     /// The joints.
     pub joints: Vec<Joint>,
 }
 
-/// How far the length of a unit vector may be from 1.
+/// Allowed deviation of a unit vector's length from 1.
 const LENGTH_TOLERANCE: f64 = 1e-6;
-/// Share by which a moment of inertia may be above the sum of the other two, for rounded numbers.
+/// Relative excess of a moment of inertia over the sum of the other two that is tolerated, for rounded numbers.
 const MOMENT_SLACK: f64 = 1e-3;
-/// Where the stops of a hinge may be at most `[rad]`: its angle is known between half a turn and half a turn back.
+/// Maximum position of the stops of a hinge `[rad]`: its angle is known within half a turn in either direction.
 const MOST_TURN: f64 = 3.0;
 
 impl World {
-    /// The law between the tools or bodies of these names, if they touch.
+    /// Returns the law between the tools or bodies of these names, if they touch.
     #[must_use]
     pub fn law(&self, one: &str, other: &str) -> Option<&ContactLaw> {
         let rank = |contact: &Contact| {
@@ -53,11 +52,11 @@ impl World {
             .map(|(_, law)| law)
     }
 
-    /// Everything that is wrong with the world.
+    /// Checks the world.
     ///
     /// # Errors
     ///
-    /// Each fault, in the order tools, bodies, contacts, joints: at least one.
+    /// Returns all faults in the order tools, bodies, contacts, joints (at least one).
     pub fn check(&self) -> Result<(), Vec<WorldError>> {
         let mut faults = Vec::new();
         if self.tools.is_empty() {
@@ -149,13 +148,13 @@ impl World {
     }
 }
 
-/// Whether a vector has the length 1.
+/// Returns whether a vector has length 1.
 pub(crate) fn is_unit(values: &[f64]) -> bool {
     let length = values.iter().map(|value| value * value).sum::<f64>().sqrt();
     (length - 1.0).abs() < LENGTH_TOLERANCE
 }
 
-/// The faults of one part of a world.
+/// Collector of the faults of one part of a world.
 pub(crate) struct Faults<'a> {
     all: &'a mut Vec<WorldError>,
     place: WorldPart,
@@ -210,7 +209,7 @@ impl<'a> Faults<'a> {
         }
     }
 
-    /// Two names between which no contact can be.
+    /// Reports two names between which no contact is possible.
     fn pair(&mut self, between: &[Party; 2], tools: &[Tool]) {
         let [Party::Named(one), Party::Named(other)] = between else {
             return;
@@ -345,7 +344,7 @@ impl<'a> Faults<'a> {
         }
     }
 
-    /// The shapes that a tool may have.
+    /// Checks that the shape is allowed for a tool.
     fn tool(&mut self, shape: &Shape) {
         match shape {
             Shape::Sphere { .. }
@@ -363,7 +362,7 @@ impl<'a> Faults<'a> {
         }
     }
 
-    /// A mesh says by itself what its moments of inertia are only if it is closed.
+    /// Checks that a mesh without given moments of inertia is closed.
     fn inertia(&mut self, free: &Free, shape: &Shape) {
         let (mesh, word) = match shape {
             Shape::Mesh(mesh) => (mesh, "mesh"),
@@ -430,10 +429,11 @@ impl<'a> Faults<'a> {
     }
 }
 
-/// By how much the axes of a device may be off unit vectors at right angles.
+/// Allowed deviation of a device's axes from orthogonal unit vectors.
 const MOST_OFF_RIGHT_ANGLES: f64 = 1e-9;
 
-/// The largest difference of a product of two of these from that of unit vectors at right angles; infinite if one is no number.
+/// Returns the largest deviation of the axes' dot products from those of orthogonal unit vectors; infinite for
+/// non-finite axes.
 fn off_right_angles(axes: [Vector; 3]) -> f64 {
     let columns = Matrix3::from_columns(&axes.map(Vector3::from));
     let off = columns.tr_mul(&columns) - Matrix3::identity();

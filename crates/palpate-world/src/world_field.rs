@@ -1,8 +1,8 @@
-//! The fields of the parts of a world by name.
+//! Names of the fields of a world's parts.
 
 use std::fmt;
 
-/// A field of a part of a world, to be matched by value.
+/// A field of a part of a world, for matching.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[allow(missing_docs)] // the variants are called what the fields are
@@ -92,8 +92,8 @@ pub enum WorldField {
 }
 
 impl WorldField {
-    /// The field as it is called in this crate, for instance `mass`, and `guard.late` of a part within a part; empty for the
-    /// part as a whole.
+    /// Returns the name of the field in this crate, for example `mass`, or `guard.late` for a nested field; empty for
+    /// the part as a whole.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {

@@ -1,8 +1,7 @@
-//! The program whose instructions `scripts/instructions.py` has valgrind count.
+//! Program for `scripts/instructions.py`, which counts its instructions with valgrind.
 //!
-//! It runs the ticks of each class again and again and calls [`lap`] after each part; callgrind
-//! writes its counts there, and the script subtracts. Before each lap it prints what was run:
-//! a name, and how often.
+//! It repeats the ticks of each class and calls [`lap`] after each part. Callgrind writes its counts there, and the
+//! script subtracts them. Before each lap the program prints the name of the part and its number of runs.
 #![allow(clippy::print_stdout)] // the script reads it
 
 mod recorded;
@@ -11,10 +10,10 @@ use std::hint::black_box;
 
 use recorded::{CLASSES, METHODS, Recorded, Tick};
 
-/// Runs per part, once and twice: the difference holds no loop or call overhead but its own.
+/// Runs per part, single and double: the difference excludes constant overhead.
 const RUN_COUNTS: [usize; 2] = [240, 480];
 
-/// Where callgrind writes its counts and begins anew.
+/// Callgrind writes its counts here and restarts them.
 #[inline(never)]
 fn lap() {
     black_box(());

@@ -1,8 +1,8 @@
 //! Time per tick: `cargo bench -p palpate --bench tick`.
 //!
-//! Two tables in nanoseconds. Over the Fig. 2 scene: the mean of a run from its first tick to its
-//! last, as a device would have it, then every tick of it timed by itself, on many copies of its
-//! state made beforehand. By class of tick: the median of the ticks of the class.
+//! Two tables in nanoseconds. Over the Fig. 2 scene: the mean of a run from its first tick to its last, as on a device,
+//! then every tick timed by itself, on many prepared copies of its state. By class of tick: the median of the ticks of
+//! the class.
 #![allow(clippy::print_stdout)] // a benchmark prints
 
 mod recorded;
@@ -12,12 +12,12 @@ use std::time::Instant;
 
 use recorded::{CLASSES, METHODS, Recorded, Tick};
 
-/// Copies of one tick that are run in a row: few enough for the first-level cache.
+/// Copies of one tick that run in a row: few enough for the first-level cache.
 const COPY_COUNT: usize = 64;
 const REPEAT_COUNT: usize = 60;
 
 fn main() {
-    // Under `cargo test` a benchmark only has to build and run.
+    // Under `cargo test` the benchmark is only built and started.
     if !std::env::args().any(|argument| argument == "--bench") {
         return;
     }
@@ -66,14 +66,14 @@ fn sorted(times: impl Iterator<Item = f64>) -> Vec<f64> {
     times
 }
 
-/// Least time of many runs `[ns]`: whatever is more is other programs.
+/// Returns the minimum time of many runs `[ns]`; larger times include other programs.
 fn least(mut run: impl FnMut() -> Instant) -> f64 {
     (0..REPEAT_COUNT)
         .map(|_| run().elapsed().as_secs_f64() * 1e9)
         .fold(f64::INFINITY, f64::min)
 }
 
-/// One tick, whatever came before it `[ns]`.
+/// Returns the time of one tick by itself `[ns]`.
 fn alone(recorded: &Recorded, tick: &Tick) -> f64 {
     let all = least(|| {
         let mut copies = [*tick; COPY_COUNT];
@@ -87,7 +87,7 @@ fn alone(recorded: &Recorded, tick: &Tick) -> f64 {
     all / COPY_COUNT as f64
 }
 
-/// The whole scene on one state, per tick `[ns]`.
+/// Returns the time per tick of the whole scene on one state `[ns]`.
 fn in_a_row(recorded: &Recorded) -> f64 {
     let all = least(|| {
         let mut state = black_box(recorded.scene[0].state);

@@ -1,4 +1,4 @@
-//! The smallest loop: a light block at 1 kHz, a device that is read and commanded.
+//! Minimal loop: a light block at 1 kHz, with a simulated device.
 //!
 //! `cargo run -p palpate --example ten_line_loop`
 
@@ -24,12 +24,12 @@ fn main() -> Result<(), palpate::ParameterError> {
     Ok(())
 }
 
-/// Stands for your device's position `[m]`: a slow 10 mm swing.
+/// Replaces the position of your device `[m]`: a slow 10 mm oscillation.
 fn read_device(tick: u32) -> f64 {
     0.01 * (f64::from(tick) * 0.001 * std::f64::consts::TAU).sin()
 }
 
-/// Stands for your motor: prints ten times a second.
+/// Replaces your motor: prints ten times a second.
 fn command_device(tick: u32, force: f64) {
     if tick.is_multiple_of(100) {
         println!("t = {:.1} s  {force:+.3} N", f64::from(tick) * 0.001);

@@ -1,20 +1,19 @@
-//! How a command becomes a force on the device: after a delay, through a lag, with a gain.
+//! Model of the actuation: delay, lag and gain from a command to the force on the device.
 
 use crate::Scalar;
 use crate::parameter::{Allowed, Parameter, ParameterError};
 
-/// Most samples of delay that a loop can state.
+/// Largest delay of a loop in samples.
 pub const LARGEST_DELAY: usize = 8;
 
-/// A delay this close to a whole number of periods is one: quotients of decimal times are never exact.
+/// Tolerance of a whole number of periods: quotients of decimal times are never exact.
 pub(crate) const WHOLE_WITHIN: f64 = 1e-5;
 
-/// What is known of the way from a sample to the force on the device, with the standard deviation of
-/// each value: what a calibration finds. The default is a perfect actuator: no delay, no lag, a gain
-/// of 1.
+/// Model of the actuation from a sample to the force on the device, with the standard deviation of each value, as
+/// measured by a calibration. The default is a perfect actuator: no delay, no lag, a gain of 1.
 ///
-/// The force that was computed from a sample at t begins at t + delay, goes through
-/// `lag y' = gain u - y`, and stays until the next one begins (Eq. of a first-order actuator).
+/// The force computed from a sample at t begins at t + delay, passes through `lag y' = gain u - y`, and lasts until the
+/// next one begins (Eq. of a first-order actuator).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
@@ -30,30 +29,30 @@ pub struct Actuation<S> {
     pub delay: S,
     /// Time constant of the actuator `[s]`, not below 0.
     pub lag: S,
-    /// Delivered over commanded force, greater than 0.
+    /// Ratio of delivered to commanded force, greater than 0.
     pub gain: S,
-    /// Standard deviation of the delay, its changes from command to command included `[s]`.
+    /// Standard deviation of the delay, including its variation between commands `[s]`.
     pub delay_deviation: S,
     /// Standard deviation of the lag `[s]`.
     pub lag_deviation: S,
     /// Standard deviation of the gain.
     pub gain_deviation: S,
-    /// What is flexible between the motor and the rest of the device, where that is known.
+    /// Flexible transmission between the motor and the rest of the device, if known.
     pub transmission: Option<Transmission<S>>,
 }
 
-/// A flexible transmission of a device: motor and sensor are on one side of it, the rest of the device's
-/// mass, and the hand, on the other. Coupled rendering predicts the motion of both sides where the resonance times the
-/// period exceeds 0.05; otherwise one mass follows it better.
+/// Flexible transmission of a device: motor and sensor are on one side, the rest of the device's mass and the hand on
+/// the other. Coupled rendering predicts the motion of both sides if the resonance times the period exceeds 0.05;
+/// otherwise a model with one mass is better.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Transmission<S> {
-    /// Resonance of both sides against each other, with nothing held, greater than 0 `[Hz]`.
+    /// Resonance of both sides against each other, without a hand, greater than 0 `[Hz]`.
     pub resonance: S,
-    /// Its damping ratio, from 0 to 1.
+    /// Damping ratio of the resonance, from 0 to 1.
     pub damping_ratio: S,
-    /// Part of the mass beyond the transmission, seen from the motor, from 0 to below 1.
+    /// Fraction of the mass beyond the transmission, seen from the motor, from 0 to below 1.
     pub flexible_mass_fraction: S,
 }
 
@@ -72,7 +71,7 @@ impl<S: Scalar> Default for Actuation<S> {
 }
 
 impl<S: Scalar> Actuation<S> {
-    /// A force that begins `delay` `[s]` after its sample.
+    /// Creates an actuation whose force begins `delay` `[s]` after its sample.
     #[must_use]
     pub fn after(delay: S) -> Self {
         Self {
@@ -81,20 +80,20 @@ impl<S: Scalar> Actuation<S> {
         }
     }
 
-    /// A force that begins with the sample `samples` periods of `period` `[s]` after its own.
+    /// Creates an actuation whose force begins with the sample `samples` periods of `period` `[s]` after its own.
     #[must_use]
     pub fn after_samples(samples: usize, period: S) -> Self {
         Self::after(S::from_f64(samples as f64) * period)
     }
 
-    /// The same with a first-order lag of time constant `lag` `[s]`.
+    /// Returns the actuation with a first-order lag of time constant `lag` `[s]`.
     #[must_use]
     pub fn with_lag(self, lag: S) -> Self {
         Self { lag, ..self }
     }
 
-    /// Factor of a command that limits of the force apply to: the gain, but at least 1. A limit then bounds both the
-    /// command and the force that the modelled actuator delivers.
+    /// Returns the factor from the command to the force that force limits apply to: the gain, but at least 1. A limit
+    /// then bounds both the command and the force that the modelled actuator delivers.
     #[must_use]
     pub fn limit_gain(&self) -> S {
         if self.gain > S::ONE {
@@ -104,13 +103,13 @@ impl<S: Scalar> Actuation<S> {
         }
     }
 
-    /// The same with a `gain`: delivered over commanded force.
+    /// Returns the actuation with a `gain`: ratio of delivered to commanded force.
     #[must_use]
     pub fn with_gain(self, gain: S) -> Self {
         Self { gain, ..self }
     }
 
-    /// The same with a flexible `transmission`.
+    /// Returns the actuation with a flexible `transmission`.
     #[must_use]
     pub fn with_transmission(self, transmission: Transmission<S>) -> Self {
         Self {
@@ -119,14 +118,14 @@ impl<S: Scalar> Actuation<S> {
         }
     }
 
-    /// Standard deviation of delay and lag together `[s]`.
+    /// Returns the standard deviation of delay and lag together `[s]`.
     pub(crate) fn timing_deviation(&self) -> S {
         let (delay, lag) = (self.delay_deviation, self.lag_deviation);
         (delay * delay + lag * lag).sqrt()
     }
 
-    /// Whether a force acts as it is sent, whole samples later: no fraction of `period` `[s]`, no lag and a
-    /// gain of 1.
+    /// Returns whether a force acts as sent, whole samples later: no fraction of `period` `[s]`, no lag and a gain of
+    /// 1.
     pub fn is_of_whole_samples(&self, period: S) -> bool {
         let periods = self.delay / period;
         let within = S::from_f64(WHOLE_WITHIN);
@@ -134,12 +133,12 @@ impl<S: Scalar> Actuation<S> {
         off.abs() <= within && self.lag <= S::ZERO && self.gain == S::ONE
     }
 
-    /// Every parameter outside its range, in a loop of `period` `[s]`.
+    /// Returns every parameter outside its range, in a loop of `period` `[s]`.
     pub(crate) fn faults(&self, period: S) -> impl Iterator<Item = ParameterError> {
         let periods = self.delay / period;
         let most = S::from_f64(LARGEST_DELAY as f64 + WHOLE_WITHIN);
         let known = periods >= S::ZERO && periods <= most;
-        // Where the period is wrong, the number of periods says nothing.
+        // With an invalid period, the number of periods is meaningless.
         let judged = period.is_finite() && period > S::ZERO;
         let not_negative = |parameter: Parameter, value: S| parameter.not_negative(value).err();
         [
@@ -163,7 +162,7 @@ impl<S: Scalar> Actuation<S> {
 }
 
 impl<S: Scalar> Transmission<S> {
-    /// What is outside its range.
+    /// Returns the parameters outside their range.
     fn faults(&self) -> [Option<ParameterError>; 3] {
         let (ratio, fraction) = (self.damping_ratio, self.flexible_mass_fraction);
         let from_zero = |value: S| value >= S::ZERO && value <= S::ONE;

@@ -1,4 +1,4 @@
-//! The actuator of a loop: what the commands on their way do to the device, by what is known of it.
+//! Actuator model of a loop: effect of the pending commands on the device.
 
 use crate::Scalar;
 use crate::actuation::{Actuation, LARGEST_DELAY, WHOLE_WITHIN};
@@ -6,21 +6,21 @@ use crate::actuation::{Actuation, LARGEST_DELAY, WHOLE_WITHIN};
 /// Force on the object that reached the device over an interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Held<S> {
-    /// Its mean `[N]`.
+    /// Mean `[N]`.
     pub mean: S,
-    /// By how much its impulse came earlier than a constant force's: the integral of (h - s) f(s) over the
-    /// interval of h, less that of the mean `[N s^2]`. 0 for a force that was held all along.
+    /// Lead of its impulse over that of a constant force: the integral of (h - s) f(s) over the interval of h, minus
+    /// that of the mean `[N s^2]`. 0 for a force that was held throughout.
     pub lead: S,
-    /// By how much the commands that begin in the interval change the force `[N]`,
+    /// Change of the force by the commands that begin in the interval `[N]`.
     pub step: S,
-    /// and the sum of these changes, each times what is left of the interval when it begins `[N s]`.
+    /// Sum of these changes, each times the remaining duration of the interval when it begins `[N s]`.
     pub step_moment: S,
-    /// Standard deviation of its impulse, as far as the actuation is not known exactly `[N s]`.
+    /// Standard deviation of its impulse by the uncertainty of the actuation `[N s]`.
     pub impulse_deviation: S,
 }
 
 impl<S: Scalar> Held<S> {
-    /// A constant force `[N]` that is certain.
+    /// Creates a constant force `[N]` without uncertainty.
     pub fn constant(force: S) -> Self {
         Self {
             mean: force,
@@ -35,60 +35,60 @@ impl<S: Scalar> Held<S> {
 /// A command that may not have reached the device yet.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Command<S> {
-    /// What the method asked for `[N]`.
+    /// Force planned by the method `[N]`.
     pub intended: S,
-    /// What was sent: what the limits, and the driver, left of it `[N]`.
+    /// Force sent after the limits and the driver `[N]`.
     pub sent: S,
 }
 
-/// A command and how long its sample came before the next `[s]`.
+/// A command, and the time from its sample to the next one `[s]`.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sent<S> {
     command: Command<S>,
     span: S,
 }
 
-/// The commands that still act or have yet to act, and where the lag is.
+/// Commands that still act or have yet to act, and the state of the lag.
 #[derive(Clone, Copy, Debug)]
 pub struct UnderWay<S> {
-    /// A ring: those after the newest are older, up to it.
+    /// Ring buffer, from the newest command to the oldest.
     commands: [Sent<S>; MOST_COMMANDS],
     newest: u8,
-    /// What the device felt at the last sample `[N]`: used where there is a lag.
+    /// Force on the device at the last sample `[N]`; used with a lag.
     felt: Command<S>,
-    /// What of it was sent, by the loop's own actuation where a method has learned another `[N]`.
+    /// Its sent part by the loop's own actuation model, if a method estimates another one `[N]`.
     felt_by_model: S,
 }
 
-/// Changes of the force over an interval up to this part of its mean are those of a contact at rest, whose timing is not in
-/// doubt.
+/// Changes of the force over an interval up to this fraction of its mean count as a contact at rest, whose timing is
+/// certain.
 const AT_REST: f64 = 0.3;
-/// Largest timing deviation that does not count at rest `[periods]`. A larger one can make a contact at rest swing.
+/// Largest timing deviation without effect at rest `[periods]`. A larger one can make a contact at rest oscillate.
 const TIMING_AT_REST: f64 = 0.1;
 
-/// Most commands that can act in one interval or have yet to.
+/// Maximum number of commands that act in one interval or have yet to act.
 const MOST_COMMANDS: usize = LARGEST_DELAY + 2;
 
 #[expect(clippy::cast_possible_truncation, reason = "9")]
 const LAST_COMMAND: u8 = (MOST_COMMANDS - 1) as u8;
 
-/// A stretch of time, and what reaches the device in it.
+/// A time interval, and the force on the device in it.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece<S> {
-    /// Its duration `[s]`.
+    /// Duration `[s]`.
     pub duration: S,
-    /// Mean of what the method asked for, through the actuator `[N]`.
+    /// Mean of the planned force, through the actuator `[N]`.
     pub intended: S,
-    /// What was sent, through the actuator.
+    /// Sent force, through the actuator.
     pub held: Held<S>,
 }
 
 /// The checked actuation of a loop.
 #[derive(Clone, Copy, Debug)]
 pub struct Actuator<S> {
-    /// From a sample to the beginning of its command `[s]`.
+    /// Time from a sample to the beginning of its command `[s]`.
     delay: S,
-    /// Whether a command is held as it was sent from its sample to the next, and that is certain.
+    /// Whether a command is held unchanged from its sample to the next, without uncertainty.
     is_at_once: bool,
     /// Whether the delay is a whole number of periods.
     is_whole: bool,
@@ -96,13 +96,13 @@ pub struct Actuator<S> {
     lag: S,
     gain: S,
     timing_deviation: S,
-    /// Part of it that does not count at rest `[s]`.
+    /// Part of the timing deviation without effect at rest `[s]`.
     timing_at_rest: S,
     gain_deviation: S,
 }
 
 impl<S: Scalar> Actuator<S> {
-    /// Of an actuation without faults, in a loop of `period` `[s]`.
+    /// Creates the actuator of a valid actuation, in a loop of `period` `[s]`.
     pub fn new(actuation: &Actuation<S>, period: S) -> Self {
         let is_known =
             actuation.timing_deviation() <= S::ZERO && actuation.gain_deviation <= S::ZERO;
@@ -120,7 +120,7 @@ impl<S: Scalar> Actuator<S> {
         }
     }
 
-    /// The same with every command `by` `[s]` later, or earlier, but not before its sample.
+    /// Returns the actuator with `by` `[s]` added to its delay, which stays between 0 and the largest delay.
     #[must_use]
     pub fn later(&self, by: S) -> Self {
         let most = S::from_f64(LARGEST_DELAY as f64) * self.period;
@@ -133,12 +133,12 @@ impl<S: Scalar> Actuator<S> {
         }
     }
 
-    /// Delivered over commanded force.
+    /// Returns the ratio of delivered to commanded force.
     pub fn gain(&self) -> S {
         self.gain
     }
 
-    /// What a command does over `h` `[s]`, and where it leaves the lag: mean, lead and end `[N]`.
+    /// Returns the response to a command over `h` `[s]`: mean, lead and final state of the lag `[N]`.
     fn respond(&self, felt: S, sent: S, h: S) -> (S, S, S) {
         let aim = self.gain * sent;
         if self.lag <= S::ZERO {
@@ -152,7 +152,7 @@ impl<S: Scalar> Actuator<S> {
         (mean, lead, aim + off * decayed)
     }
 
-    /// What the commands of a schedule do over an interval of `h` `[s]`.
+    /// Computes the force by the commands of a schedule over an interval of `h` `[s]`.
     fn pass(&self, felt: &mut Command<S>, schedule: &Schedule<S>, h: S) -> Piece<S> {
         let mut sum = Piece {
             duration: h,
@@ -170,7 +170,7 @@ impl<S: Scalar> Actuator<S> {
             } = part;
             let length = ends - begins;
             if length <= S::ZERO {
-                // Of commands before the first sample, all of which are 0.
+                // Commands before the first sample are all 0.
                 continue;
             }
             let (mean, lead, end) = self.respond(before.sent, command.sent, length);
@@ -191,7 +191,7 @@ impl<S: Scalar> Actuator<S> {
             sum.held.step_moment += step * (h - begins);
             variation += step.abs();
             if length >= h {
-                // All of the interval.
+                // The whole interval.
                 (sum.intended, sum.held.mean, sum.held.lead) = (intended, mean, lead);
                 continue;
             }
@@ -204,8 +204,8 @@ impl<S: Scalar> Actuator<S> {
         if is_as_intended {
             sum.intended = sum.held.mean;
         }
-        // The changes of a force at rest are small against the force. Noise in proportion to them would slow the observer
-        // down, and a hand that is followed late drives the swing.
+        // The changes of a force at rest are small against the force. Noise in proportion to them would slow down the
+        // observer, and a delayed estimate of the hand drives the oscillation.
         let at_rest = S::from_f64(AT_REST) * sum.held.mean.abs();
         let certain = self.timing_deviation.min(self.timing_at_rest) * at_rest;
         let timing = (self.timing_deviation * variation - certain).max(S::ZERO);
@@ -216,29 +216,29 @@ impl<S: Scalar> Actuator<S> {
         sum
     }
 
-    /// Impulse that the lag carries into an interval of `h` `[s]`, and what of a command's impulse
+    /// Returns the impulse that the lag carries into an interval of `h` `[s]`, and the part of a command's impulse that
     /// arrives in it `[s]`.
     fn shares(&self, felt: S, h: S) -> (S, S) {
         if self.lag <= S::ZERO {
             return (S::ZERO, h);
         }
-        // The inverse of a slow actuator amplifies every error of what is known: no further than that
-        // of one with a lag of half the interval.
+        // The inverse of a slow actuator amplifies every estimation error: limit it to that of a lag of half the
+        // interval.
         let [_, carried] = decay(self.lag.min(S::HALF * h), h);
         (felt * carried, h - carried)
     }
 }
 
-/// Whether a delay is a whole number of periods.
+/// Returns whether a delay is a whole number of periods.
 fn is_whole<S: Scalar>(delay: S, period: S) -> bool {
     let within = S::from_f64(WHOLE_WITHIN);
     let periods = delay / period;
     periods - (periods + within).floor() <= within
 }
 
-/// The commands that act in an interval.
+/// Commands that act in an interval.
 struct Schedule<S> {
-    /// When each begins, counted from the interval's beginning `[s]`, and by how much it changes the
+    /// Start time of each command after the interval's beginning `[s]`, the command, and its change of the previous
     /// command; the last to begin first.
     begun: [(S, Command<S>, S); MOST_COMMANDS],
     count: usize,
@@ -249,7 +249,7 @@ struct Part<S> {
     begins: S,
     ends: S,
     command: Command<S>,
-    /// By how much the command changes with it, if it begins with it `[N]`.
+    /// Change of the command, if it begins with this part `[N]`.
     step: S,
 }
 
@@ -261,7 +261,7 @@ impl<S: Scalar> Schedule<S> {
         }
     }
 
-    /// In the order of time, to the interval's end at `h` `[s]`.
+    /// Returns the parts in temporal order, to the interval's end at `h` `[s]`.
     fn parts(&self, h: S) -> impl Iterator<Item = Part<S>> {
         let begun = self.begun.get(..self.count).unwrap_or_default();
         let ends = move |place: usize| match place.checked_sub(1).and_then(|next| begun.get(next)) {
@@ -281,14 +281,14 @@ impl<S: Scalar> Schedule<S> {
     }
 }
 
-/// What is left of a lag's deviation after `h` `[s]`, and the integral of it `[s]`.
+/// Returns the remaining fraction of a lag's deviation after `h` `[s]`, and its integral `[s]`.
 fn decay<S: Scalar>(lag: S, h: S) -> [S; 2] {
     let decayed = (-h / lag).exp();
     [decayed, lag * (S::ONE - decayed)]
 }
 
 impl<S: Scalar> UnderWay<S> {
-    /// Before the first sample: no force.
+    /// Creates the state before the first sample: zero force.
     #[must_use]
     pub fn nothing() -> Self {
         Self {
@@ -299,7 +299,7 @@ impl<S: Scalar> UnderWay<S> {
         }
     }
 
-    /// An interval of `h` `[s]` between two samples is over: what reached the device in it.
+    /// Ends an interval of `h` `[s]` between two samples and returns the force on the device in it.
     #[inline]
     pub fn pass(&mut self, actuator: &Actuator<S>, h: S) -> Piece<S> {
         let piece = if actuator.is_at_once {
@@ -317,8 +317,8 @@ impl<S: Scalar> UnderWay<S> {
         piece
     }
 
-    /// The same where a method has learned another actuator than the `model` of the loop: the mean force by the
-    /// model `[N]`, and the force that reached the device by the learned model.
+    /// Ends an interval for a method with another actuator estimate than the `model` of the loop. Returns the mean
+    /// force by the model `[N]`, and the force on the device by the estimate.
     #[inline]
     pub fn pass_learned(
         &mut self,
@@ -342,7 +342,7 @@ impl<S: Scalar> UnderWay<S> {
         (by_model.held.mean, piece)
     }
 
-    /// The newest command, exactly as it was sent.
+    /// Returns the newest command, exactly as sent.
     #[inline]
     fn held_at_once(&self, actuator: &Actuator<S>, h: S) -> Piece<S> {
         let [later, earlier] = [0, 1].map(|age| self.aged(age).command);
@@ -358,7 +358,7 @@ impl<S: Scalar> UnderWay<S> {
         }
     }
 
-    /// What acts in the `h` `[s]` that begin `since` `[s]` after the newest command's sample.
+    /// Returns the commands that act in the `h` `[s]` that begin `since` `[s]` after the newest command's sample.
     fn schedule(&self, actuator: &Actuator<S>, since: S, h: S) -> Schedule<S> {
         let mut schedule = Schedule {
             begun: [(S::ZERO, Command::default(), S::ZERO); MOST_COMMANDS],
@@ -402,14 +402,14 @@ impl<S: Scalar> UnderWay<S> {
         }
     }
 
-    /// The driver has sent another force than the command of the last sample `[N]`.
+    /// Replaces the command of the last sample by the force that the driver sent `[N]`.
     pub fn correct(&mut self, sent: S) {
         if let Some(newest) = self.commands.get_mut(usize::from(self.newest)) {
             newest.command.sent = sent;
         }
     }
 
-    /// The command that is older than the newest by so many samples.
+    /// Returns the command that is `age` samples older than the newest.
     #[inline]
     fn aged(&self, age: usize) -> Sent<S> {
         let place = usize::from(self.newest) + age.min(MOST_COMMANDS - 1);
@@ -418,7 +418,7 @@ impl<S: Scalar> UnderWay<S> {
     }
 }
 
-/// The commands on their way at a sample, before its own.
+/// Pending commands at a sample, before its own.
 #[derive(Clone, Copy, Debug)]
 pub struct Ahead<'a, S> {
     actuator: &'a Actuator<S>,
@@ -426,7 +426,7 @@ pub struct Ahead<'a, S> {
 }
 
 impl<'a, S: Scalar> Ahead<'a, S> {
-    /// Of a loop's actuator and what is under way in it.
+    /// Creates a view of a loop's actuator and its pending commands.
     pub fn new(actuator: &'a Actuator<S>, under_way: &'a UnderWay<S>) -> Self {
         Self {
             actuator,
@@ -434,7 +434,7 @@ impl<'a, S: Scalar> Ahead<'a, S> {
         }
     }
 
-    /// Whether a command that is not 0 is still to act before the command of this sample does.
+    /// Returns whether a non-zero command acts before the command of this sample does.
     #[must_use]
     pub fn is_awaited(&self) -> bool {
         let delay = self.actuator.delay;
@@ -442,9 +442,9 @@ impl<'a, S: Scalar> Ahead<'a, S> {
         parts.is_some_and(|parts| parts.parts(delay).any(|part| part.command.sent != S::ZERO))
     }
 
-    /// Bound on the impulse that the commands before this sample's can still give, whatever follows `[N s]`:
-    /// the integral of the force's magnitude. A lag spreads an impulse over time and adds none, so each command
-    /// counts with the time that it has left to act, and the force that decays in the lag with its whole rest.
+    /// Returns a bound on the impulse that the commands before this sample's can still give `[N s]`: the integral of
+    /// the force's magnitude. A lag spreads an impulse over time and adds none, so each command counts with its
+    /// remaining time, and the decaying force in the lag with its whole remainder.
     #[must_use]
     pub fn impulse_to_come(&self) -> S {
         let actuator = self.actuator;
@@ -457,8 +457,8 @@ impl<'a, S: Scalar> Ahead<'a, S> {
         actuator.gain * sum + actuator.lag * self.under_way.felt_by_model.abs()
     }
 
-    /// What acts before the command of this sample begins, in order, and what then follows it over
-    /// `period` `[s]`.
+    /// Passes the forces before the command of this sample to `each` in temporal order, and returns the interval of
+    /// `period` `[s]` that the command governs.
     #[inline]
     pub fn until_own(&self, period: S, mut each: impl FnMut(Piece<S>)) -> Governed<S> {
         let actuator = self.actuator;
@@ -481,14 +481,13 @@ impl<'a, S: Scalar> Ahead<'a, S> {
         Governed { carried, share }
     }
 
-    /// Whether the command of this sample begins with a sample.
+    /// Returns whether the command of this sample begins at a sample.
     #[must_use]
     pub fn is_whole(&self) -> bool {
         self.actuator.is_whole
     }
 
-    /// What reaches the device in the next `h` `[s]`, if `own` `[N]` is what the command of this sample
-    /// is to deliver.
+    /// Returns the force on the device in the next `h` `[s]`, if the command of this sample delivers `own` `[N]`.
     pub fn over_next(&self, own: S, h: S) -> Held<S> {
         let actuator = self.actuator;
         let mut schedule = self.schedule(h);
@@ -521,18 +520,18 @@ impl<'a, S: Scalar> Ahead<'a, S> {
     }
 }
 
-/// The interval in which a command acts.
+/// Interval in which a command acts.
 #[derive(Clone, Copy, Debug)]
 pub struct Governed<S> {
     /// Impulse that the lag carries into it `[N s]`.
     carried: S,
-    /// Part of it that a command's own impulse has `[s]`.
+    /// Part of it for a command's own impulse `[s]`.
     share: S,
 }
 
 impl<S: Scalar> Governed<S> {
-    /// The delivered force, constant but for the lag, whose impulse over the interval of `h` `[s]` is
-    /// that of `mean` `[N]`.
+    /// Returns the delivered force, constant except for the lag, whose impulse over the interval of `h` `[s]` is that
+    /// of `mean` `[N]`.
     pub fn with_mean(&self, mean: S, h: S) -> S {
         if self.share == h {
             return mean;

@@ -1,16 +1,16 @@
-//! A contact with one dimension along an axis in the plane or in space.
+//! One-dimensional contact along an axis in the plane or in space.
 
 use crate::Scalar;
 use crate::parameter::{Allowed, Parameter, ParameterError};
 
-/// Where the axis of a contact lies in a device of `N` dimensions: an origin and a unit normal.
+/// Axis of a contact in a device of `N` dimensions: an origin and a unit normal.
 ///
-/// The contact's coordinate is the distance from the origin along the normal. A force along the
-/// contact becomes a vector along the normal. The device's own Jacobian stays with the device.
+/// The contact's coordinate is the distance from the origin along the normal. A force along the contact becomes a
+/// vector along the normal. The device's own Jacobian is not included.
 ///
-/// **Which side is solid**: with [`Side::Positive`](crate::Side::Positive), the default, the object lies
-/// where the coordinate is greater than the object's position. So the normal points *into* what is solid,
-/// and the force on the device points against it.
+/// **Solid side**: with [`Side::Positive`](crate::Side::Positive), the default, the object occupies coordinates greater
+/// than the object's position. The normal therefore points *into* the solid, and the force on the device points against
+/// it.
 ///
 /// ```text
 ///        z ▲      device at z = 0.25 m: coordinate −0.25 m, no force
@@ -41,8 +41,8 @@ use crate::parameter::{Allowed, Parameter, ParameterError};
 /// # Ok::<(), palpate::ParameterError>(())
 /// ```
 ///
-/// Several contacts on one device, each with its own renderer and placement, add their forces;
-/// `docs/signs.md` has a block on this floor, and what several contacts side by side cannot do.
+/// The forces of several contacts on one device, each with its own renderer and placement, are added. `docs/signs.md`
+/// shows a block on this floor, and the limitations of several independent contacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AlongAxis<S, const N: usize> {
     origin: [S; N],
@@ -50,12 +50,12 @@ pub struct AlongAxis<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> AlongAxis<S, N> {
-    /// An axis through `origin` `[m]` along the unit vector `normal` `[1]`, in which device
-    /// positions increase: into the object of a contact on [`Side::Positive`](crate::Side::Positive).
+    /// Creates an axis through `origin` `[m]` along the unit vector `normal` `[1]`, in which device positions increase:
+    /// into the object of a contact on [`Side::Positive`](crate::Side::Positive).
     ///
     /// # Errors
-    /// A coordinate that is not finite; a normal whose length is not 1 within 1e-3 (it is then
-    /// scaled to length 1 exactly, so a normal written with few digits does no harm).
+    /// A coordinate is not finite, or the length of the normal is not 1 within 1e-3. An accepted normal is scaled to
+    /// length 1 exactly, so few digits suffice.
     pub fn new(origin: [S; N], normal: [S; N]) -> Result<Self, ParameterError> {
         for coordinate in origin {
             Parameter::AxisOrigin.finite(coordinate)?;

@@ -1,4 +1,4 @@
-//! The contact and the loop it is rendered in: what a user states, checked once.
+//! Parameters of the contact and of its loop, checked once.
 
 use crate::Scalar;
 use crate::actuation::Actuation;
@@ -11,17 +11,16 @@ use crate::parameter::{Allowed, Parameter, ParameterError};
 /// where the format has one) for a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mass<S> {
-    /// An object that moves, with this mass `[kg]`.
+    /// A movable object with this mass `[kg]`.
     Finite(S),
-    /// A wall: it moves for no force, and no virtual force moves it.
+    /// A wall: neither contact force nor virtual force moves it.
     Infinite,
 }
 
-/// On which side of the device the object lies.
+/// Side of the device on which the object lies.
 ///
-/// All positions, velocities and forces are stated along one axis. The side says which way along
-/// it the device presses into the object; it changes nothing else, so a mirrored scene gives the
-/// mirrored forces.
+/// All positions, velocities and forces are along one axis. The side determines the direction in which the device
+/// presses into the object and nothing else, so a mirrored scene gives the mirrored forces.
 ///
 /// ```text
 ///  Side::Positive                              Side::Negative
@@ -40,10 +39,10 @@ pub enum Side {
 }
 
 impl Side {
-    /// Both of them.
+    /// Both sides.
     pub const ALL: [Self; 2] = [Self::Positive, Self::Negative];
 
-    /// Its name in files, flags and arguments.
+    /// Returns the name in files, flags and arguments.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -52,13 +51,13 @@ impl Side {
         }
     }
 
-    /// The side of that name.
+    /// Returns the side with this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|side| side.name() == name)
     }
 
-    /// +1 for [`Side::Positive`], -1 for [`Side::Negative`].
+    /// Returns +1 for [`Side::Positive`], -1 for [`Side::Negative`].
     #[inline]
     #[must_use]
     pub fn sign<S: Scalar>(self) -> S {
@@ -91,15 +90,15 @@ pub struct Contact<S> {
     /// Side of the device on which the object lies.
     #[cfg_attr(feature = "serde", serde(default))]
     pub side: Side,
-    /// Whether the contact may only push. The paper's methods can pull for part of an interval;
-    /// with this the held force is clamped so that it never does. Default `false`, as in the paper.
+    /// Whether the contact may only push. The paper's methods can pull for part of an interval; this option clamps the
+    /// held force to prevent that. Default `false`, as in the paper.
     #[cfg_attr(feature = "serde", serde(default))]
     pub unilateral: bool,
 }
 
 impl<S: Scalar> Contact<S> {
-    /// A contact of `stiffness` `[N/m]` with an object of `mass` `[kg]` on the positive side. An
-    /// infinite mass is a wall.
+    /// Creates a contact of `stiffness` `[N/m]` with an object of `mass` `[kg]` on the positive side. An infinite mass
+    /// is a wall.
     pub fn object(stiffness: S, mass: S) -> Self {
         let object_mass = if mass == S::INFINITY {
             Mass::Infinite
@@ -114,18 +113,18 @@ impl<S: Scalar> Contact<S> {
         }
     }
 
-    /// A contact of `stiffness` `[N/m]` with a wall on the positive side.
+    /// Creates a contact of `stiffness` `[N/m]` with a wall on the positive side.
     pub fn wall(stiffness: S) -> Self {
         Self::object(stiffness, S::INFINITY)
     }
 
-    /// The same contact on another side.
+    /// Returns the contact on another side.
     #[must_use]
     pub fn on(self, side: Side) -> Self {
         Self { side, ..self }
     }
 
-    /// The same contact, never pulling.
+    /// Returns the contact restricted to pushing forces.
     #[must_use]
     pub fn pushing_only(self) -> Self {
         Self {
@@ -134,7 +133,7 @@ impl<S: Scalar> Contact<S> {
         }
     }
 
-    /// Every parameter outside its range.
+    /// Returns every parameter outside its range.
     pub fn faults(&self) -> impl Iterator<Item = ParameterError> {
         let mass = match self.object_mass {
             Mass::Finite(mass) => Parameter::ObjectMass.positive(mass).err(),
@@ -149,7 +148,7 @@ impl<S: Scalar> Contact<S> {
     }
 }
 
-/// The sampled loop the contact is rendered in, and what it must never exceed.
+/// Parameters and limits of the sampled loop of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
@@ -163,40 +162,36 @@ impl<S: Scalar> Contact<S> {
 pub struct LoopParams<S> {
     /// Nominal period T between samples `[s]`, greater than 0.
     pub period: S,
-    /// Longest time between two samples that is bridged `[s]`, at least one period. A longer gap
-    /// is a fault. `None`: 20 periods.
+    /// Longest time between two samples that is bridged `[s]`, at least one period. A longer gap is a fault. `None`: 20
+    /// periods.
     #[cfg_attr(feature = "serde", serde(default))]
     pub largest_gap: Option<S>,
-    /// Fastest device motion that is believed `[m/s]`; a faster jump is a fault. `None` believes
-    /// any, as does a serialised value that leaves it out. [`LoopParams::new`] sets 100 m/s, ten
-    /// times what a hand can do.
+    /// Largest accepted device speed `[m/s]`; a faster jump is a fault. `None`, also the default of a serialised value,
+    /// accepts any speed. [`LoopParams::new`] sets 100 m/s, ten times the speed of a hand.
     #[cfg_attr(feature = "serde", serde(default))]
     pub speed_limit: Option<S>,
     /// Largest force `[N]`, greater than 0: of the command, and of the command times the gain of
-    /// [`actuation`](Self::actuation). `None`: no limit. Set one before a motor
-    /// is attached: without a limit, a device that starts 5 m inside a wall of 1000 N/m, or a
-    /// position in the wrong unit, gets 5000 N. The ledger books the force after the limit.
-    /// [`with_force_limit`](Self::with_force_limit) sets it.
+    /// [`actuation`](Self::actuation). `None`: no limit. Set one before a motor is attached: without a limit, a device
+    /// that starts 5 m inside a wall of 1000 N/m, or a position in the wrong unit, gets 5000 N. The ledger records the
+    /// force after the limit. [`with_force_limit`](Self::with_force_limit) sets it.
     #[cfg_attr(feature = "serde", serde(default))]
     pub force_limit: Option<S>,
-    /// Fastest change of the same forces `[N/s]`, up and down; a fault still drops it to 0 at
-    /// once. `None`: no limit.
+    /// Largest rate of change of these forces `[N/s]`, up and down; a fault still sets the force to 0 immediately.
+    /// `None`: no limit.
     #[cfg_attr(feature = "serde", serde(default))]
     pub slew_limit: Option<S>,
-    /// What is known of the way from a sample to the force on the device. The ledger books a force when
-    /// it acts, methods that predict look that far ahead, and a force is divided by the gain before it
-    /// is commanded. Default: a perfect actuator.
+    /// Model of the actuation from a sample to the force on the device. The ledger records a force when it acts,
+    /// predicting methods look ahead by the delay, and commands are divided by the gain. Default: a perfect actuator.
     #[cfg_attr(feature = "serde", serde(default))]
     pub actuation: Actuation<S>,
-    /// Whether the energy that held forces give out is bounded. Default: it is not.
+    /// Bound on the energy that held forces give out. Default: none.
     #[cfg_attr(feature = "serde", serde(default))]
     pub guard: Guard<S>,
 }
 
 impl<S: Scalar> LoopParams<S> {
-    /// A loop of nominal `period` `[s]` that believes device speeds up to 100 m/s and limits no
-    /// force: a simulation needs no limit. A loop with a motor needs one:
-    /// [`with_force_limit`](Self::with_force_limit).
+    /// Creates a loop of nominal `period` `[s]` that accepts device speeds up to 100 m/s and does not limit the force:
+    /// a simulation needs no limit. A loop with a motor needs one: [`with_force_limit`](Self::with_force_limit).
     pub fn new(period: S) -> Self {
         Self {
             period,
@@ -209,8 +204,8 @@ impl<S: Scalar> LoopParams<S> {
         }
     }
 
-    /// The same loop, holding at most `force` `[N]`: what the motor can give, or what a hand should
-    /// get at most.
+    /// Returns the loop with a largest held force of `force` `[N]`: the largest force of the motor, or the largest
+    /// acceptable force on a hand.
     ///
     /// ```
     /// use palpate::{BasicParams, Contact, LoopParams, ObjectState, Renderer, Sample};
@@ -231,12 +226,12 @@ impl<S: Scalar> LoopParams<S> {
         }
     }
 
-    /// The longest gap that is bridged `[s]`: as set, or 20 periods.
+    /// Returns the longest gap that is bridged `[s]`: as set, or 20 periods.
     pub fn bridged_gap(&self) -> S {
         self.largest_gap.unwrap_or(self.period * S::from_f64(20.0))
     }
 
-    /// Every parameter outside its range.
+    /// Returns every parameter outside its range.
     pub fn faults(&self) -> impl Iterator<Item = ParameterError> {
         let limit = |parameter: Parameter, limit: Option<S>| parameter.positive(limit?).err();
         let bridges = |gap: S| gap.is_finite() && gap >= self.period;

@@ -1,14 +1,12 @@
-//! The two numbers that say how hard a contact is to render at a loop rate.
+//! Two nondimensional numbers for the difficulty of a contact at a loop rate.
 
 use crate::Scalar;
 use crate::parameter::{Allowed, Parameter, ParameterError};
 
-/// The nondimensional pair (kappa, Kc): contact stiffness against the inertia that one period
-/// leaves to device and object.
+/// Nondimensional pair (kappa, Kc): contact stiffness relative to the inertia of device and object over one period.
 ///
-/// Scenes with the same pair behave alike at any loop rate. An undamped device of kappa above
-/// 0.69 cannot be kept stable on a wall by any virtual damper; the paper's experiments have
-/// (0.16, 0.4) and (0.64, 1.6).
+/// Scenes with the same pair behave alike at any loop rate. No virtual damper stabilises an undamped device of kappa
+/// above 0.69 on a wall; the paper's experiments have (0.16, 0.4) and (0.64, 1.6).
 ///
 /// ```
 /// use palpate::Difficulty;
@@ -29,12 +27,12 @@ pub struct Difficulty<S> {
 }
 
 impl<S: Scalar> Difficulty<S> {
-    /// The pair of a contact of `stiffness` `[N/m]` between a device of effective mass
-    /// `device_mass` `[kg]` and an object of `object_mass` `[kg]` (infinite: a wall), at the loop
-    /// `period` `[s]`. A device that cannot be moved has an infinite mass and kappa = 0.
+    /// Returns the pair of a contact of `stiffness` `[N/m]` between a device of effective mass `device_mass` `[kg]` and
+    /// an object of `object_mass` `[kg]` (infinite: a wall), at the loop `period` `[s]`. An immovable device has an
+    /// infinite mass and kappa = 0.
     ///
     /// # Errors
-    /// A stiffness or period that is not finite and positive; a mass that is not positive.
+    /// A stiffness or period is not finite and positive, or a mass is not positive.
     pub fn of(
         stiffness: S,
         device_mass: S,
@@ -50,11 +48,11 @@ impl<S: Scalar> Difficulty<S> {
         })
     }
 
-    /// Contact stiffness K `[N/m]` that has this kappa with a device of effective mass
-    /// `device_mass` `[kg]` at the loop `period` `[s]`.
+    /// Returns the contact stiffness K `[N/m]` with this kappa for a device of effective mass `device_mass` `[kg]` at
+    /// the loop `period` `[s]`.
     ///
     /// # Errors
-    /// A mass, a period or a kappa that is not finite and positive.
+    /// A mass, a period or a kappa is not finite and positive.
     pub fn stiffness(&self, device_mass: S, period: S) -> Result<S, ParameterError> {
         Parameter::Kappa.positive(self.kappa)?;
         Parameter::DeviceMass.positive(device_mass)?;
@@ -62,11 +60,11 @@ impl<S: Scalar> Difficulty<S> {
         Ok(self.kappa * device_mass / (period * period))
     }
 
-    /// Object mass M `[kg]` that has this pair with a device of effective mass `device_mass`
-    /// `[kg]`; infinite for an object kappa of 0.
+    /// Returns the object mass M `[kg]` with this pair for a device of effective mass `device_mass` `[kg]`; infinite
+    /// for an object kappa of 0.
     ///
     /// # Errors
-    /// A mass or a kappa that is not finite and positive; a negative object kappa.
+    /// A mass or a kappa is not finite and positive, or the object kappa is negative.
     pub fn object_mass(&self, device_mass: S) -> Result<S, ParameterError> {
         Parameter::Kappa.positive(self.kappa)?;
         Parameter::ObjectKappa.not_negative(self.object_kappa)?;

@@ -1,10 +1,9 @@
-//! The energy ledger: what the object stores, what came through the port, and what leaked.
+//! Energy ledger: energy stored by the object, exchanged through the port, and leaked.
 
 use crate::Scalar;
 
-/// Energy that a held force created (positive) or destroyed (negative), Eq. (10) with the work of
-/// the virtual force in the balance. The leak of an interval is known one sample later, when it is
-/// known where the device went.
+/// Energy that a held force created (positive) or destroyed (negative), Eq. (10) with the work of the virtual force in
+/// the balance. The leak of an interval is known one sample later, because it depends on the motion of the device.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Leak<S> {
     /// Leak of the last closed interval `[J]`.
@@ -23,16 +22,16 @@ impl<S: Scalar> Leak<S> {
     }
 }
 
-/// Books of the object's energy, kept by every renderer.
+/// Energy ledger of the object, kept by every renderer.
 ///
-/// They balance at every sample:
+/// It balances at every sample:
 ///
 /// ```text
 /// stored - stored at start = port_work + virtual_force_work + outside_work + held leak
 /// ```
 ///
-/// Energy is positive into the object. The device's own energy is not in these books; what it
-/// gave the object is `port_work`, counted with the force that was really held.
+/// Energy is positive into the object. The ledger excludes the device's own energy. The energy from the device to the
+/// object is `port_work`, computed with the force that was actually held.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ledger<S> {
     /// Kinetic energy of the object and elastic energy of the contact at the last sample `[J]`.
@@ -41,13 +40,12 @@ pub struct Ledger<S> {
     pub port_work: S,
     /// Work of the virtual force on the object, `sum f_V (eta_{i+1} - eta_i)` `[J]`.
     pub virtual_force_work: S,
-    /// What changed the object from outside: placing it anew, other parameters, and what passed
-    /// while no sample could be trusted `[J]`.
+    /// Energy changes from outside: teleports, other parameters, and changes while samples were rejected `[J]`.
     pub outside_work: S,
-    /// Leak of the spring force K p_i over the same motion, the paper's original leak. Where the contact yields to a force
-    /// limit (walls and coupled rendering), the spring force is limited too, and so is `stored`.
+    /// Leak of the spring force K p_i over the same motion, the paper's original leak. If the contact yields to a force
+    /// limit (walls and coupled rendering), the spring force and `stored` are limited too.
     pub original_leak: Leak<S>,
-    /// Leak of the force that was held, the paper's remaining leak.
+    /// Leak of the held force, the paper's remaining leak.
     pub held_leak: Leak<S>,
 }
 
@@ -55,7 +53,7 @@ pub struct Ledger<S> {
 pub(crate) struct Closing<S> {
     /// Stored energy at the interval's end `[J]`.
     pub stored: S,
-    /// Work of the force that was held, through the port `[J]`.
+    /// Work of the held force through the port `[J]`.
     pub port_work: S,
     /// Work of the virtual force `[J]`.
     pub virtual_force_work: S,
@@ -72,13 +70,13 @@ impl<S: Scalar> Ledger<S> {
         }
     }
 
-    /// Energy that may still be given out if nothing is to be created: what was stored at the start
-    /// and put in since, less what has come out `[J]`.
+    /// Returns the energy that may still be given out without generated energy: initially stored energy plus supplied
+    /// energy minus delivered energy `[J]`.
     pub fn balance(&self) -> S {
         self.stored - self.held_leak.accumulated
     }
 
-    /// Books one interval; false, and nothing booked, if an entry would overflow.
+    /// Records one interval; returns false, without effect, if an entry would overflow.
     #[must_use]
     pub(crate) fn close(&mut self, interval: &Closing<S>) -> bool {
         let unpaid = interval.stored - self.stored - interval.virtual_force_work;
@@ -103,8 +101,8 @@ impl<S: Scalar> Ledger<S> {
         true
     }
 
-    /// The stored energy is now `stored` `[J]`, by no doing of the contact; false, and nothing
-    /// booked, if an entry would overflow.
+    /// Sets the stored energy to `stored` `[J]` after a change from outside the contact; returns false, without effect,
+    /// if an entry would overflow.
     #[must_use]
     pub(crate) fn change_from_outside(&mut self, stored: S) -> bool {
         let outside_work = self.outside_work + (stored - self.stored);

@@ -2,12 +2,11 @@
 #![forbid(unsafe_code)]
 //! Energy-consistent haptic contact rendering.
 //!
-//! A haptic device samples its position and holds a force between samples. Rendering a stiff or
-//! light virtual object that way creates energy from nothing. This crate gives, for each sample,
-//! the force of a contact with a virtual object of finite mass or a wall, by the methods of
-//! *Energy-Consistent Haptic Rendering of Contact Forces* (IROS 2013,
-//! DOI 10.1109/IROS.2013.6697005; "the paper", whose equation numbers are used), and keeps books
-//! of the energy each of them leaks.
+//! A haptic device samples its position and holds a force between samples. A sampled spring therefore generates energy
+//! if the virtual object is stiff or light. For each sample, this crate computes the contact force with a virtual
+//! object of finite mass or a wall, by the methods of *Energy-Consistent Haptic Rendering of Contact Forces* (IROS
+//! 2013, DOI 10.1109/IROS.2013.6697005; "the paper", whose equation numbers are used). An energy ledger records the
+//! leak of each method.
 //!
 //! ```
 //! use palpate::{Contact, HfcrParams, LoopParams, ObjectState, Renderer, Sample};
@@ -39,14 +38,13 @@
 //!
 //! # Parameters and state
 //!
-//! A [`Renderer`] is made once from checked parameters and never changes. A [`State`] is small
-//! and `Copy`. [`Renderer::step`] is total: it does not panic, allocate, block, or loop without
-//! bound, and its output is finite for any input.
+//! A [`Renderer`] is created once from checked parameters and never changes. A [`State`] is small and `Copy`.
+//! [`Renderer::step`] is total: it does not panic, allocate, block, or loop without bound, and its output is finite for
+//! any input.
 //!
 //! # Features
 //!
-//! `std` (default) is not needed by anything here. `serde` makes every parameter type
-//! serialisable.
+//! This crate does not need `std` (default). `serde` makes every parameter type serialisable.
 
 mod actuation;
 mod actuator;

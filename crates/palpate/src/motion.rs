@@ -1,8 +1,8 @@
 //! Closed-form motion of the virtual object over one interval of the loop.
 //!
-//! Everything is relative to the interval's start: the object's displacement and its final
-//! velocity follow from the penetration, so large offsets of the origin cost no precision. Device
-//! and object are on the canonical side ([`Side::Positive`](crate::Side)).
+//! All quantities are relative to the interval's start: the object's displacement and final velocity follow from the
+//! penetration, so a distant origin costs no precision. Device and object are in canonical coordinates
+//! ([`Side::Positive`](crate::Side)).
 
 use crate::Scalar;
 use crate::contact::{Contact, Mass};
@@ -15,12 +15,12 @@ use crate::transition::{entry_instant, release_instant};
 pub struct ObjectState<S> {
     /// Position of the object's surface eta `[m]`.
     pub position: S,
-    /// Velocity eta' `[m/s]`; a wall has none.
+    /// Velocity eta' `[m/s]`; 0 for a wall.
     pub velocity: S,
 }
 
 impl<S: Scalar> ObjectState<S> {
-    /// An object at rest at `position` `[m]`.
+    /// Creates an object at rest at `position` `[m]`.
     pub fn at_rest(position: S) -> Self {
         Self {
             position,
@@ -29,8 +29,8 @@ impl<S: Scalar> ObjectState<S> {
     }
 }
 
-/// What happens to the object within an interval. The device is held where it was sampled, but
-/// for an entry, which says where.
+/// Motion rule of the object within an interval. The device is held at its sampled position, except for an entry, which
+/// specifies the position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule<S> {
     /// Free flight throughout, Eq. (4).
@@ -41,14 +41,14 @@ pub enum Rule<S> {
     Enters {
         /// The instant, after the interval's start `[s]`.
         after: S,
-        /// Where the device is held from then on, counted from where it was sampled `[m]`.
+        /// Position at which the device is held afterwards, relative to its sampled position `[m]`.
         held_at: S,
     },
     /// Contact, and free flight from this instant on `[s]`.
     Leaves(S),
 }
 
-/// How an interval begins, as far as the object's motion depends on it.
+/// Initial state of an interval for the object's motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Start<S> {
     /// Penetration p `[m]`.
@@ -61,7 +61,7 @@ pub struct Start<S> {
     pub virtual_force: S,
 }
 
-/// What an interval did to the object.
+/// Displacement of the object in an interval.
 #[derive(Clone, Copy, Debug)]
 pub struct Displacement<S> {
     /// Displacement since the interval's start `[m]`.
@@ -85,14 +85,14 @@ struct Spring<S> {
 }
 
 impl<S: Scalar> Spring<S> {
-    /// Response after `h` `[s]` at the natural frequency `omega` `[rad/s]` and the decay rate
-    /// `gamma` = B/(2M) `[1/s]`; a wall has both 0.
+    /// Returns the response after `h` `[s]` at the natural frequency `omega` `[rad/s]` and the decay rate `gamma` =
+    /// B/(2M) `[1/s]`; both are 0 for a wall.
     fn after(h: S, omega: S, gamma: S) -> Self {
         if gamma == S::ZERO {
             return Self::undamped(h, omega);
         }
-        // y'' + 2 gamma y' + omega^2 y = 0. `c` and `s` are the even and the odd solution, each
-        // with the decay already in it: an over-damped cosh alone would overflow.
+        // y'' + 2 gamma y' + omega^2 y = 0. `c` and `s` are the even and the odd solution, both including the decay: an
+        // over-damped cosh alone would overflow.
         let split = (omega - gamma) * (omega + gamma);
         let (c, s) = if split > S::ZERO {
             let damped = split.sqrt();
@@ -129,7 +129,7 @@ impl<S: Scalar> Spring<S> {
                 cosine: S::ONE,
             };
         }
-        // Half the angle, so that 1 - cos keeps its digits when the object hardly moves.
+        // Half the angle, so that 1 - cos keeps its precision for small displacements.
         let (sin, cos) = (S::HALF * omega * h).sin_cos();
         let versine = S::TWO * sin * sin;
         let sine = S::TWO * sin * cos;
@@ -150,18 +150,18 @@ impl<S: Scalar> Spring<S> {
     }
 }
 
-/// The object's motion for one contact and one period: A(T) and b(T) are computed once, and only
-/// transitions and measured periods need fresh ones.
+/// The object's motion for one contact and one period: A(T) and b(T) are computed once, and only transitions and
+/// measured periods need new ones.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectMotion<S> {
     stiffness: S,
-    /// M `[kg]`, 0 for a wall: a wall's kinetic energy does not take part in any balance.
+    /// M `[kg]`, 0 for a wall: a wall's kinetic energy is in no balance.
     inertia: S,
     /// 1/M `[1/kg]`, 0 for a wall.
     mobility: S,
     /// sqrt(K/M) `[rad/s]`.
     omega: S,
-    /// Damping B in the contact's motion `[N s/m]`; only the virtual damper has any.
+    /// Damping B in the contact's motion `[N s/m]`; non-zero for the virtual damper only.
     damping: S,
     period: S,
     nominal: Spring<S>,
@@ -185,31 +185,31 @@ impl<S: Scalar> ObjectMotion<S> {
         }
     }
 
-    /// Contact stiffness K `[N/m]`.
+    /// Returns the contact stiffness K `[N/m]`.
     #[inline]
     pub fn stiffness(&self) -> S {
         self.stiffness
     }
 
-    /// Nominal period T `[s]`.
+    /// Returns the nominal period T `[s]`.
     #[inline]
     pub fn period(&self) -> S {
         self.period
     }
 
-    /// 1/M `[1/kg]`, 0 for a wall.
+    /// Returns 1/M `[1/kg]`, 0 for a wall.
     #[inline]
     pub fn mobility(&self) -> S {
         self.mobility
     }
 
-    /// Whether the object is a wall, which never moves.
+    /// Returns whether the object is a wall, which never moves.
     #[inline]
     pub fn is_wall(&self) -> bool {
         self.mobility == S::ZERO
     }
 
-    /// Kinetic energy of the object and elastic energy of the contact `[J]`.
+    /// Returns the kinetic energy of the object plus the elastic energy of the contact `[J]`.
     #[inline]
     pub fn stored_energy(&self, penetration: S, object_velocity: S) -> S {
         let pressed = penetration.max(S::ZERO);
@@ -218,7 +218,7 @@ impl<S: Scalar> ObjectMotion<S> {
                 + self.stiffness * pressed * pressed)
     }
 
-    /// Free flight over `h` `[s]`, Eq. (4).
+    /// Returns the free flight over `h` `[s]`, Eq. (4).
     #[inline]
     pub fn fly(&self, start: &Start<S>, h: S) -> Displacement<S> {
         let acceleration = start.virtual_force * self.mobility;
@@ -228,14 +228,14 @@ impl<S: Scalar> ObjectMotion<S> {
         }
     }
 
-    /// Distance from the object to where the held spring would let it rest, zeta - eta `[m]`.
+    /// Returns the distance from the object to its equilibrium on the held spring, zeta - eta `[m]`.
     #[inline]
     fn distance_to_rest(&self, start: &Start<S>) -> S {
         start.penetration
             + (start.virtual_force + self.damping * start.device_velocity) / self.stiffness
     }
 
-    /// Contact over one nominal period with the device held, Eq. (6a).
+    /// Returns the motion in contact over one nominal period with the device held, Eq. (6a).
     #[inline]
     pub fn press(&self, start: &Start<S>) -> Displacement<S> {
         self.nominal
@@ -247,10 +247,10 @@ impl<S: Scalar> ObjectMotion<S> {
             .displace(self.distance_to_rest(start), start.object_velocity)
     }
 
-    /// The object's motion over `h` `[s]` when `rule` was chosen at the interval's start.
+    /// Returns the object's motion over `h` `[s]` by a `rule` that was chosen at the interval's start.
     ///
-    /// A rule is a statement about instants, not about the period, so it serves any `h`: a sample
-    /// that comes before the transition finds it not yet made.
+    /// A rule specifies instants and not the period, so it is valid for any `h`: in a sample before the transition, the
+    /// transition has not yet happened.
     pub fn advance(&self, rule: Rule<S>, start: &Start<S>, h: S) -> Displacement<S> {
         match rule {
             Rule::Free => self.fly(start, h),
@@ -285,8 +285,8 @@ impl<S: Scalar> ObjectMotion<S> {
         }
     }
 
-    /// Instant within the period `[s]` at which a free object, with the device at constant
-    /// velocity, is met: none if the penetration predicted for the period's end is not positive.
+    /// Returns the instant within the period `[s]` at which a device at constant velocity meets a free object; `None`
+    /// if the penetration predicted for the period's end is not positive.
     #[inline]
     pub fn entry(&self, start: &Start<S>) -> Option<S> {
         let flown = self.fly(start, self.period);
@@ -303,9 +303,9 @@ impl<S: Scalar> ObjectMotion<S> {
         }
     }
 
-    /// Instant within the period `[s]` at which an object on the held spring first loses the
-    /// device, moving on at constant velocity. Call it when the penetration predicted for the
-    /// period's end is not positive.
+    /// Returns the instant within the period `[s]` at which an object on the held spring first separates from the
+    /// device, which moves at constant velocity. Call it if the penetration predicted for the period's end is not
+    /// positive.
     pub fn release(&self, start: &Start<S>) -> S {
         release_instant(
             start.penetration,

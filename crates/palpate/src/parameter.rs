@@ -1,14 +1,13 @@
-//! Checking of parameters: what was wrong, with which value, and what is allowed.
+//! Parameter checks with errors that state the parameter, the value and the allowed range.
 
 use core::fmt;
 
 use crate::Scalar;
 use crate::render::Setting;
 
-/// A parameter that is checked, to be matched by value: whoever tells a user of it knows its key, flag or
-/// field.
+/// A checked parameter. Callers match on it to report their own key, flag or field name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // the parameters are called what the fields are that have them
+#[allow(missing_docs)] // The variants have the names of the fields.
 pub enum Parameter {
     Stiffness,
     ObjectMass,
@@ -34,9 +33,9 @@ pub enum Parameter {
     GuardAllowance,
     DeviceMass,
     EncoderQuantum,
-    /// Largest error of a measured position that an adaptive window bears.
+    /// Largest error of a measured position in an adaptive window.
     NoiseBound,
-    /// What automatic damping comes to.
+    /// Value of automatic damping.
     DerivedDamping,
     AxisOrigin,
     AxisNormal,
@@ -45,7 +44,7 @@ pub enum Parameter {
     ObjectKappa,
     /// A setting of a method.
     Setting(&'static Setting),
-    /// A parameter of a method of one's own.
+    /// A parameter of a user-defined method.
     Own {
         /// Its name.
         name: &'static str,
@@ -54,11 +53,11 @@ pub enum Parameter {
     },
 }
 
-/// What has a name and a unit in messages.
+/// Name and unit of a parameter in messages.
 pub trait ParameterName: Copy {
-    /// Its name, as the field is called.
+    /// Returns the name of the field.
     fn name(&self) -> &'static str;
-    /// The symbol of its unit, empty for a pure number.
+    /// Returns the symbol of the unit, empty for a pure number.
     fn unit(&self) -> &'static str;
 }
 
@@ -153,7 +152,7 @@ impl Parameter {
         self.within(Range::Finite, value)
     }
 
-    /// `value` where `holds`, else the error that it is not `allowed`.
+    /// Returns `value` if `holds`, otherwise the error that it is not `allowed`.
     pub(crate) fn unless<S: Scalar>(
         self,
         holds: bool,
@@ -171,7 +170,7 @@ impl Parameter {
     }
 }
 
-/// What a parameter may be.
+/// Allowed values of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Allowed {
     /// A range.
@@ -180,7 +179,7 @@ pub enum Allowed {
     AtLeastOnePeriod,
     /// From 0 to this number of samples.
     UpToSamples(usize),
-    /// What no range says, in words that follow "must be".
+    /// Another condition, in words that follow "must be".
     Words(&'static str),
 }
 
@@ -195,9 +194,9 @@ impl fmt::Display for Allowed {
     }
 }
 
-/// A parameter outside its allowed range: of the core ([`Parameter`]), or of what is built on it.
+/// A parameter outside its allowed range: of the core ([`Parameter`]), or of a crate that builds on it.
 ///
-/// Its message names the parameter, the value it was given, and the range:
+/// Its message contains the parameter, the given value, and the range:
 ///
 /// ```
 /// use palpate::{BasicParams, Contact, LoopParams, Parameter, Renderer};
@@ -218,14 +217,14 @@ impl fmt::Display for Allowed {
 pub struct ParameterError<P = Parameter> {
     /// The parameter.
     pub parameter: P,
-    /// The value that was given, in the parameter's unit.
+    /// Given value, in the parameter's unit.
     pub value: f64,
-    /// The values that are allowed.
+    /// Allowed values.
     pub allowed: Allowed,
 }
 
 impl<P: ParameterName> ParameterError<P> {
-    /// The same error of a parameter that is known otherwise.
+    /// Returns the error with another parameter type.
     pub fn map<Q>(self, known_as: impl FnOnce(P) -> Q) -> ParameterError<Q> {
         ParameterError {
             parameter: known_as(self.parameter),
@@ -234,7 +233,7 @@ impl<P: ParameterName> ParameterError<P> {
         }
     }
 
-    /// The message with another name of the parameter: a key of a file, a flag, a field.
+    /// Returns the message with another name of the parameter: a key of a file, a flag, a field.
     pub fn called<N: fmt::Display>(&self, name: N) -> impl fmt::Display + use<N, P> {
         Message {
             name,
@@ -272,9 +271,9 @@ impl<P: ParameterName> fmt::Display for ParameterError<P> {
 
 impl<P: ParameterName + fmt::Debug> core::error::Error for ParameterError<P> {}
 
-/// A unit, as messages write it and as keys end with it.
+/// A unit, with its symbol in messages and its suffix of keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // the units are called what they are
+#[allow(missing_docs)] // The variants are self-explanatory.
 #[non_exhaustive]
 pub enum Unit {
     One,
@@ -292,7 +291,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// Its symbol, empty for a pure number.
+    /// Returns the symbol, empty for a pure number.
     #[must_use]
     pub const fn symbol(self) -> &'static str {
         match self {
@@ -311,7 +310,7 @@ impl Unit {
         }
     }
 
-    /// What a key of this unit ends with, empty for a pure number.
+    /// Returns the suffix of keys with this unit, empty for a pure number.
     #[must_use]
     pub const fn suffix(self) -> &'static str {
         match self {
@@ -343,7 +342,7 @@ pub enum Range {
 }
 
 impl Range {
-    /// Whether `value` lies in it.
+    /// Returns whether `value` is in the range.
     pub fn contains<S: Scalar>(self, value: S) -> bool {
         value.is_finite()
             && match self {
@@ -353,7 +352,7 @@ impl Range {
             }
     }
 
-    /// The range in words that follow "must be".
+    /// Returns the range in words that follow "must be".
     #[must_use]
     pub const fn allowed(self) -> &'static str {
         match self {
@@ -373,7 +372,7 @@ pub enum ParameterValue<S> {
     Word(&'static str),
     /// On or off.
     Switch(bool),
-    /// A number that is derived from the contact and the loop, and has not been derived yet.
+    /// A number to be derived from the contact and the loop.
     ToBeDerived,
 }
 

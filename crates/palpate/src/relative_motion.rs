@@ -1,15 +1,14 @@
-//! Closed-form motion of device and object against each other, contact coming and going.
+//! Closed-form relative motion of device and object, including transitions of contact.
 //!
-//! Device and object under constant external forces, coupled by the contact spring alone, have a
-//! relative motion of their own:
+//! Device and object under constant external forces, coupled only by the contact spring, have the relative motion
 //!
 //! ```text
 //! p'' = a - omega^2 p h(p),   omega^2 = K mu,   mu = 1/m + 1/M,   a = a_u - f_V/M
 //! ```
 //!
-//! with p the penetration, a_u the acceleration of the device by everything but the contact, and h
-//! the unit step: parabolas when free, harmonics in contact. The testbed solves the same equation
-//! for its ideal by code of its own, on purpose: what judges shares nothing with what is judged.
+//! with p the penetration, a_u the acceleration of the device by everything except the contact, and h the unit step:
+//! parabolas when free, harmonics in contact. The testbed deliberately solves the same equation for its reference
+//! solution with separate code.
 
 use crate::Scalar;
 use crate::response::{Part, Response};
@@ -23,18 +22,18 @@ pub(crate) struct Relative<S> {
     pub speed: S,
 }
 
-/// What moves device and object against each other over an interval.
+/// Parameters of the relative motion of device and object over an interval.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Drive<S> {
     /// Contact stiffness K `[N/m]`.
     pub stiffness: S,
-    /// mu = 1/m + 1/M `[1/kg]`; 0 where nothing gives way to the contact force.
+    /// mu = 1/m + 1/M `[1/kg]`; 0 if neither device nor object yields to the contact force.
     pub mobility: S,
     /// a `[m/s^2]`, positive into contact.
     pub acceleration: S,
 }
 
-/// What an interval did to the relative motion.
+/// Result of the relative motion over an interval.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Course<S> {
     /// At the interval's end.
@@ -45,23 +44,22 @@ pub(crate) struct Course<S> {
     pub first_transition: Option<S>,
 }
 
-/// Transitions that are followed one by one. Before and after the whole periods that are taken at
-/// once there are at most two each, and rounding may add one to either.
+/// Maximum number of transitions followed one by one. Before and after the whole periods that are skipped together
+/// there are at most two each, and rounding may add one to either.
 const MOST_TRANSITIONS: usize = 6;
 
-/// Phases of the spring below this `[rad]` are too small for its period to be of any use in
-/// finding the instant of release; the parabola is then right to the square of it.
+/// Phases of the spring below this `[rad]` are too small to use its period for the instant of release. The parabola is
+/// then accurate to the square of the phase.
 const ALMOST_NO_SPRING: f64 = 1e-3;
 
 impl<S: Scalar> Drive<S> {
-    /// The motion from `start` over `duration` `[s]`, with any number of transitions in bounded
-    /// work. A spring that is merely touched is not in contact.
+    /// Returns the motion from `start` over `duration` `[s]`, with any number of transitions in bounded work. A spring
+    /// that is only touched is not in contact.
     pub fn over(&self, start: Relative<S>, duration: S) -> Course<S> {
         self.follow(start, duration, |_| {})
     }
 
-    /// The same, with how its end answers to what it starts from: none after so many bounces that
-    /// they were not followed one by one.
+    /// Returns the motion with the sensitivity of its end to its start; `None` if bounces were skipped together.
     pub fn over_with_response(
         &self,
         start: Relative<S>,
@@ -70,7 +68,7 @@ impl<S: Scalar> Drive<S> {
         self.over_with_response_after(start, duration, Response::none_yet())
     }
 
-    /// The same after a part that has `response`.
+    /// Returns the motion after a part with `response`, and the response of both.
     pub fn over_with_response_after(
         &self,
         start: Relative<S>,
@@ -121,8 +119,8 @@ impl<S: Scalar> Drive<S> {
                 };
             } else {
                 if at.penetration == S::ZERO && a > S::ZERO && !bounces_skipped {
-                    // Pushed together, the motion repeats: contact, flight, contact. A whole
-                    // period leaves the relative momentum as it was, so its impulse is that of a.
+                    // Pushed together, the motion repeats: contact, flight, contact. A whole period preserves the
+                    // relative momentum, so its impulse is that of a.
                     bounces_skipped = true;
                     let period = self.contact_time(at.speed, omega) + S::TWO * at.speed / a;
                     let whole = (left / period).floor();
@@ -177,7 +175,7 @@ impl<S: Scalar> Drive<S> {
         }
     }
 
-    /// Contact over `h` `[s]`, whatever becomes of the penetration.
+    /// Contact over `h` `[s]`, for any penetration.
     fn press(&self, at: Relative<S>, omega: S, h: S) -> Course<S> {
         let [sine, versine, excess] = circular(omega, h);
         let pull = self.acceleration - omega * omega * at.penetration;
@@ -191,7 +189,7 @@ impl<S: Scalar> Drive<S> {
         }
     }
 
-    /// When a free object is met, and how fast; none if it is not, or only touched.
+    /// Returns the time and speed at which a free object is met; `None` if it is not met, or only touched.
     fn entry(&self, at: Relative<S>) -> Option<(S, S)> {
         let (p, v, a) = (at.penetration, at.speed, self.acceleration);
         let square = v * v - S::TWO * a * p;
@@ -209,16 +207,16 @@ impl<S: Scalar> Drive<S> {
         Some((after, root))
     }
 
-    /// Duration of a contact that begins at `speed` `[m/s]`.
+    /// Returns the duration of a contact that begins at `speed` `[m/s]`.
     fn contact_time(&self, speed: S, omega: S) -> S {
         // tan(omega t / 2) = - omega v / a
         S::TWO * (omega * speed).atan2(-self.acceleration) / omega
     }
 
-    /// When contact ends within `left` `[s]`, and the rate at which it does.
+    /// Returns the time at which contact ends within `left` `[s]`, and the rate at that time.
     fn release(&self, at: Relative<S>, omega: S, left: S) -> Option<(S, S)> {
         let (p, v, a) = (at.penetration, at.speed, self.acceleration);
-        // What remains of the energy of the relative motion at p = 0.
+        // Remaining energy of the relative motion at p = 0.
         let square = v * v + p * (omega * omega * p - S::TWO * a);
         if square <= S::ZERO {
             return None;
@@ -258,8 +256,8 @@ impl<S: Scalar> Drive<S> {
     }
 }
 
-/// `sin(w h)/w`, `(1 - cos(w h))/w^2` and `(w h - sin(w h))/w^3`, also for w = 0: what a velocity,
-/// an acceleration and a jerk do on a spring.
+/// Returns `sin(w h)/w`, `(1 - cos(w h))/w^2` and `(w h - sin(w h))/w^3`, also for w = 0: the response of a spring to a
+/// velocity, an acceleration and a jerk.
 pub(crate) fn circular<S: Scalar>(omega: S, h: S) -> [S; 3] {
     let angle = omega * h;
     if angle < S::from_f64(0.3) {
@@ -305,7 +303,7 @@ mod tests {
         }
     }
 
-    /// Many short intervals, each with at most one transition to speak of.
+    /// Many short intervals, each with at most one significant transition.
     fn in_steps(drive: &Drive<f64>, start: Relative<f64>, h: f64, steps: u32) -> Course<f64> {
         let mut course = Course {
             end: start,
@@ -322,7 +320,7 @@ mod tests {
         course
     }
 
-    /// Fourth-order steps of the equation of motion itself, with no closed form of ours.
+    /// Fourth-order steps of the equation of motion itself, without the closed form.
     fn by_runge_kutta(drive: &Drive<f64>, start: Relative<f64>, h: f64, steps: u32) -> Course<f64> {
         let pull = |p: f64| drive.acceleration - drive.stiffness * drive.mobility * p.max(0.0);
         let dt = h / f64::from(steps);
@@ -442,7 +440,7 @@ mod tests {
 
     #[test]
     fn many_bounces_at_once_are_the_bounces_one_by_one() {
-        // 50 Hz and 1e7 N/m: some two hundred bounces in an interval.
+        // 50 Hz and 1e7 N/m: about two hundred bounces in an interval.
         let drive = Drive {
             stiffness: 1e7,
             mobility: 20.0,
@@ -474,7 +472,7 @@ mod tests {
         let touched = drive.over(thrown, 1.0);
         assert_eq!(touched.impulse, 0.0);
         assert_eq!(touched.first_transition, None);
-        // Neither device nor object gives way: a ramp into the spring.
+        // Neither device nor object yields: a ramp into the spring.
         let driven = Drive {
             mobility: 0.0,
             acceleration: 0.0,
@@ -511,7 +509,7 @@ mod tests {
             0.5,
         );
         assert!((rest.impulse - 0.25).abs() < 1e-12 && rest.end.speed.abs() < 1e-12);
-        // Placed on it with no speed: a full swing that just comes back.
+        // Placed on it with zero speed: a full oscillation that just returns.
         let dropped = resting.over(
             Relative {
                 penetration: 0.0,

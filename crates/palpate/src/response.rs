@@ -1,8 +1,7 @@
-//! How the end of an interval of relative motion answers to what the interval starts from.
+//! Sensitivity of the end of an interval of relative motion to its start.
 //!
-//! Contact begins and ends without a step of its force, so the parts of an interval, free and in
-//! contact, answer one after the other: their derivatives are multiplied, and the instants of
-//! transition need no terms of their own.
+//! The contact force is continuous at transitions, so the derivatives of the free and contact parts of an interval are
+//! multiplied, and the instants of transition need no terms of their own.
 
 use crate::Scalar;
 use crate::relative_motion::{Drive, Relative, circular};
@@ -10,24 +9,22 @@ use crate::relative_motion::{Drive, Relative, circular};
 /// A part of an interval.
 #[derive(Clone, Copy)]
 pub(crate) enum Part<S> {
-    /// Free, from this state on for so long `[s]`.
+    /// Free, from this state for this time `[s]`.
     Free(Relative<S>, S),
-    /// In contact, from this state on for so long `[s]`.
+    /// In contact, from this state for this time `[s]`.
     Pressed(Relative<S>, S),
-    /// Many bounces, taken at once.
+    /// Many bounces, skipped together.
     Bounces,
 }
 
 /// Derivatives of an interval's end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Response<S> {
-    /// Of the penetration: by the penetration and the speed at the start, by the acceleration a,
-    /// and by the mobility mu.
+    /// Of the penetration: by the initial penetration and speed, by the acceleration a, and by the mobility mu.
     pub penetration: [S; 4],
-    /// Of the speed, by the same.
+    /// Of the speed, by the same quantities.
     pub speed: [S; 4],
-    /// Of penetration and speed, by a steady change of the acceleration `[m/s^3]` that is zero at the
-    /// start.
+    /// Of penetration and speed, by a constant rate of change of the acceleration `[m/s^3]` that is initially zero.
     pub ramp: [S; 2],
     /// Of penetration and speed, by a damping of the relative motion, p'' = ... - c p', at
     /// c = 0 `[1/s]`.
@@ -40,7 +37,7 @@ pub(crate) struct Response<S> {
 const SMALL_PHASE: f64 = 0.05;
 
 impl<S: Scalar> Response<S> {
-    /// Of an interval without duration.
+    /// Creates the response of an interval without duration.
     pub fn none_yet() -> Self {
         Self {
             penetration: [S::ONE, S::ZERO, S::ZERO, S::ZERO],
@@ -51,7 +48,7 @@ impl<S: Scalar> Response<S> {
         }
     }
 
-    /// Of an interval of `duration` `[s]` with these derivatives.
+    /// Creates the response of an interval of `duration` `[s]` with these derivatives.
     pub fn of(
         penetration: [S; 4],
         speed: [S; 4],
@@ -68,7 +65,7 @@ impl<S: Scalar> Response<S> {
         }
     }
 
-    /// With one more part; `None` if whole bounces were skipped.
+    /// Returns the response with one more part; `None` if whole bounces were skipped.
     #[inline]
     pub fn after(self, drive: &Drive<S>, part: Part<S>) -> Option<Self> {
         match part {
@@ -109,7 +106,7 @@ impl<S: Scalar> Response<S> {
         let e = self.duration;
         let turned = |p: S, v: S| [cosine * p + sine * v, cosine * v - square * sine * p];
         let [ramp, damping] = [self.ramp, self.damping].map(|[p, v]| turned(p, v));
-        // The oscillation about the place of rest falls by exp(-c h/2), and keeps its phase.
+        // The oscillation about the equilibrium decays with exp(-c h/2) and keeps its phase.
         let end_speed = at.speed * cosine + pull * sine;
         let mut next = Self {
             ramp: [ramp[0] + e * versine + excess, ramp[1] + e * sine + versine],
@@ -125,7 +122,7 @@ impl<S: Scalar> Response<S> {
         }
         next.penetration[2] += versine;
         next.speed[2] += sine;
-        // By omega^2 first: of sin(w h)/w and (1 - cos(w h))/w^2.
+        // Derivatives of sin(w h)/w and (1 - cos(w h))/w^2 by omega^2.
         let of_sine = S::HALF * (excess - h * versine);
         let of_versine = if omega * h < S::from_f64(SMALL_PHASE) {
             h * h * h * h * S::from_f64(-1.0 / 24.0)
@@ -193,7 +190,7 @@ mod tests {
         assert!(transitions > 50, "{transitions}");
     }
 
-    /// What fourth-order steps make of penetration and speed where a ramp and a damping are added.
+    /// Penetration and speed by fourth-order steps, with an additional ramp and damping.
     fn by_runge_kutta(drive: &Drive<f64>, start: Relative<f64>, h: f64, by: [f64; 2]) -> [f64; 2] {
         let [ramp, damping] = by;
         let pull = |t: f64, p: f64, v: f64| {
@@ -236,7 +233,7 @@ mod tests {
             let (_, Some(response)) = drive.over_with_response(start, h) else {
                 continue;
             };
-            // Past half a turn in an interval the answers change their signs.
+            // Beyond half a turn in an interval the derivatives change their signs.
             stiff += u32::from(omega * h > 3.2);
             let scale = start.speed.abs() + drive.acceleration * h.min(1.0 / omega);
             for (found, by, size) in [

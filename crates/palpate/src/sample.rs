@@ -1,4 +1,4 @@
-//! What goes into a tick and what comes out of it.
+//! Input and output of a tick.
 
 use core::fmt;
 
@@ -18,14 +18,12 @@ pub struct Sample<S> {
     pub device_position: S,
     /// Time since the previous sample `[s]`, if it was measured; `None`: one nominal period.
     pub elapsed: Option<S>,
-    /// Virtual force f_V on the object over the coming interval `[N]`, for instance its weight;
-    /// positive along the axis.
+    /// Virtual force f_V on the object over the coming interval `[N]`, for example its weight; positive along the axis.
     pub virtual_force: S,
 }
 
 impl<S: Scalar> Sample<S> {
-    /// A sample at `device_position` `[m]`, one nominal period after the previous one and with no
-    /// virtual force.
+    /// Creates a sample at `device_position` `[m]`, one nominal period after the previous one, without virtual force.
     #[inline]
     pub fn at(device_position: S) -> Self {
         Self {
@@ -35,7 +33,7 @@ impl<S: Scalar> Sample<S> {
         }
     }
 
-    /// The same sample with a virtual force on the object `[N]`.
+    /// Returns the sample with a virtual force on the object `[N]`.
     #[inline]
     #[must_use]
     pub fn with_virtual_force(self, virtual_force: S) -> Self {
@@ -45,7 +43,7 @@ impl<S: Scalar> Sample<S> {
         }
     }
 
-    /// The same sample, taken a measured time after the previous one `[s]`.
+    /// Returns the sample, taken a measured time after the previous one `[s]`.
     #[inline]
     #[must_use]
     pub fn after(self, elapsed: S) -> Self {
@@ -56,8 +54,8 @@ impl<S: Scalar> Sample<S> {
     }
 }
 
-/// Why a sample was refused. The force is then 0; the object finishes its interval as planned and
-/// waits there. The next trustworthy sample takes up rendering, as if the device had come to rest.
+/// Reason for rejecting a sample. The force is then 0; the object completes its interval as planned and waits there.
+/// The next valid sample resumes rendering, as if the device had come to rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Fault {
@@ -71,14 +69,14 @@ pub enum Fault {
     GapTooLong,
     /// The device moved faster than [`LoopParams::speed_limit`](crate::LoopParams::speed_limit).
     JumpTooFast,
-    /// The device orientation is no quaternion of length 1, or it is missing.
+    /// The device orientation is not a unit quaternion, or it is missing.
     OrientationNotUnit,
     /// The force or the object's motion would not be a finite number; in a world also a position beyond 1e154 m.
     Overflow,
 }
 
 impl Fault {
-    /// Short name in kebab case, as run files spell it.
+    /// Returns the short name in kebab case used in run files.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -112,7 +110,7 @@ impl fmt::Display for Fault {
     }
 }
 
-/// What the object is predicted to do in the coming interval.
+/// Predicted contact of the coming interval.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// No contact.
@@ -128,7 +126,7 @@ pub enum Phase {
 }
 
 impl Phase {
-    /// Short name, as run files spell it.
+    /// Returns the short name used in run files.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -150,12 +148,12 @@ pub struct Limited {
     pub force: bool,
     /// It changed faster than the slew limit.
     pub slew: bool,
-    /// It could give out more energy than there is: the [`Guard`](crate::Guard)'s bound.
+    /// It could give out more energy than the [`Guard`](crate::Guard)'s bound.
     pub guard: bool,
 }
 
 impl Limited {
-    /// Whether any limit acted.
+    /// Returns whether any limit acted.
     #[inline]
     #[must_use]
     pub fn any(self) -> bool {
@@ -163,32 +161,31 @@ impl Limited {
     }
 }
 
-/// The answer to one sample. Positions, velocities and forces are along the contact's axis.
+/// Result of one sample. Positions, velocities and forces are along the contact's axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Output<S> {
-    /// Force on the device `[N]`: what the motor is to be commanded, and to hold until the next
-    /// sample.
+    /// Force on the device `[N]`: command it to the motor, and hold it until the next sample.
     pub force_on_device: S,
     /// The same force on the object `[N]`, opposite in sign: f of the paper.
     pub force_on_object: S,
-    /// Position of the object at this sample `[m]`. `coupled` moves it by the offset of the avatar, so that the device
-    /// penetrates the object as deep as the avatar does. Therefore a wall moves too, until the offset is gone.
+    /// Position of the object at this sample `[m]`. `coupled` includes the proxy offset, so that the device penetrates
+    /// the object as deep as the proxy. A wall therefore moves too, until the offset has decayed.
     pub object_position: S,
     /// Velocity of the object at this sample `[m/s]`.
     pub object_velocity: S,
-    /// Penetration p of the device into the object at this sample `[m]`; positive in contact,
-    /// whichever side the object lies on. 0 after a fault.
+    /// Penetration p of the device into the object at this sample `[m]`; positive in contact, independent of the side
+    /// of the object. 0 after a fault.
     pub penetration: S,
-    /// What the coming interval is predicted to hold.
+    /// Predicted contact in the coming interval.
     pub phase: Phase,
-    /// Instant of the predicted transition, after this sample `[s]`; 0 where there is none.
+    /// Instant of the predicted transition, after this sample `[s]`; 0 if there is none.
     pub transition_after: S,
-    /// How far the object was shifted over the last interval, to make up for what holding a force
-    /// does to the device `[m]`: a display that draws the object takes it off again. Only
-    /// [`Coupled`](crate::Coupled) does this; a wall's shifts sum to how far it stands off its place.
+    /// Shift of the object over the last interval, which compensates the effect of a held force on the device `[m]`.
+    /// Subtract it before drawing the object. Only [`Coupled`](crate::Coupled) uses it; the sum of a wall's shifts is
+    /// its offset from its true position.
     pub placement_shift: S,
     /// Limits that changed the force.
     pub limited: Limited,
-    /// Why the sample was refused, if it was.
+    /// Reason for rejecting the sample, if it was rejected.
     pub fault: Option<Fault>,
 }

@@ -2,11 +2,11 @@
 
 use crate::Scalar;
 
-/// Newton steps and bisections a root may take. Bisection alone needs one per bit.
+/// Maximum number of Newton steps and bisections for a root. Bisection alone needs one per bit.
 const LARGEST_ITERATION_COUNT: usize = 64;
 
-/// Root of `p + w s + c s^2` in `[0, T]` `[s]`, for p <= 0 and a positive value at s = T: there
-/// the gap of a free object closes. The one upward crossing, without cancellation.
+/// Returns the root of `p + w s + c s^2` in `[0, T]` `[s]`, for p <= 0 and a positive value at s = T: the instant at
+/// which the gap of a free object closes. It is the only upward crossing, computed without cancellation.
 pub(crate) fn entry_instant<S: Scalar>(p: S, w: S, c: S, period: S) -> S {
     let four = S::TWO + S::TWO;
     let root = (w * w - four * c * p).max(S::ZERO).sqrt();
@@ -25,11 +25,9 @@ pub(crate) fn entry_instant<S: Scalar>(p: S, w: S, c: S, period: S) -> S {
     period.min(instant.max(S::ZERO))
 }
 
-/// Earliest root in `[0, T]` `[s]` of the penetration
-/// `g(s) = p + u s - A (1 - cos(w s)) - (v / w) sin(w s)`
-/// of an object on a held spring: p > 0 and u are the device's penetration and velocity, A the
-/// object's distance to equilibrium, v its velocity, w its natural frequency. It is known that
-/// g(T) <= 0.
+/// Returns the earliest root in `[0, T]` `[s]` of the penetration `g(s) = p + u s - A (1 - cos(w s)) - (v / w) sin(w
+/// s)` of an object on a held spring: p > 0 and u are the device's penetration and velocity, A the object's distance to
+/// equilibrium, v its velocity, w its natural frequency. Requires g(T) <= 0.
 ///
 /// The turning points of g are known in closed form and g is monotone between them, so the
 /// earliest root is bracketed first and then polished by Newton steps that fall back to bisection.
@@ -87,8 +85,8 @@ pub(crate) fn release_instant<S: Scalar>(p: S, u: S, a: S, v: S, omega: S, perio
     bracketed_root(gap, low, period)
 }
 
-/// Root of a function that gives value and slope, positive at `low`, not positive at `high`, and
-/// monotone in between.
+/// Returns the root of a function that gives value and slope, positive at `low`, not positive at `high`, and monotone
+/// in between.
 fn bracketed_root<S: Scalar>(f: impl Fn(S) -> (S, S), mut low: S, mut high: S) -> S {
     let tolerance = S::EPSILON * high;
     let mut at = high;
@@ -129,7 +127,7 @@ mod tests {
         assert!((entry_instant(-1.0_f64, -1.0, 3.0, 1.0) - 0.767_591_879_243_998).abs() < 1e-14);
         // Touching at the start and moving in: at once.
         assert_eq!(entry_instant(0.0, 1.0, 1.0, 1.0), 0.0);
-        // Touching at the start, moving apart first: at the second zero.
+        // Touching at the start, then separating: at the second zero.
         assert_eq!(entry_instant(0.0, -1.0, 2.0, 1.0), 0.5);
     }
 
@@ -160,14 +158,14 @@ mod tests {
             let first = (1..=steps)
                 .map(|k| period * f64::from(k) / f64::from(steps))
                 .find(|&s| gap(s, p, u, a, v, omega) <= 0.0)
-                // The gap is known to be closed at the period's end.
+                // The gap is closed at the period's end.
                 .unwrap_or(period);
             let scale = p.abs() + u.abs() * period + a.abs() + v.abs() / omega;
             assert!(
                 gap(found, p, u, a, v, omega).abs() < 1e-12 * scale,
                 "not a root: omega {omega}, found {found}"
             );
-            // The scan can miss a dip between two of its points, never be earlier.
+            // The scan can miss a dip between two of its points, but is never too early.
             assert!(
                 found <= first + 1e-15
                     && (first - found <= period / f64::from(steps) * 1.001

@@ -1,4 +1,4 @@
-//! A device of one's own: a joystick, a mass on a spring that pulls it home.
+//! User-defined device: a joystick, a mass on a spring that pulls it home.
 
 use palpate_testbed::device::DevicePlant;
 

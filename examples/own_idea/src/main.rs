@@ -1,5 +1,5 @@
-//! Try your own idea: a method (`method.rs`) and a device (`device.rs`) of one's own, beside all built-in
-//! methods in one table and one figure.
+//! Template for a user-defined method (`method.rs`) and device (`device.rs`), compared with all built-in methods in one
+//! table and one figure.
 //!
 //! `cargo run --release` prints the table and writes `own_idea.svg`.
 
@@ -17,8 +17,8 @@ use palpate_sim::run::{Reference, Run};
 use device::Joystick;
 use method::LookAheadParams;
 
-/// A block of 0.3 kg on the joystick, at 200 Hz. Its device is replaced by the joystick; the mass is what
-/// `coupled` is told.
+/// A block of 0.3 kg on the joystick, at 200 Hz. The joystick replaces the scene's device; its mass is the model value
+/// of `coupled`.
 const SCENE: &str = r#"
 scene_format = 1
 title = "A block on a joystick, 200 Hz"

@@ -1,4 +1,4 @@
-//! A method of one's own: the spring force of where the device will be in the middle of the interval.
+//! User-defined method: the spring force at the predicted device position in the middle of the interval.
 
 use palpate::{
     Allowed, Contact, LoopParams, Method, MethodParams, ObjectMotion, Parameter, ParameterError,
@@ -49,7 +49,7 @@ impl MethodParams<f64> for LookAheadParams {
 }
 
 impl Method<f64> for LookAhead {
-    /// What it remembers between samples: nothing.
+    /// State between samples: none.
     type Memory = ();
 
     fn plan(&self, motion: &ObjectMotion<f64>, now: &Situation<'_, f64>, (): &mut ()) -> Plan<f64> {

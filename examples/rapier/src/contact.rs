@@ -8,9 +8,10 @@ use palpate_world::{
 };
 use rapier3d_f64::prelude::*;
 
-/// What the engine is told of palpate's contacts: it is to leave these pairs alone.
+/// Physics hook that excludes palpate's contact pairs from the engine.
 ///
-/// Both colliders need `ActiveHooks::FILTER_CONTACT_PAIRS`, or one of them: the engine asks then.
+/// At least one of the two colliders needs `ActiveHooks::FILTER_CONTACT_PAIRS`; otherwise the engine does not call the
+/// hook.
 pub struct WithoutTool {
     /// The collider of the tool, which a viewer may show.
     pub tool: ColliderHandle,
@@ -37,7 +38,7 @@ pub struct Contact {
 /// A body that the tool touches.
 struct Touched {
     handle: RigidBodyHandle,
-    /// Force `[N]` and torque `[N m]` that somebody else put on it.
+    /// Force `[N]` and torque `[N m]` that other code has added to the body.
     theirs: (Vector, Vector),
     /// Velocity that it would have after the step if nothing but our wrench acted `[m/s]`, `[rad/s]`.
     expected: (Vector, Vector),
@@ -47,12 +48,13 @@ struct Touched {
 }
 
 impl Contact {
-    /// Contacts of a sphere of `radius` `[m]` with bodies made of balls, cuboids and convex polyhedrons, by one `law`.
+    /// Creates contacts of a sphere of `radius` `[m]` with bodies made of balls, cuboids and convex polyhedrons, by one
+    /// `law`.
     ///
     /// # Errors
-    /// A collider of another shape, or what palpate refuses, in words.
+    /// A collider has another shape, or palpate rejects a value; the text states the reason.
     ///
-    /// Into how many parts the engine divides a step is asked here; it may not change afterwards.
+    /// The number of parts of an engine step is read here; it must not change afterwards.
     pub fn new(
         world: &PhysicsWorld,
         radius: f64,
@@ -89,7 +91,7 @@ impl Contact {
             .sample(&mut self.state, &Sample::at(&[position]));
     }
 
-    /// Before a step of the engine: puts the wrenches of the contacts on the bodies, on top of what is there.
+    /// Adds the wrenches of the contacts to the bodies' present ones. Call it before a step of the engine.
     pub fn push(&mut self, world: &mut PhysicsWorld) {
         let h = world.integration_parameters.dt;
         let now: Vec<BodyNow> = self.bodies.iter().map(|body| body.look(world)).collect();
@@ -113,7 +115,7 @@ impl Contact {
         self.bodies[0].push(world, &BodyWrench { force, torque });
     }
 
-    /// How the body of this number answers, as palpate is told.
+    /// Returns the mobility of a body in palpate's model.
     #[cfg(test)]
     pub fn mobility(&self, world: &PhysicsWorld, number: usize) -> [[f64; 6]; 6] {
         self.bodies[number].look(world).mobility
@@ -124,7 +126,7 @@ impl Contact {
         self.renderer.hold(&mut self.state).forces[0]
     }
 
-    /// Where the tool is that the bodies meet `[m]`, for a viewer.
+    /// Returns the proxy position of the tool `[m]`, for a viewer.
     pub fn avatar(&self) -> Numbers {
         self.state.avatars()[0]
     }

@@ -1,6 +1,6 @@
-//! Contact with the bodies of the physics engine Rapier, and how near it is to the ideal.
+//! Contact with the bodies of the physics engine Rapier, and its accuracy compared with the ideal.
 //!
-//! [`contact`] is the adapter. [`scenes`] and [`rendered`] judge it; the program `table` prints what they find.
+//! [`contact`] is the adapter. [`scenes`] and [`rendered`] evaluate it; the program `table` prints the results.
 
 pub mod contact;
 pub mod rendered;

@@ -58,7 +58,7 @@ fn main() -> Result<(), String> {
                 force[0]
             );
         }
-        // A device of 0.25 kg in a hand of 60 N/m and 3 N s/m, whose rest moves by 60 mm a second: in place of yours.
+        // Replace this model by your device: 0.25 kg in a hand of 60 N/m and 3 N s/m, whose rest moves by 60 mm/s.
         let rest = [start[0] + 0.06 * time, start[1], start[2]];
         for axis in 0..3 {
             let hand = 60.0 * (rest[axis] - position[axis]) - 3.0 * velocity[axis];

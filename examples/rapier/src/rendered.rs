@@ -18,16 +18,17 @@ use crate::scenes::{BODY_MASS, DEVICE_MASS, DURATION, GRAVITY, HALF, Scene};
 pub struct Own {
     /// Damping of the contact over its critical damping against a body that does not turn.
     pub damping_ratio: f64,
-    /// Whether the tool goes on over a period as it did over the last, and is not held where it was sampled.
+    /// Whether the tool continues over a period with the motion of the last one, instead of resting at its sampled
+    /// position.
     pub moves: bool,
 }
 
-/// What one way of rendering made of a scene.
+/// Result of one rendering method in a scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcome {
     /// Mean-force error E `[%]`.
     pub error: f64,
-    /// FRE over the hold floor, 1 at best.
+    /// FRE over the hold bound, 1 at best.
     pub over_floor: f64,
     /// Median time of a step of the engine with the contact `[s]`.
     pub step: f64,
@@ -64,10 +65,10 @@ impl Bench {
         })
     }
 
-    /// What the engine's own contact makes of it.
+    /// Evaluates the engine's own contact.
     ///
     /// # Errors
-    /// The forces cannot be judged.
+    /// The forces cannot be evaluated.
     pub fn engine(&self, own: Own) -> Result<Outcome, String> {
         let mut engine = Engine::new(&self.scene, self.steps, self.parts);
         let tool = engine.put_tool(&self.scene, own.damping_ratio);
@@ -93,11 +94,10 @@ impl Bench {
         })
     }
 
-    /// What palpate's contact makes of it in the same engine; `told` is the mass of the device as palpate is told, over
-    /// the true one.
+    /// Evaluates palpate's contact in the same engine. `told` is the model mass of the device over the true one.
     ///
     /// # Errors
-    /// palpate refuses the scene, or the forces cannot be judged.
+    /// palpate rejects the scene, or the forces cannot be evaluated.
     pub fn palpate(&self, told: f64) -> Result<Outcome, String> {
         let scene = &self.scene;
         let mut engine = Engine::new(scene, self.steps, self.parts);
@@ -124,7 +124,7 @@ impl Bench {
         })
     }
 
-    /// Runs the loop by the force that `force` gives for each position of the device `[m]`, and judges it.
+    /// Runs the loop with the force that `force` returns for each position of the device `[m]`, and evaluates it.
     fn judged(&self, mut force: impl FnMut(Numbers) -> Numbers) -> Result<Outcome, String> {
         let scene = &self.scene;
         let wrong = |error: &dyn std::fmt::Display| format!("{}: {error}", scene.name);
@@ -167,11 +167,12 @@ fn way_on(position: Numbers, way: Numbers, share: f64) -> Vector {
     Vector::from_array(position) + Vector::from_array(way) * share
 }
 
-/// Makes a spring of the contact with the floor.
+/// Makes the contact with the floor a spring.
 ///
-/// The engine's own has the stiffness of a rate squared times the mass that a point meets, which changes as a box tilts: a
-/// point is told to be as deep as gives it its share of the floor's stiffness. And the engine keeps points for a while after
-/// they part, and stops what comes near them at the surface, as no spring does: they are left out.
+/// The stiffness of the engine's contact is a squared rate times the effective mass at a point, which changes as a box
+/// tilts. The depth of each point is therefore scaled to give the point its share of the floor's stiffness. The engine
+/// also keeps points for a while after they part, and stops approaching points at the surface, unlike a spring; those
+/// points are removed.
 struct SpringFloor {
     /// Points that share the floor's stiffness.
     shares: f64,
@@ -221,8 +222,8 @@ impl Engine {
         let params = &mut world.integration_parameters;
         params.dt = scene.period / f64::from(steps);
         params.num_solver_iterations = parts;
-        // A contact is a spring and a damper, and nothing else: it takes no speed from what is not there yet, is not made
-        // rigid after each part of a step, and pushes as fast as its spring does. Solved to the end.
+        // Make a contact a pure spring and damper: no prediction before the contact, no stabilisation after each part
+        // of a step, no limit of the correcting speed. Solve to convergence.
         params.normalized_prediction_distance = 0.0;
         params.num_internal_stabilization_iterations = 0;
         params.normalized_max_corrective_velocity = Real::MAX;
@@ -231,7 +232,8 @@ impl Engine {
         if let Some((stiffness, damping)) = scene.floor {
             params.static_contact_softness = spring(params, stiffness, damping, BODY_MASS);
         }
-        // First: the engine keeps the normal of a contact for a while, in the axes of the one that it knew first.
+        // Insert the floor first: the engine keeps the normal of a contact for a while, in the axes of its first
+        // collider.
         if scene.floor.is_some() {
             let slab = ColliderBuilder::cuboid(1.0, 1.0, 0.1);
             let slab = slab.translation(Vector::new(0.0, 0.0, -0.1)).friction(0.0);
@@ -304,10 +306,11 @@ impl Engine {
     }
 }
 
-/// A spring `[N/m]` and damper `[N s/m]` between what is fixed and a body of this `mass` `[kg]` at the place of contact.
+/// Returns a spring `[N/m]` and damper `[N s/m]` between a fixed body and one of this `mass` `[kg]` at the contact
+/// point.
 ///
-/// The engine takes the spring as it will be at the end of a part of the step, which damps by the part's length times the
-/// stiffness more than it is told. So it is told that much less, as far as it can be.
+/// The engine evaluates the spring at the end of a part of the step, which adds a damping of the part's length times
+/// the stiffness. The damping is reduced by that amount, down to 0.
 fn spring(
     params: &IntegrationParameters,
     stiffness: f64,

@@ -1,4 +1,4 @@
-//! Scenes in which contacts of an engine are judged: those of `python -m palpate.engines.table`.
+//! Scenes for evaluating the contacts of an engine: those of `python -m palpate.engines.table`.
 
 use palpate_testbed::world::{
     ContactLaw, FreeMotion, Member, Pair, Shape, Tool, Vector, WorldBody, WorldDevice, WorldHand,
@@ -18,22 +18,22 @@ pub const DURATION: f64 = 0.4;
 /// Periods `[s]`, each with a stiffness `[N/m]`.
 pub const RATES: [(f64, f64); 3] = [(0.01, 400.0), (0.004, 1500.0), (0.001, 4000.0)];
 
-/// A scene as the judge has it, and what an engine has to be made of.
+/// A scene for the reference solution, with the parameters for building it in an engine.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// Its name.
     pub name: &'static str,
-    /// The scene of the judge.
+    /// Scene of the reference solution.
     pub judged: WorldScene,
     /// Whether the body is a box of the half-extent [`HALF`], and not a sphere of that radius.
     pub is_box: bool,
-    /// Where the body is at the start `[m]`.
+    /// Initial position of the body `[m]`.
     pub place: Vector,
     /// Stiffness `[N/m]` and damping `[N s/m]` of the body on the floor, the plane z = 0, where there is a floor.
     pub floor: Option<(f64, f64)>,
     /// Radius of the tool `[m]`.
     pub tool_radius: f64,
-    /// Where the tool is at the start `[m]`.
+    /// Initial position of the tool `[m]`.
     pub start: Vector,
     /// Stiffness of tool and body `[N/m]`.
     pub stiffness: f64,
@@ -77,7 +77,7 @@ pub fn scenes(period: f64, stiffness: f64) -> Vec<Scene> {
     .into()
 }
 
-/// The scene as the judge has it.
+/// Returns the scene for the reference solution.
 fn judged(scene: &Scene) -> WorldScene {
     let shape = if scene.is_box {
         Shape::Box {

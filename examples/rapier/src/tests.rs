@@ -218,7 +218,7 @@ fn a_convex_polyhedron_is_touched_as_the_box_that_it_is() {
     }
 }
 
-/// Every row of the table with 4 steps of 4 parts. What is required is 5 %; what is aimed at is 2 %.
+/// Every row of the table with 4 steps of 4 parts. The limit is 5 %, the goal 2 %.
 #[test]
 fn forces_are_near_the_ideal_s_in_every_scene_of_the_table() {
     for (period, stiffness) in RATES {
@@ -234,8 +234,8 @@ fn forces_are_near_the_ideal_s_in_every_scene_of_the_table() {
     }
 }
 
-/// The engine's contact of the tool is the scene's spring, and its floor is the scene's floor: with small steps their
-/// error goes away, and what is left is that the device is held over a period.
+/// The engine's contact of the tool is the scene's spring, and its floor is the scene's floor. With small steps their
+/// error vanishes, and only the effect of holding the device over a period remains.
 #[test]
 fn the_engine_s_own_contacts_are_those_of_the_scene() {
     let scene = scenes(0.001, 4000.0).remove(1);

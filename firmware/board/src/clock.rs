@@ -1,5 +1,5 @@
-//! Counts instructions by the system timer: QEMU's `-icount shift=8` lets every instruction take 256 ns,
-//! and the timer of its MPS2 boards counts 25 MHz.
+//! Counts instructions by the system timer: with QEMU's `-icount shift=8` every instruction takes 256 ns, and the timer
+//! of its MPS2 boards counts at 25 MHz.
 
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
@@ -9,13 +9,13 @@ const TENTHS_PER_INSTRUCTION: u32 = 64;
 /// The timer has 24 bits and counts down.
 const MASK: u32 = 0x00ff_ffff;
 
-/// The timer, and what a measurement of nothing counts.
+/// The timer, and the count of an empty measurement.
 pub struct Clock {
     empty: u32,
 }
 
 impl Clock {
-    /// Starts the timer. Nothing else may use it.
+    /// Starts the timer, which must have no other user.
     pub fn start(mut timer: SYST) -> Self {
         timer.set_clock_source(SystClkSource::Core);
         timer.set_reload(MASK);
@@ -26,20 +26,20 @@ impl Clock {
         clock
     }
 
-    /// Instructions that `call` runs, at most 2.6 million.
+    /// Returns the number of instructions of `call`, at most 2.6 million.
     #[inline(always)]
     pub fn instructions(&self, call: impl FnOnce()) -> u32 {
         let before = now();
         call();
         let after = now();
         let counts = before.wrapping_sub(after) & MASK;
-        // Two readings are off by less than one count together, a sixth of an instruction.
+        // The total error of two readings is less than one count, a sixth of an instruction.
         ((10 * counts + TENTHS_PER_INSTRUCTION / 2) / TENTHS_PER_INSTRUCTION)
             .saturating_sub(self.empty)
     }
 }
 
-/// A call of its own, so that a reading costs the same wherever it stands.
+/// Not inlined, so that each reading has the same cost.
 #[inline(never)]
 fn now() -> u32 {
     SYST::get_current()

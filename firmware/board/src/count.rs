@@ -26,7 +26,7 @@ mod example;
 #[path = "emulated/handle.rs"]
 mod handle;
 
-/// One tick, called as a program that is not inlined into its caller would.
+/// One tick, as called by a program without inlining.
 #[inline(never)]
 fn step<M: Method<f32>>(
     renderer: &Renderer<f32, M>,
@@ -74,7 +74,7 @@ fn knob_tick<P: MethodParams<f32>>(knob: &mut Knob<P>, count: u16) -> Answer {
     knob.tick(count, false)
 }
 
-/// The whole tick of a knob whose handle meets its wall again and again.
+/// Counts the whole tick of a knob whose handle repeatedly hits its wall.
 fn count_knob<P: MethodParams<f32> + Copy>(
     clock: &Clock,
     name: &str,
@@ -108,10 +108,10 @@ fn count_knob<P: MethodParams<f32> + Copy>(
     Ok(())
 }
 
-/// What a count may be off by, for what the compiler puts between two readings of the timer.
+/// Error bound of a count: instructions that the compiler puts between two readings of the timer.
 const WITHIN: u32 = 2;
 
-/// Whether the clock counts what is known, and the paint finds it.
+/// Checks the clock and the paint against known counts and depths.
 fn measures(clock: &Clock) -> bool {
     macro_rules! ten {
         ($call:expr) => {

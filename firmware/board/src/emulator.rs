@@ -1,4 +1,4 @@
-//! What a program says to the emulator, over semihosting: lines, the exit status, and that it panicked.
+//! Output to the emulator over semihosting: lines, the exit status, and panics.
 
 use core::fmt::{self, Write};
 use core::panic::PanicInfo;
@@ -6,10 +6,10 @@ use core::panic::PanicInfo;
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
 use cortex_m_semihosting::{heprintln, hio};
 
-/// Longest line that is said in one piece `[bytes]`.
+/// Longest line that is written in one piece `[bytes]`.
 const LONGEST: usize = 256;
 
-/// Collects a line and says it in one piece: a call of the emulator costs far more than a byte.
+/// Buffer that writes a line in one piece: a call of the emulator costs far more than a byte.
 pub struct Lines {
     line: [u8; LONGEST],
     filled: usize,
@@ -50,7 +50,7 @@ impl Write for Lines {
 /// Ends the emulator with 0 if all `is_well`, and with 1 if not.
 pub fn exit(is_well: bool) -> ! {
     debug::exit(if is_well { EXIT_SUCCESS } else { EXIT_FAILURE });
-    // The emulator has ended; on a board without one the program stays here.
+    // The emulator has ended; on a board without one the program waits here.
     loop {
         cortex_m::asm::wfi();
     }

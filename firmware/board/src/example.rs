@@ -1,4 +1,4 @@
-//! The knob of the example: a rim of 50 g with a 16-bit sensor, on a motor that gives 20 N at the rim.
+//! The knob of the example: a rim of 50 g with a 16-bit sensor, on a motor with 20 N at the rim.
 
 use palpate::CoupledParams;
 use palpate_firmware_knob::{Drive, KnobParams, WhenSilent};
@@ -20,7 +20,7 @@ pub const PARAMS: KnobParams = KnobParams {
     when_silent: WhenSilent::GoOn,
 };
 
-/// Coupled rendering, told the mass of the rim and the quantum of the sensor.
+/// Returns coupled rendering with the mass of the rim and the quantum of the sensor as model values.
 pub fn coupled() -> CoupledParams<f32> {
     CoupledParams::new(MASS).with_encoder_quantum(METRES_PER_COUNT)
 }

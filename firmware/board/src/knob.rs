@@ -29,15 +29,15 @@ use palpate_firmware_knob::{Answer, Knob, Supervisor, Verdict};
 
 const LOOP_RATE: u32 = 4000;
 
-/// Ticks that the loop has begun, for the supervisor.
+/// Ticks begun by the loop, for the supervisor.
 static TICKS: AtomicU32 = AtomicU32::new(0);
-/// The duty for the next period: what a PWM timer's preload register holds.
+/// The duty for the next period, as in the preload register of a PWM timer.
 static NEXT_DUTY: AtomicI32 = AtomicI32::new(0);
 
 #[entry]
 fn main() -> ! {
     let pins = Pins::get();
-    // What a reset does to a chip: outputs off, duty 0.
+    // As after a reset of a chip: outputs off, duty 0.
     pins.is_on.store(false, Ordering::Relaxed);
     pins.duty.store(0, Ordering::Relaxed);
     pins.starts.fetch_add(1, Ordering::Relaxed);
@@ -50,8 +50,8 @@ fn main() -> ! {
         [&pins.loop_phase, &pins.supervisor_phase].map(|phase| phase.load(Ordering::Relaxed));
     mps2::start(core, LOOP_RATE, loop_phase, supervisor_phase);
     loop {
-        // A board would sleep here (`wfi`). QEMU 7.2 loses interrupts of the timers when its core sleeps
-        // while instructions are its clock.
+        // A real board would sleep here (`wfi`). QEMU 7.2 loses timer interrupts when its core sleeps while
+        // instructions are its clock.
         cortex_m::asm::nop();
     }
 }
@@ -70,7 +70,7 @@ fn SysTick() {
     stall_if_told(pins);
 
     let Some(knob) = KNOB.as_mut() else {
-        // The first tick: nothing but the knob.
+        // The first tick only creates the knob.
         let scene = pins.scene();
         *KNOB = Knob::new(scene.params(), scene.method()).ok();
         if KNOB.is_none() {
@@ -93,7 +93,7 @@ fn SysTick() {
     }
 }
 
-/// A test's doing: the loop never comes back.
+/// Stalls the loop if a test requests it.
 fn stall_if_told(pins: &Pins) {
     let stall = pins.stall.load(Ordering::Relaxed);
     if stall == Stall::Not as u32 {
@@ -108,7 +108,7 @@ fn stall_if_told(pins: &Pins) {
     }
 }
 
-// SAFETY: the handler does not panic on what it does not know, and shares nothing but atomics.
+// SAFETY: the handler does not panic on an unknown interrupt, and shares only atomics.
 #[exception]
 unsafe fn DefaultHandler(interrupt: i16) {
     match Timer::of(interrupt) {
@@ -138,12 +138,12 @@ fn supervise() {
     }
 }
 
-/// Takes the force off by a way that the loop does not use.
+/// Disables the output independently of the loop.
 fn outputs_off() {
     Pins::get().is_on.store(false, Ordering::Relaxed);
 }
 
-// SAFETY: it shares nothing but an atomic.
+// SAFETY: it shares only an atomic.
 #[exception]
 unsafe fn NonMaskableInt() {
     outputs_off();

@@ -1,5 +1,5 @@
-//! The timers and the watchdog of the MPS2 boards (Arm's CMSDK APB timer and APB watchdog), at 25 MHz, and
-//! who interrupts whom.
+//! The timers and the watchdog of the MPS2 boards (Arm's CMSDK APB timer and APB watchdog), at 25 MHz, and the
+//! interrupt priorities.
 #![allow(unsafe_code)] // it writes to registers
 
 use cortex_m::interrupt::InterruptNumber;
@@ -16,13 +16,13 @@ const WATCHDOG: usize = 0x4000_8000;
 /// The timers' interrupts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Timer {
-    /// Moves the emulated world.
+    /// Advances the emulated world.
     World,
-    /// Looks after the loop.
+    /// Monitors the loop.
     Supervisor,
 }
 
-// SAFETY: the numbers are those of the boards' manual, and the same for every value for ever.
+// SAFETY: the numbers are those of the boards' manual, and constant for each value.
 unsafe impl InterruptNumber for Timer {
     fn number(self) -> u16 {
         match self {
@@ -32,12 +32,12 @@ unsafe impl InterruptNumber for Timer {
     }
 }
 
-/// Priority that masks supervisor and loop, and not the world.
+/// Priority that masks supervisor and loop, but not the world.
 pub const MASK_OF_ALL: u8 = 0x40;
 
 fn write(base: usize, offset: usize, value: u32) {
     let register = core::ptr::with_exposed_provenance_mut::<u32>(base + offset);
-    // SAFETY: called in this module only, with registers of the boards' timers and watchdog: no memory.
+    // SAFETY: called in this module only, with registers of the boards' timers and watchdog, which are not memory.
     unsafe { register.write_volatile(value) };
 }
 
@@ -49,21 +49,21 @@ impl Timer {
         }
     }
 
-    /// Lets the interrupt come `rate` times a second, first after a period and `phase` counts.
+    /// Starts the interrupt with `rate` per second, first after a period plus `phase` counts.
     fn start(self, rate: u32, phase: u32) {
         let (control, value, reload) = (0x0, 0x4, 0x8);
         write(self.base(), reload, CLOCK / rate - 1);
         write(self.base(), value, CLOCK / rate - 1 + phase);
-        // Counting, and interrupting.
+        // Enables counting and interrupts.
         write(self.base(), control, 0b1001);
     }
 
-    /// Takes the interrupt back, in its handler.
+    /// Clears the interrupt, in its handler.
     pub fn acknowledge(self) {
         write(self.base(), 0xC, 1);
     }
 
-    /// The timer of an interrupt.
+    /// Returns the timer of an interrupt.
     pub fn of(interrupt: i16) -> Option<Self> {
         [Self::World, Self::Supervisor]
             .into_iter()
@@ -71,11 +71,10 @@ impl Timer {
     }
 }
 
-/// Starts everything that interrupts, the most urgent first: world, supervisor, and the loop by the system
-/// timer. `loop_rate` is in Hz; the phases, in counts of the timer, delay the first tick of the loop and the first look of
-/// the supervisor.
+/// Starts all interrupts in order of priority: world, supervisor, and the loop by the system timer. `loop_rate` is in
+/// Hz. The phases, in counts of the timer, delay the first tick of the loop and the first check of the supervisor.
 pub fn start(mut core: Peripherals, loop_rate: u32, loop_phase: u32, supervisor_phase: u32) {
-    // SAFETY: nothing here relies on a critical section made of priorities.
+    // SAFETY: no code here relies on a critical section by priorities.
     unsafe {
         core.NVIC.set_priority(Timer::World, 0x00);
         core.NVIC.set_priority(Timer::Supervisor, MASK_OF_ALL);
@@ -88,23 +87,23 @@ pub fn start(mut core: Peripherals, loop_rate: u32, loop_phase: u32, supervisor_
     core.SYST.clear_current();
     core.SYST.enable_interrupt();
     core.SYST.enable_counter();
-    // The counter takes a new reload value when it next wraps, so only the first period has the phase.
+    // The counter loads a new reload value when it wraps, so only the first period has the phase.
     while SYST::get_current() == 0 {}
     core.SYST.set_reload(CLOCK / loop_rate - 1);
-    // SAFETY: their handlers are there, and nothing that they share is in use yet.
+    // SAFETY: their handlers exist, and their shared data is not in use yet.
     unsafe {
         NVIC::unmask(Timer::World);
         NVIC::unmask(Timer::Supervisor);
     }
 }
 
-/// The watchdog: at the first timeout it interrupts in a way that nothing masks, at the second it resets.
+/// The watchdog: the first timeout raises a non-maskable interrupt, the second one resets the chip.
 pub mod watchdog {
     use super::{CLOCK, WATCHDOG, write};
 
     const UNLOCK: u32 = 0x1ACC_E551;
 
-    /// Starts it, with a timeout of 2 ms.
+    /// Starts the watchdog, with a timeout of 2 ms.
     pub fn start() {
         let (load, control, lock) = (0x0, 0x8, 0xC00);
         write(WATCHDOG, lock, UNLOCK);
@@ -114,7 +113,7 @@ pub mod watchdog {
         write(WATCHDOG, lock, 0);
     }
 
-    /// Ends it: the emulated world prints at the end of a run, for longer than a timeout.
+    /// Stops the watchdog: at the end of a run the emulated world prints for longer than a timeout.
     pub fn stop() {
         let (control, lock) = (0x8, 0xC00);
         write(WATCHDOG, lock, UNLOCK);
@@ -122,7 +121,7 @@ pub mod watchdog {
         write(WATCHDOG, lock, 0);
     }
 
-    /// Lets the timeout begin anew.
+    /// Restarts the timeout.
     pub fn feed() {
         let (clear, lock) = (0xC, 0xC00);
         write(WATCHDOG, lock, UNLOCK);

@@ -1,8 +1,7 @@
 #![no_std]
 #![no_main]
 #![forbid(unsafe_code)]
-//! The smallest program with one method in it, or with none: what the linker keeps for a method is its code
-//! size.
+//! The smallest program with one method or none: the linked code of a method is its code size.
 
 use core::hint::black_box;
 use core::panic::PanicInfo;
@@ -10,7 +9,7 @@ use core::panic::PanicInfo;
 use cortex_m_rt::entry;
 use palpate::Sample;
 
-/// A loop that renders a wall by one method, position after position.
+/// A loop that renders a wall by one method, for successive positions.
 #[cfg(any(feature = "hfcr", feature = "coupled"))]
 fn render<P: palpate::MethodParams<f32>>(params: P) {
     use palpate::{ObjectState, Renderer};

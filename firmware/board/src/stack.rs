@@ -1,17 +1,15 @@
-//! Stack that a call uses: what lies below is painted before it, and the lowest byte that has lost its colour
-//! is looked for after it.
+//! Stack depth of a call: the stack below is painted before the call, and the lowest changed byte is found after it.
 #![allow(unsafe_code)] // it writes below the stack pointer
 
 use core::ptr;
 
-/// Depth that is painted `[bytes]`.
+/// Painted depth `[bytes]`.
 const PAINTED: usize = 32 * 1024;
-/// What lies between the stack pointer and the paint `[bytes]`: the frame of the painter.
+/// Distance between the stack pointer and the paint `[bytes]`: the frame of the painter.
 const MARGIN: usize = 64;
 const COLOUR: u8 = 0xA5;
 
-/// Depth of the stack that `call` uses below its caller `[bytes]`, at least [`MARGIN`]. No interrupt may be
-/// running meanwhile.
+/// Returns the stack depth of `call` below its caller `[bytes]`, at least [`MARGIN`]. Interrupts must be off meanwhile.
 #[inline(never)]
 pub fn depth(call: &mut dyn FnMut()) -> usize {
     let base = usize::try_from(cortex_m::register::msp::read()).unwrap_or(0);
@@ -20,18 +18,18 @@ pub fn depth(call: &mut dyn FnMut()) -> usize {
     base - lowest(base)
 }
 
-/// Paints what lies below `base`.
+/// Paints the stack below `base`.
 #[inline(never)]
 fn paint(base: usize) {
     for address in base - PAINTED..base - MARGIN {
         let byte = ptr::with_exposed_provenance_mut::<u8>(address);
-        // SAFETY: memory below the stack pointer, and below this function's own frame, which is smaller
-        // than MARGIN; the stack has 3 MiB down to the statics, so nothing else lies here.
+        // SAFETY: memory below the stack pointer, and below this function's own frame, which is smaller than MARGIN;
+        // the stack has 3 MiB above the statics, so it contains nothing else.
         unsafe { byte.write_volatile(COLOUR) };
     }
 }
 
-/// The lowest address below `base` that is not painted any more.
+/// Returns the lowest address below `base` whose paint has changed.
 #[inline(never)]
 fn lowest(base: usize) -> usize {
     (base - PAINTED..base - MARGIN)

@@ -1,4 +1,4 @@
-//! Instructions, stack and code size per method and core, as the program `count` says them.
+//! Instructions, stack and code size per method and core, from the output of the program `count`.
 
 use std::error::Error;
 use std::fmt::Write;
@@ -6,7 +6,7 @@ use std::fs;
 
 use crate::qemu::{CORES, Core, Time};
 
-/// What ticks of one kind need.
+/// Cost of one kind of ticks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Counted {
     /// Method and scene: `coupled-block`.
@@ -21,10 +21,10 @@ pub struct Counted {
     pub stack: u32,
 }
 
-/// Counts on `core` by its program `count`, or by `count-in-c`.
+/// Runs the program `count` or `count-in-c` on `core` and parses its counts.
 ///
 /// # Errors
-/// The program does not run, or says what it should not.
+/// The program does not run, or its output is invalid.
 pub fn counted(core: Core, program: &str) -> Result<Vec<Counted>, Box<dyn Error>> {
     let said = core.run(program, Time::Counted, &[])?;
     let mut names: Vec<&str> = Vec::new();
@@ -58,10 +58,10 @@ pub fn counted(core: Core, program: &str) -> Result<Vec<Counted>, Box<dyn Error>
         .collect())
 }
 
-/// Bytes that are loaded from the program `name`: code, constants and the vector table.
+/// Returns the loaded bytes of the program `name`: code, constants and the vector table.
 ///
 /// # Errors
-/// There is no such program, or it is no ELF file of 32 bits.
+/// There is no such program, or it is not a 32-bit ELF file.
 pub fn code_size(core: Core, name: &str) -> Result<u32, Box<dyn Error>> {
     let file = fs::read(core.program(name)?)?;
     let word = |at: usize| -> Option<u32> {
@@ -72,8 +72,8 @@ pub fn code_size(core: Core, name: &str) -> Result<u32, Box<dyn Error>> {
             file.get(at..at + 2)?.try_into().ok()?,
         )))
     };
-    // The program headers of an ELF file: offset at 28, size and number at 42 and 44; each has its type at
-    // 0 (1 is loaded) and its size in the file at 16.
+    // The program headers of an ELF file: offset at 28, size and number at 42 and 44. Each header has its type at 0 (1:
+    // loaded) and its size in the file at 16.
     let sizes = || -> Option<u32> {
         let (start, size, number) = (word(28)? as usize, half(42)?, half(44)?);
         let mut sum = 0;
@@ -90,10 +90,10 @@ pub fn code_size(core: Core, name: &str) -> Result<u32, Box<dyn Error>> {
     sizes().ok_or_else(|| format!("{name} ends within its headers").into())
 }
 
-/// The table of the docs, in Markdown.
+/// Returns the table of the docs, in Markdown.
 ///
 /// # Errors
-/// As of [`counted`] and [`code_size`].
+/// As for [`counted`] and [`code_size`].
 pub fn table() -> Result<String, Box<dyn Error>> {
     let mut text = String::from(
         "| core, method | instructions per tick, median | 99 % | largest | stack, bytes | code, bytes |\n\
@@ -103,7 +103,7 @@ pub fn table() -> Result<String, Box<dyn Error>> {
         let nothing = code_size(core, "size")?;
         for counted in counted(core, "count")? {
             let (method, scene) = counted.name.split_once('-').ok_or("a name without scene")?;
-            // The knob's tick is more than a method.
+            // The knob's tick includes more than a method.
             let code = match scene {
                 "knob" => String::new(),
                 _ => (code_size(core, &format!("size-{method}"))? - nothing).to_string(),
@@ -114,7 +114,7 @@ pub fn table() -> Result<String, Box<dyn Error>> {
                 core.name, counted.median, counted.percentile_99, counted.largest, counted.stack
             )?;
         }
-        // Where no compiler for C is there, its rows are not.
+        // Without a C compiler there are no rows of the C program.
         if core.program("count-in-c")?.exists() {
             for counted in counted(core, "count-in-c")? {
                 writeln!(

@@ -1,5 +1,5 @@
 #![forbid(unsafe_code)]
-//! What runs the firmware in an emulator, and what is compared, counted and drawn.
+//! Runs the firmware in an emulator, and compares, counts and draws its results.
 
 pub mod counted;
 #[cfg(feature = "figure")]

@@ -1,4 +1,4 @@
-//! What `firmware/run` prints and draws: `trace`, `samples`, `table` and `figure FILE`.
+//! The output of `firmware/run`: `trace`, `samples`, `table` and `figure FILE`.
 #![allow(clippy::print_stdout)] // its output is what it is for
 
 use std::error::Error;

@@ -1,19 +1,19 @@
-//! Programs of the firmware, run by QEMU.
+//! Runs programs of the firmware by QEMU.
 
 use std::fmt;
 use std::path::PathBuf;
 use std::process::Command;
 
-/// A core, and the board of QEMU that has it.
+/// A core, and its board in QEMU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Core {
-    /// As its maker calls it.
+    /// Name by its manufacturer.
     pub name: &'static str,
     machine: &'static str,
     target: &'static str,
 }
 
-/// With a floating-point unit of single precision.
+/// Cortex-M4F, with a single-precision floating-point unit.
 pub const M4F: Core = Core {
     name: "Cortex-M4F",
     machine: "mps2-an386",
@@ -25,19 +25,19 @@ pub const M7: Core = Core {
     machine: "mps2-an500",
     target: "thumbv7em-none-eabihf",
 };
-/// Without a floating-point unit.
+/// Cortex-M3, without a floating-point unit.
 pub const M3: Core = Core {
     name: "Cortex-M3",
     machine: "mps2-an385",
     target: "thumbv7m-none-eabi",
 };
-/// All three.
+/// All three cores.
 pub const CORES: [Core; 3] = [M4F, M7, M3];
 
-/// Those that are to be tested: all three, or the one that the variable `PALPATE_FIRMWARE_CORE` names.
+/// Returns the cores to test: all three, or the one in the variable `PALPATE_FIRMWARE_CORE`.
 ///
 /// # Panics
-/// Where it names none of them.
+/// Panics if the variable names none of them.
 #[must_use]
 pub fn cores() -> Vec<Core> {
     let Ok(only) = std::env::var("PALPATE_FIRMWARE_CORE") else {
@@ -51,21 +51,21 @@ pub fn cores() -> Vec<Core> {
     ]
 }
 
-/// How time passes in the emulator.
+/// Clock of the emulator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Time {
-    /// As fast as it can.
+    /// As fast as possible.
     Free,
-    /// Every instruction takes 256 ns: what the program `count` counts by.
+    /// Every instruction takes 256 ns, as the program `count` requires.
     Counted,
-    /// Every instruction takes 8 ns: a core that runs 125 million of them a second.
+    /// Every instruction takes 8 ns: a core with 125 million instructions per second.
     Real,
 }
 
-/// Why a program has no output.
+/// Failure of a program.
 #[derive(Debug)]
 pub enum QemuError {
-    /// Nobody has said where the programs lie.
+    /// The folder of the programs is unknown.
     NoPrograms,
     /// QEMU could not be started.
     NotStarted(std::io::Error),
@@ -73,7 +73,7 @@ pub enum QemuError {
     Failed {
         /// Its name and core.
         what: String,
-        /// What it said, of which the end.
+        /// The end of its output.
         said: String,
     },
 }
@@ -93,7 +93,7 @@ impl fmt::Display for QemuError {
 impl std::error::Error for QemuError {}
 
 impl Core {
-    /// Where the program `name` lies.
+    /// Returns the path of the program `name`.
     ///
     /// # Errors
     /// [`QemuError::NoPrograms`].
@@ -102,8 +102,8 @@ impl Core {
         Ok(PathBuf::from(programs).join(self.target).join(name))
     }
 
-    /// Runs the program `name` and gives what it prints. `words` are written to the addresses of pins where the emulated
-    /// world looks for them.
+    /// Runs the program `name` and returns its output. `words` are written to the addresses of the emulated world's
+    /// pins.
     ///
     /// # Errors
     /// There is no program or no QEMU, or the program did not end with 0 within a minute.

@@ -22,7 +22,7 @@ pub enum Scene {
     StartInside,
 }
 
-/// Why there is a force, or none: `palpate_firmware_knob::Status` by number.
+/// Status numbers of the loop: `palpate_firmware_knob::Status`.
 pub mod status {
     #![allow(missing_docs)] // said there
     pub const WAITING: u32 = 0;
@@ -32,10 +32,10 @@ pub mod status {
     pub const HOST_SILENT: u32 = 4;
 }
 
-/// The world once in every period of the loop.
+/// State of the world, once per period of the loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
-    /// Time since the world began `[s]`.
+    /// Time since the start of the world `[s]`.
     pub time: f64,
     /// Position of the rim `[m]`; the wall is at 0.
     pub position: f64,
@@ -47,41 +47,41 @@ pub struct Entry {
     pub hand_work: f64,
     /// Work of the motor on the rim `[J]`.
     pub motor_work: f64,
-    /// What the loop says of itself: see [`status`].
+    /// Status of the loop: see [`status`].
     pub status: u32,
-    /// How often the controller has started.
+    /// Number of starts of the controller.
     pub starts: u32,
 }
 
 /// A run of 1.2 s.
 #[derive(Clone, Debug)]
 pub struct Ran {
-    /// In the order of time.
+    /// Entries in order of time.
     pub entries: Vec<Entry>,
-    /// When the scene's event came `[s]`.
+    /// Time of the scene's event `[s]`.
     pub event: Option<f64>,
-    /// Longest tick `[s]`, what interrupted it included.
+    /// Longest tick, including its interruptions `[s]`.
     pub longest: f64,
-    /// Ticks that were longer than a period.
+    /// Ticks longer than a period.
     pub overruns: u32,
-    /// Ticks that were begun.
+    /// Started ticks.
     pub ticks: u32,
 }
 
-/// When the interrupts of the board begin, after a period of their own each, in counts of its 25 MHz timer. A compiler changes
-/// these by the length of the code before.
+/// Start delays of the board's interrupts, after one period each, in counts of its 25 MHz timer. In firmware, the
+/// compiler changes them with the length of the preceding code.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Phases {
     /// Delay of the first tick of the loop.
     pub of_loop: u32,
-    /// Delay of the first look of the supervisor.
+    /// Delay of the first check of the supervisor.
     pub of_supervisor: u32,
 }
 
 /// Runs `scene` on `core`.
 ///
 /// # Errors
-/// The program does not run, or says what it should not.
+/// The program does not run, or its output is invalid.
 pub fn ran(core: Core, scene: Scene, phases: Phases) -> Result<Ran, Box<dyn Error>> {
     // Words of `emulated::Pins` of the board.
     let words = [
@@ -136,7 +136,7 @@ pub fn ran(core: Core, scene: Scene, phases: Phases) -> Result<Ran, Box<dyn Erro
 }
 
 impl Ran {
-    /// Speeds at which the rim leaves the wall `[m/s]`.
+    /// Returns the speeds at which the rim leaves the wall `[m/s]`.
     pub fn rebounds(&self) -> Vec<f64> {
         self.entries
             .windows(2)
@@ -145,14 +145,14 @@ impl Ran {
             .collect()
     }
 
-    /// Entries from `from` to `to` `[s]`.
+    /// Returns the entries from `from` to `to` `[s]`.
     pub fn between(&self, from: f64, to: f64) -> impl Iterator<Item = &Entry> {
         self.entries
             .iter()
             .filter(move |entry| (from..to).contains(&entry.time))
     }
 
-    /// When, after `from` `[s]`, the motor's force is 0 for the first time.
+    /// Returns the first time after `from` `[s]` at which the motor's force is 0.
     pub fn off_after(&self, from: f64) -> Option<f64> {
         self.between(from, f64::INFINITY)
             .find(|entry| entry.motor == 0.0)

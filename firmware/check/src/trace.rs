@@ -1,5 +1,5 @@
-//! Records the trace that boards and desktop render: a light device that a constant force drives against a
-//! block, rendered by HFCR in `f64`, with the faults of a bad day.
+//! Records the trace for boards and desktop: a constant force drives a light device against a block, rendered by HFCR
+//! in `f64`, with injected faults.
 
 use std::error::Error;
 use std::fmt::Write;
@@ -14,7 +14,7 @@ const DEVICE_MASS: f64 = 0.1;
 /// Force of the hand on it, and its opposite on the block `[N]`.
 const HAND: f64 = 3.0;
 
-/// The samples of the committed trace for a program in C: a line of bits for each, as `float` has them.
+/// Returns the samples of the committed trace for a program in C: a line per sample, as bits of a `float`.
 pub fn in_c() -> String {
     let mut text = String::new();
     for sample in palpate_firmware_trace::samples() {
@@ -31,7 +31,7 @@ pub fn in_c() -> String {
     text
 }
 
-/// Text of the trace. Cells are rounded to a nanometre, as a fine encoder would.
+/// Returns the text of the trace. Cells are rounded to a nanometre, like a fine encoder.
 pub fn recorded() -> Result<String, Box<dyn Error>> {
     let contact = Contact::object(1000.0, 0.1);
     let renderer = Renderer::new(contact, LoopParams::new(PERIOD), HfcrParams::default())?;
@@ -41,7 +41,7 @@ pub fn recorded() -> Result<String, Box<dyn Error>> {
     for tick in 0..TICK_COUNT {
         let late = tick % 37 == 17;
         let elapsed = if late { 0.0013 } else { PERIOD };
-        // The device moves as if no sample had been spoilt.
+        // The device moves as if no sample had been modified.
         let sample = Sample::at(position).with_virtual_force(-HAND);
         let output = renderer.step(&mut state, sample.after(elapsed));
         let shown = if late { "0.0013" } else { "" };

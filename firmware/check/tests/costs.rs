@@ -1,13 +1,13 @@
-//! What a tick may cost.
+//! Bounds of the cost of a tick.
 #![allow(clippy::print_stdout)] // tests show what they measured
 
 use palpate_firmware_check::counted::{code_size, counted};
 use palpate_firmware_check::qemu::{Core, M3, cores};
 
-/// Cycles of a period at 4 kHz of a core with 168 MHz.
+/// Cycles per period at 4 kHz of a core with 168 MHz.
 const CYCLES: u32 = 42_000;
 
-/// Those with a floating-point unit.
+/// Returns the cores with a floating-point unit.
 fn with_a_unit() -> Vec<Core> {
     let cores: Vec<Core> = cores().into_iter().filter(|core| *core != M3).collect();
     assert!(!cores.is_empty());

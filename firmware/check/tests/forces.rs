@@ -1,5 +1,5 @@
-//! A microcontroller gives the forces of the desktop to the last bit: every tick of the committed trace, by
-//! both methods, on a block and on a wall; from Rust, and from C by the library for firmware.
+//! A microcontroller computes the forces of the desktop to the last bit: every tick of the committed trace, by both
+//! methods, on a block and on a wall; from Rust, and from C through the firmware library.
 #![allow(clippy::print_stdout)] // tests show what they measured
 
 use palpate_firmware_check::qemu::{Time, cores};

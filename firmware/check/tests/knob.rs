@@ -17,8 +17,8 @@ fn run_in(scene: Scene, phases: Phases) -> Ran {
     ran
 }
 
-/// A force that goes on from one period to the next: no step is larger than the largest step that the wall
-/// makes where nothing is wrong, 1.5 N here, but a drop to 0.
+/// Checks the continuity of the force: no step exceeds the largest step of the wall in normal operation, 1.5 N here,
+/// except for a drop to 0.
 fn has_no_jump<'a>(entries: impl Iterator<Item = &'a Entry>) {
     let mut before = None;
     for entry in entries {
@@ -28,12 +28,12 @@ fn has_no_jump<'a>(entries: impl Iterator<Item = &'a Entry>) {
     }
 }
 
-/// Kinetic energy and that of the constant force of 1 N, from the wall [J].
+/// Kinetic energy plus the potential energy of the constant force of 1 N, relative to the wall [J].
 fn energy(entry: &Entry) -> f64 {
     0.5 * 0.05 * entry.velocity.powi(2) - entry.position
 }
 
-/// Largest energy of the free rim, of what it had at first.
+/// Largest energy of the free rim, relative to its initial energy.
 fn energy_growth(ran: &Ran) -> f64 {
     let first = energy(&ran.entries[0]);
     let free = ran.entries.iter().filter(|entry| entry.position < 0.0);
@@ -51,14 +51,14 @@ fn the_wall_is_felt_at_4_khz_and_energy_does_not_grow() {
     assert!(rebounds.len() > 15);
     let deepest = coupled.entries.iter().map(|entry| entry.position);
     let deepest = deepest.fold(0.0, f64::max);
-    // v sqrt(m / K) = 1.41 mm, where the wall is rendered without error.
+    // v sqrt(m / K) = 1.41 mm for a wall without error.
     assert!((0.0013..0.0017).contains(&deepest), "{deepest}");
     assert!(growth < 1.05, "{growth}");
-    // The control: without energy-consistent rendering the rim is thrown back ever faster.
+    // Control: without energy-consistent rendering the rim rebounds ever faster.
     let basic = energy_growth(&run(Scene::WallByBasic));
     println!("energy of the plain spring: {basic:.1} of the first");
     assert!(basic > 5.0, "{basic}");
-    // HFCR plans for a force that acts at once; here it acts a period later.
+    // HFCR assumes a force that acts at once; here it acts a period later.
     let hfcr = energy_growth(&run(Scene::WallByHfcr));
     println!("energy of HFCR: {hfcr:.1} of the first");
     assert!(hfcr > 2.0, "{hfcr}");
@@ -67,7 +67,7 @@ fn the_wall_is_felt_at_4_khz_and_energy_does_not_grow() {
 #[test]
 fn the_same_run_gives_the_same_bits_and_an_m7_the_same_wall() {
     let once = run(Scene::Wall);
-    // The M4F again, and an M7 where it is asked for. An M3 has no time for this loop.
+    // The M4F again, and an M7 if selected. An M3 is too slow for this loop.
     let with_a_unit = cores().into_iter().filter(|core| *core != M3);
     let again: Vec<Ran> = with_a_unit
         .map(|core| ran(core, Scene::Wall, Phases::default()).unwrap())
@@ -94,7 +94,7 @@ fn a_silent_host_does_not_stop_a_loop_that_needs_none() {
 fn a_silent_host_lets_the_knob_go_where_that_is_configured() {
     let ran = run(Scene::SilentHostLetsGo);
     assert!(ran.between(0.1, 0.4).any(|entry| entry.motor < -2.0));
-    // It speaks every 4 ms until 0.4 s, and is missed after 20 ms.
+    // The host sends messages every 4 ms until 0.4 s, and is missed after 20 ms.
     assert!(
         ran.between(0.4, 0.411)
             .all(|entry| entry.status == status::RENDERING)
@@ -102,16 +102,16 @@ fn a_silent_host_lets_the_knob_go_where_that_is_configured() {
     let gone: Vec<_> = ran.between(0.4205, 0.8).collect();
     assert!(gone.iter().all(|entry| entry.motor == 0.0));
     assert!(gone.iter().all(|entry| entry.status == status::HOST_SILENT));
-    // The host is back: so is the wall.
+    // The host has returned, and so has the wall.
     assert!(ran.between(0.8, 1.2).any(|entry| entry.motor < -2.0));
     has_no_jump(ran.entries.iter());
 }
 
-/// A loop that stalls in the wall: the force is off `within` [s], the chip starts anew, and the wall is there
-/// again once the rim has been outside.
+/// Checks a loop that stalls in the wall: the force is off `within` [s], the chip restarts, and the wall returns once
+/// the rim has been outside.
 ///
-/// The bound has to hold for every compiler, and code of another length shifts the interrupts against each other: so for
-/// several phases between world, loop and supervisor.
+/// The bound has to hold for every compiler, and code of different length shifts the interrupts relative to each other.
+/// Therefore several phases between world, loop and supervisor are tested.
 fn is_safe_when_stalled(scene: Scene, within: f64) {
     // Counts of 25 MHz: a period of the loop has 6250, one of the supervisor 12500.
     for (of_loop, of_supervisor) in [(0, 0), (1500, 1400), (4000, 6200), (6000, 5500)] {
@@ -133,7 +133,7 @@ fn is_safe_when_stalled_in(scene: Scene, phases: Phases, within: f64) {
         "{scene:?}, {phases:?}: force off after {:.2} ms",
         1e3 * (off - event)
     );
-    // The event stalls the next tick of the loop, up to a period later, and an entry is written once in a period.
+    // The event stalls the next tick of the loop, up to a period later, and an entry is written once per period.
     let largest = within + 2.0 * PERIOD;
     assert!(off - event <= largest, "{phases:?}: {}", off - event);
     let restart = ran.entries.iter().find(|entry| entry.starts == 2).unwrap();
@@ -157,7 +157,7 @@ fn is_safe_when_stalled_in(scene: Scene, phases: Phases, within: f64) {
 
 #[test]
 fn a_stalled_loop_has_no_force_after_a_millisecond() {
-    // The supervisor looks every 0.5 ms, and misses the second tick at the latest.
+    // The supervisor checks every 0.5 ms, and detects the stall by the second tick.
     is_safe_when_stalled(Scene::Stall, 0.001);
 }
 

@@ -1,16 +1,16 @@
-//! From a force to the duty of a motor driver, and back.
+//! Conversion between force and duty of a motor driver.
 
-/// A motor driver that makes a current, and so a force, in proportion to its duty.
+/// A motor driver whose current, and thus force, is proportional to its duty.
 #[derive(Clone, Copy, Debug)]
 pub struct Drive {
     /// Force at the rim at full duty `[N]`.
     pub full_force: f32,
-    /// Duty that is full: the period of the PWM timer, in its counts.
+    /// Full duty: the period of the PWM timer, in its counts.
     pub full_duty: i16,
 }
 
 impl Drive {
-    /// The duty nearest to `force` on the rim `[N]`, at most full; 0 for a force that is not a number.
+    /// Returns the duty nearest to `force` on the rim `[N]`, at most full; 0 for NaN.
     pub fn duty(&self, force: f32) -> i16 {
         let full = f32::from(self.full_duty);
         let wanted = (force / self.full_force * full).clamp(-full, full);
@@ -20,7 +20,7 @@ impl Drive {
         duty
     }
 
-    /// The force on the rim that `duty` makes `[N]`.
+    /// Returns the force on the rim at `duty` `[N]`.
     pub fn force(&self, duty: i16) -> f32 {
         f32::from(duty) / f32::from(self.full_duty) * self.full_force
     }

@@ -7,60 +7,60 @@ use palpate::{
 
 use crate::{Drive, Sensor};
 
-/// What the loop does when its host says nothing.
+/// Behaviour of the loop if its host is silent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WhenSilent {
-    /// It goes on: the knob needs no host.
+    /// The loop continues: the knob needs no host.
     GoOn,
-    /// It lets go when the host has said nothing for so many ticks, and until the host has spoken once.
+    /// The loop disables its output after this many ticks without a message, and until the host has sent one.
     LetGo {
-        /// Ticks without a word.
+        /// Ticks without a message.
         after: u32,
     },
 }
 
-/// What a knob is.
+/// Parameters of a knob.
 #[derive(Clone, Copy, Debug)]
 pub struct KnobParams {
     /// Period of the loop `[s]`.
     pub period: f32,
-    /// The rim's way per count of the sensor `[m]`.
+    /// Displacement of the rim per count of the sensor `[m]`.
     pub metres_per_count: f32,
-    /// Where the wall begins `[m]`.
+    /// Position of the wall's surface `[m]`.
     pub wall_at: f32,
     /// Stiffness of the wall `[N/m]`.
     pub stiffness: f32,
-    /// Fastest motion of the rim that is believed `[m/s]`.
+    /// Largest plausible speed of the rim `[m/s]`.
     pub speed_limit: f32,
-    /// Time over which the force comes in `[s]`, greater than 0.
+    /// Duration of the soft start `[s]`, greater than 0.
     pub soft_start: f32,
     /// The motor driver.
     pub drive: Drive,
-    /// What a silent host means.
+    /// Behaviour if the host is silent.
     pub when_silent: WhenSilent,
 }
 
-/// Why there is a force, or none.
+/// Status of the force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// No force: the rim has not been free since the start, or since the loop let go.
+    /// No force: the rim has not been free since the start, or since the output was disabled.
     Waiting,
-    /// The force comes in.
+    /// The force is in its soft start.
     ComingIn,
     /// The whole force.
     Rendering,
-    /// No force: the sample was refused, for instance because the sensor has jumped.
+    /// No force: the sample was rejected, for example because the sensor jumped.
     SampleRefused,
     /// No force: the host is silent.
     HostSilent,
 }
 
-/// What a tick says.
+/// Result of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
     /// Duty of the motor driver for the next period.
     pub duty: i16,
-    /// Why.
+    /// Status of the force.
     pub status: Status,
 }
 
@@ -71,15 +71,15 @@ pub struct Knob<P: MethodParams<f32>> {
     renderer: Renderer<f32, P::Method>,
     state: State<f32, <P::Method as palpate::Method<f32>>::Memory>,
     sensor: Sensor,
-    /// Share of the force that is let through, 0 to 1.
+    /// Factor of the soft start on the force, 0 to 1.
     share: f32,
     is_free: bool,
     silent_for: Option<u32>,
 }
 
 impl<P: MethodParams<f32>> Knob<P> {
-    /// A knob that gives no force yet. The duty that a tick answers is to act from the next tick on (a PWM
-    /// timer with a preload register does that), so the method is told a delay of one period.
+    /// Creates a knob without a force. The duty of a tick has to act from the next tick on, as in a PWM timer with a
+    /// preload register. Therefore the model value of the method's delay is one period.
     ///
     /// # Errors
     /// The first parameter of the contact, the loop or the method that is outside its range.
@@ -103,8 +103,8 @@ impl<P: MethodParams<f32>> Knob<P> {
         })
     }
 
-    /// One tick: takes the sensor's count and whether the host has spoken since the last tick. It does not
-    /// panic, allocate or wait.
+    /// Performs one tick for the sensor's count and whether the host has sent a message since the last tick. It does
+    /// not panic, allocate or wait.
     pub fn tick(&mut self, count: u16, host_spoke: bool) -> Answer {
         let position = self.sensor.position(count);
         let output = self.renderer.step(&mut self.state, Sample::at(position));
@@ -121,13 +121,13 @@ impl<P: MethodParams<f32>> Knob<P> {
             self.is_free = false;
         }
         let duty = self.params.drive.duty(output.force_on_device * self.share);
-        // What the method predicts and the ledger books is what the motor was told.
+        // Prediction and energy ledger use the commanded duty.
         self.renderer
             .report_sent(&mut self.state, -self.params.drive.force(duty));
         Answer { duty, status }
     }
 
-    /// The force comes in over the soft start, once the rim has been free: not where a force stands already.
+    /// Applies the soft start, which begins once the rim has been free, never inside the wall.
     fn come_in(&mut self, phase: Phase) -> Status {
         self.is_free |= phase == Phase::Free;
         if !self.is_free {
@@ -151,7 +151,7 @@ impl<P: MethodParams<f32>> Knob<P> {
         }
     }
 
-    /// Energy that the held forces have created, by the books of the renderer `[J]`.
+    /// Returns the energy generated by the held forces, from the renderer's energy ledger `[J]`.
     pub fn created(&self) -> f32 {
         self.state.ledger().held_leak.accumulated
     }
@@ -179,7 +179,7 @@ mod tests {
         Knob::new(params, CoupledParams::new(0.05)).unwrap()
     }
 
-    /// Ticks at one count; the last answer.
+    /// Ticks at one count. Returns the last answer.
     fn rest(knob: &mut Knob<CoupledParams<f32>>, count: u16, ticks: u32, spoke: bool) -> Answer {
         let mut answer = knob.tick(count, spoke);
         for _ in 1..ticks {
@@ -214,7 +214,7 @@ mod tests {
         let ticks = (0..100)
             .take_while(|_| knob.tick(65_500, false).status == Status::ComingIn)
             .count();
-        // 10 ms at 4 kHz, and one tick more where the shares do not sum to 1.
+        // 10 ms at 4 kHz, and one tick more if the rounded shares do not sum to 1.
         assert!((40..=41).contains(&ticks), "{ticks}");
     }
 
@@ -228,7 +228,7 @@ mod tests {
         assert!(rest(&mut knob, 200, 100, false).duty < -200);
         let answer = knob.tick(200 + 3000, false);
         assert_eq!((answer.duty, answer.status), (0, Status::SampleRefused));
-        // Back at the right count, inside the wall, it waits for the rim to be free.
+        // Back at the correct count, inside the wall, it waits for a free rim.
         for _ in 0..1000 {
             assert_eq!(knob.tick(200, false).duty, 0);
         }

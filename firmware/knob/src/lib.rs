@@ -1,14 +1,14 @@
 #![no_std]
 #![forbid(unsafe_code)]
-//! The loop of a knob with one motor and one position sensor: counts in, duty out. It knows no chip: a
-//! program gives it a count in every period and writes the duty that it answers to the PWM timer.
+//! The loop of a knob with one motor and one position sensor: counts in, duty out. It is independent of the chip: a
+//! program passes a count in every period and writes the returned duty to the PWM timer.
 //!
 //! ```text
-//!   turning the rim this way: position + , the wall stands at `wall_at` and is solid beyond it
+//!   turning the rim this way: position + , the wall is at `wall_at` and is solid beyond it
 //!   duty > 0 pushes the rim towards +; a wall pushes back with duty < 0
 //! ```
 //!
-//! No force without a reason to trust it: see [`Status`].
+//! Without a trusted state there is no force: see [`Status`].
 
 mod drive;
 mod knob;

@@ -1,4 +1,4 @@
-//! From counts of 16 bits to a position that does not wrap.
+//! Conversion of 16-bit counts to a position that does not wrap.
 
 /// A position sensor whose counter has 16 bits and wraps.
 #[derive(Clone, Copy, Debug)]
@@ -9,7 +9,7 @@ pub struct Sensor {
 }
 
 impl Sensor {
-    /// A sensor of `metres_per_count` at the rim `[m]`.
+    /// Creates a sensor of `metres_per_count` at the rim `[m]`.
     pub fn new(metres_per_count: f32) -> Self {
         Self {
             metres_per_count,
@@ -18,8 +18,8 @@ impl Sensor {
         }
     }
 
-    /// Position of the rim `[m]` at `count`. The first count is taken as absolute, -32768 to 32767; each
-    /// later one as less than half a turn of the counter away from the one before.
+    /// Returns the position of the rim `[m]` at `count`. The first count is absolute, -32768 to 32767; each later one
+    /// is less than half a turn of the counter from the previous one.
     pub fn position(&mut self, count: u16) -> f32 {
         let moved = match self.last {
             None => count.cast_signed(),

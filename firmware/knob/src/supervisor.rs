@@ -1,16 +1,16 @@
-//! Sees whether the loop still runs, from an interrupt that the loop cannot hold up.
+//! Detects a stalled loop, from an interrupt that the loop cannot block.
 
-/// What the supervisor has found.
+/// Result of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// The loop runs: feed the watchdog.
     Alive,
-    /// The loop has not run since the last look: force off, and let the watchdog reset the chip.
+    /// The loop has not run since the last check: disable the output, and let the watchdog reset the chip.
     Stalled,
 }
 
-/// Looks at a counter that every tick of the loop moves. Once it has found the loop stalled it says so
-/// until the chip is reset, even if the loop wakes up again: the loop has shown that it cannot be trusted.
+/// Monitor of a counter that every tick of the loop increments. A stall is latched until the chip is reset, even if the
+/// loop resumes: the loop is no longer trusted.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Supervisor {
     last: u32,
@@ -19,7 +19,7 @@ pub struct Supervisor {
 }
 
 impl Supervisor {
-    /// A supervisor that has not looked yet.
+    /// Creates a supervisor before its first check.
     pub const fn new() -> Self {
         Self {
             last: 0,
@@ -28,7 +28,7 @@ impl Supervisor {
         }
     }
 
-    /// Looks at the counter of ticks. Call it with a period of at least two periods of the loop.
+    /// Checks the counter of ticks. Call it with a period of at least two periods of the loop.
     pub fn look(&mut self, ticks: u32) -> Verdict {
         self.stalled |= self.has_looked && ticks == self.last;
         self.last = ticks;

@@ -1,7 +1,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
-//! The committed trace (`trace.csv`), the contacts and methods that render it in `f32`, and one line of text
-//! for each tick. A board and the desktop run this crate; equal lines are equal bits.
+//! The committed trace (`trace.csv`), the contacts and methods that render it in `f32`, and one line of text per tick.
+//! Board and desktop run this crate; equal lines mean equal bits.
 
 use core::fmt::{self, Write};
 
@@ -15,22 +15,22 @@ const TRACE: &str = include_str!("../trace.csv");
 
 /// Period of the loop `[s]`.
 pub const PERIOD: f32 = 0.001;
-/// Where the block starts `[m]`.
+/// Start position of the block `[m]`.
 pub const BLOCK_AT: f32 = 0.01;
-/// Where the wall stands `[m]`.
+/// Position of the wall `[m]`.
 pub const WALL_AT: f32 = -0.002;
 
-/// A block of 0.1 kg that may only be pushed.
+/// Returns a block of 0.1 kg that is pushed only.
 pub fn block() -> Contact<f32> {
     Contact::object(1000.0, 0.1).pushing_only()
 }
 
-/// A wall.
+/// Returns a wall.
 pub fn wall() -> Contact<f32> {
     Contact::wall(3000.0)
 }
 
-/// Where the object of `contact` starts.
+/// Returns the initial state of the object of `contact`.
 pub fn start(contact: &Contact<f32>) -> ObjectState<f32> {
     ObjectState::at_rest(match contact.object_mass {
         Mass::Infinite => WALL_AT,
@@ -38,7 +38,7 @@ pub fn start(contact: &Contact<f32>) -> ObjectState<f32> {
     })
 }
 
-/// The loop: every limit is there, and each acts on some tick of the trace.
+/// Returns the loop parameters with every limit set; each limit acts on some tick of the trace.
 pub fn loop_params() -> LoopParams<f32> {
     LoopParams {
         speed_limit: Some(3.0),
@@ -51,20 +51,20 @@ pub fn loop_params() -> LoopParams<f32> {
     }
 }
 
-/// HFCR with damping 0.02 N s/m.
+/// Returns HFCR with damping 0.02 N s/m.
 pub fn hfcr() -> HfcrParams<f32> {
     HfcrParams::with_damping(0.02)
 }
 
-/// Coupled rendering of a device of 0.1 kg.
+/// Returns coupled rendering of a device of 0.1 kg.
 pub fn coupled() -> CoupledParams<f32> {
     CoupledParams::new(0.1)
 }
 
-/// The samples of the trace, in order.
+/// Returns the samples of the trace, in order.
 ///
 /// # Panics
-/// Where a cell is no number: the file is committed, so that is a mistake of the build.
+/// Panics if a cell is not a number, which is a build error because the file is committed.
 pub fn samples() -> impl Iterator<Item = Sample<f32>> + Clone {
     TRACE.lines().skip(1).map(|line| {
         let mut cells = line.split(',').map(str::trim);
@@ -83,18 +83,18 @@ pub fn samples() -> impl Iterator<Item = Sample<f32>> + Clone {
     })
 }
 
-/// What a run has seen, so that nothing is left out of a comparison.
+/// Coverage of a run, for checking that a comparison is complete.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Seen {
-    /// Ticks that were free, in contact, entering and leaving.
+    /// Numbers of ticks that were free, in contact, entering and leaving.
     pub phases: [u32; 4],
-    /// Samples that were refused, by the order of [`FAULTS`].
+    /// Numbers of rejected samples, in the order of [`FAULTS`].
     pub faults: [u32; 6],
-    /// Forces that were limited: no pull, force, slew, guard.
+    /// Numbers of limited forces: no pull, force, slew, guard.
     pub limits: [u32; 4],
 }
 
-/// The faults that [`Seen`] counts.
+/// The faults counted by [`Seen`].
 pub const FAULTS: [Fault; 6] = [
     Fault::PositionNotFinite,
     Fault::VirtualForceNotFinite,
@@ -146,12 +146,12 @@ impl From<fmt::Error> for ReplayError {
     }
 }
 
-/// Renders the trace and writes a line for each tick: its number; force on the device, object position,
-/// object velocity, penetration and transition time as the hexadecimal bits of an `f32`; phase, limits and
-/// fault. A last line has the bits of the ledger.
+/// Renders the trace and writes a line for each tick: its number; force on the device, object position, object
+/// velocity, penetration and transition time as the hexadecimal bits of an `f32`; phase, limits and fault. A last line
+/// has the bits of the ledger.
 ///
 /// # Errors
-/// What `out` refuses.
+/// Errors of `out`.
 pub fn replay<P: MethodParams<f32>>(
     name: &str,
     contact: Contact<f32>,
@@ -199,10 +199,10 @@ fn line(name: &str, tick: usize, output: &Output<f32>, out: &mut impl Write) -> 
     )
 }
 
-/// Both methods on both contacts: the lines of every run, and what they have seen together.
+/// Renders both contacts by both methods: writes the lines of every run, and returns the coverage per run.
 ///
 /// # Errors
-/// What `out` refuses.
+/// Errors of `out`.
 pub fn replay_all(out: &mut impl Write) -> Result<[Seen; 4], ReplayError> {
     Ok([
         replay("hfcr-block", block(), hfcr(), out)?,

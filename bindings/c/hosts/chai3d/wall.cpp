@@ -1,5 +1,5 @@
-// A floor by palpate on a device of CHAI3D, in the haptic thread: z = 0 is the surface. The first switch of the
-// device ends it.
+// A floor rendered by palpate on a CHAI3D device, in the haptic thread: z = 0 is the surface. The first switch of the
+// device ends the program.
 //
 // License: MIT OR Apache-2.0
 #include <chai3d.h>
@@ -31,7 +31,7 @@ int main() try {
     cVector3d position;  // [m]
     device->getPosition(position);
     palpate_sample sample = palpate_sample_at(position.z());
-    sample.elapsed = clock.getCurrentTimeSeconds();  // since the sample before [s]
+    sample.elapsed = clock.getCurrentTimeSeconds();  // since the previous sample [s]
     sample.has_elapsed = !is_first;
     clock.start(true);
     device->setForce(cVector3d(0.0, 0.0, floor.step(sample, nullptr)));  // [N]

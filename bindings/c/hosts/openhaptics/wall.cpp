@@ -1,4 +1,4 @@
-// A wall by palpate in the servo loop of OpenHaptics (HDAPI): y = 0 is the surface, a floor below the device.
+// A wall rendered by palpate in the servo loop of OpenHaptics (HDAPI): y = 0 is the surface, a floor below the device.
 //
 // License: MIT OR Apache-2.0
 #include <HD/hd.h>
@@ -14,7 +14,7 @@ HDCallbackCode HDCALLBACK tick(void *data) {
   HDdouble position[3];  // [mm]
   hdBeginFrame(hdGetCurrentDevice());
   hdGetDoublev(HD_CURRENT_POSITION, position);
-  // The floor is on the negative side: palpate is told so below.
+  // The floor is on the negative side; see `params.side` below.
   const HDdouble force[3] = {0.0, floor.step(0.001 * position[1]), 0.0};  // [N]
   hdSetDoublev(HD_CURRENT_FORCE, force);
   hdEndFrame(hdGetCurrentDevice());
@@ -31,7 +31,7 @@ int main() try {
   }
   auto loop = palpate::loop_params(0.001);  // [s], the servo loop's
   loop.device_mass = 0.05;                  // about that of the end-point [kg]
-  loop.force_limit = 3.0;                   // what the device can give [N]
+  loop.force_limit = 3.0;                   // limit of the device [N]
   auto params = palpate::contact_params(500.0);  // [N/m]
   params.side = PALPATE_SIDE_NEGATIVE;
   palpate::Contact floor(params, loop);

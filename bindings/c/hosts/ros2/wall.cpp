@@ -1,5 +1,5 @@
-// A floor by palpate as a node of ROS 2: positions come in as points with their time, forces go out as wrenches.
-// z = 0 is the surface.
+// A floor rendered by palpate as a ROS 2 node: it receives positions as stamped points and publishes forces as
+// wrenches. z = 0 is the surface.
 //
 // License: MIT OR Apache-2.0
 #include <cstdio>

@@ -1,5 +1,5 @@
-// palpate from C#: the functions of palpate.h, and a contact that frees itself. For Unity, put this file and
-// the shared library of the platform below Assets/Plugins. docs/integrate/unity.md
+// palpate for C#: the functions of palpate.h, and a disposable contact. For Unity, put this file and the shared
+// library of the platform below Assets/Plugins. docs/integrate/unity.md
 //
 // License: MIT OR Apache-2.0
 using System;
@@ -8,7 +8,7 @@ using System.Text;
 
 namespace Palpate
 {
-    /// <summary>A parameter that cannot be; the message says which, its value, and what is allowed.</summary>
+    /// <summary>An invalid parameter; the message states its name, its value and the allowed range.</summary>
     public sealed class ParameterException : Exception
     {
         public ParameterException(string message) : base(message) { }
@@ -59,7 +59,7 @@ namespace Palpate
         public uint Guard;
         internal uint Reserved;
 
-        /// <summary>Every default, and a period [s].</summary>
+        /// <summary>Returns the default parameters with a period [s].</summary>
         public static LoopParams Default(double period)
         {
             LoopParams loop;
@@ -90,7 +90,7 @@ namespace Palpate
         public Side Side;
         public uint Unilateral;
 
-        /// <summary>Every default, and a stiffness [N/m].</summary>
+        /// <summary>Returns the default parameters with a stiffness [N/m].</summary>
         public static ContactParams Default(double stiffness)
         {
             ContactParams contact;
@@ -101,8 +101,8 @@ namespace Palpate
         }
     }
 
-    /// <summary>A setting of a method by its key in files, with a number in the unit of the key or with a word; "true" and
-    /// "false" of a switch.</summary>
+    /// <summary>A method setting by its key in files, with a number in the unit of the key or a word; a switch
+    /// accepts "true" and "false".</summary>
     public struct Setting
     {
         public readonly string Key;
@@ -144,7 +144,7 @@ namespace Palpate
         public uint HasElapsed;
         internal uint Reserved;
 
-        /// <summary>One period after the sample before, at a position [m].</summary>
+        /// <summary>Returns a sample at a position [m], one period after the previous one.</summary>
         public static Sample At(double devicePosition)
         {
             return new Sample
@@ -196,15 +196,15 @@ namespace Palpate
         [DllImport(Library)] internal static extern void palpate_contact_free(IntPtr handle);
     }
 
-    /// <summary>A contact that is rendered. One thread at a time may use it.</summary>
+    /// <summary>A rendered contact. Only one thread may use it at a time.</summary>
     public sealed class Contact : IDisposable
     {
         const uint AbiVersion = 1;
         IntPtr handle;
 
-        /// <summary>Makes a contact; without a method, by coupled rendering. What no setting says has its default.</summary>
-        /// <exception cref="ParameterException">A parameter outside its range, or a setting that the method has
-        /// not.</exception>
+        /// <summary>Creates a contact. Default method: coupled rendering. A missing setting has its default.</summary>
+        /// <exception cref="ParameterException">A parameter is outside its range, or the method has no such
+        /// setting.</exception>
         public Contact(ContactParams contact, LoopParams loop, string method = null, params Setting[] settings)
         {
             if (Native.palpate_abi_version() != AbiVersion)
@@ -214,31 +214,30 @@ namespace Palpate
             WithMethod(contact, method, settings, given => Native.palpate_contact_new(ref given, ref loop, out handle));
         }
 
-        /// <summary>One tick: the force on the device [N], from its position [m]. It never throws while the
-        /// contact is there, and makes no garbage.</summary>
+        /// <summary>Executes one tick: returns the force on the device [N] for its position [m]. It does not throw
+        /// before Dispose and does not allocate managed memory.</summary>
         public double Step(double devicePosition)
         {
             Output output;
             return Step(Sample.At(devicePosition), out output);
         }
 
-        /// <summary>One tick, with all that comes out.</summary>
+        /// <summary>Executes one tick and returns the full output.</summary>
         public double Step(Sample sample, out Output output)
         {
             output = new Output { StructSize = Output.SizeOf };
             return Native.palpate_contact_step(handle, ref sample, ref output);
         }
 
-        /// <summary>The force on the device that was really sent for the last tick [N].</summary>
+        /// <summary>Reports the force that was actually sent to the device for the last tick [N].</summary>
         public void ReportSent(double forceOnDevice)
         {
             Native.palpate_contact_report_sent(handle, forceOnDevice);
         }
 
-        /// <summary>Renders something else from the next tick on, without a step in the force. Call it
-        /// in the thread of the ticks.</summary>
-        /// <exception cref="ParameterException">A parameter outside its range, or a setting that the method has
-        /// not.</exception>
+        /// <summary>Changes the rendering from the next tick on, without a step in the force. Call it in the thread
+        /// of the ticks.</summary> <exception cref="ParameterException">A parameter is outside its range, or the
+        /// method has no such setting.</exception>
         public void Change(ContactParams contact, LoopParams loop, string method = null, params Setting[] settings)
         {
             WithMethod(contact, method, settings, given => Native.palpate_contact_change(handle, ref given, ref loop));
@@ -276,7 +275,7 @@ namespace Palpate
             }
             finally
             {
-                // The library has read them, and keeps none.
+                // The library has copied the texts.
                 Marshal.FreeHGlobal(contact.Method);
                 foreach (NativeSetting setting in native)
                 {
@@ -287,7 +286,7 @@ namespace Palpate
             }
         }
 
-        /// A text in UTF-8 that a 0 ends, outside what the garbage collector moves; zero for none.
+        /// Returns a zero-terminated UTF-8 copy of a text in unmanaged memory, or zero for null.
         static IntPtr TextOf(string text)
         {
             if (text == null)

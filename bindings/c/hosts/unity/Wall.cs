@@ -1,5 +1,5 @@
-// A wall that a device touches. The loop runs in a thread of its own, since Unity's Update runs at the rate of the display,
-// which is too slow for a hand.
+// A wall for a haptic device. The loop runs in its own thread, because Unity's Update runs at the display rate,
+// which is too low for haptics.
 //
 // License: MIT OR Apache-2.0
 using System;
@@ -7,20 +7,20 @@ using System.Diagnostics;
 using System.Threading;
 using UnityEngine;
 
-/// <summary>One axis of a device. A MonoBehaviour that implements it, on the object of the wall, is found by the
-/// wall.</summary>
+/// <summary>One axis of a device. The wall finds a MonoBehaviour that implements it on its own object.</summary>
 public interface IHapticAxis
 {
-    /// <summary>Position of the end-point along the x axis of the scene [m]. Called by the thread of the loop.</summary>
+    /// <summary>Returns the position of the end-point along the x axis of the scene [m]. Called by the loop
+    /// thread.</summary>
     double ReadPosition();
 
-    /// <summary>Force on the device along the x axis of the scene [N]. Called by the thread of the loop.</summary>
+    /// <summary>Sets the force on the device along the x axis of the scene [N]. Called by the loop thread.</summary>
     void WriteForce(double force);
 }
 
-/// <summary>A wall whose surface passes through the position of its object, across the x axis of the scene (1 unit is 1 m).
-/// It is solid on the side to which the object's local x axis (transform.right) points. A wall that moves is rendered at the
-/// position of the last two frames, interpolated.</summary>
+/// <summary>A wall whose surface passes through the position of its object, normal to the x axis of the scene (1
+/// unit is 1 m). It is solid on the side to which the object's local x axis (transform.right) points. The loop
+/// interpolates the positions of the last two frames of a moving wall.</summary>
 public sealed class Wall : MonoBehaviour
 {
     public double Stiffness = 1000.0; // [N/m]
@@ -33,15 +33,15 @@ public sealed class Wall : MonoBehaviour
     Thread thread;
     volatile Exception failure;
 
-    // Parameters as last read from the component, those with which the loop began, and the next ones, which it takes between
-    // two ticks.
+    // Parameters last read from the component, parameters at the start of the loop, and the next parameters, which
+    // the loop takes between two ticks.
     Parameters given, begun, next;
 
     // Path of the surface over one frame, for the loop.
     SurfacePath path;
 
-    /// <summary>The device. Without one, OnEnable takes the component of the same object that implements
-    /// IHapticAxis. A loop that runs is started again with the new device.</summary>
+    /// <summary>The device. Without one, OnEnable uses the component of the same object that implements IHapticAxis. A
+    /// running loop restarts with the new device.</summary>
     public IHapticAxis Device
     {
         get { return device; }
@@ -57,7 +57,7 @@ public sealed class Wall : MonoBehaviour
         }
     }
 
-    /// <summary>How far the device is in the wall [m], at the last tick; negative outside.</summary>
+    /// <summary>Penetration of the device into the wall at the last tick [m]; negative outside.</summary>
     public double Penetration { get { return Volatile.Read(ref penetration); } }
 
     /// <summary>Whether the loop runs.</summary>
@@ -65,7 +65,7 @@ public sealed class Wall : MonoBehaviour
 
     enum Side { Positive, Negative }
 
-    /// What a loop renders.
+    /// Parameters of the loop.
     sealed class Parameters
     {
         internal double Stiffness, DeviceMass, Period;
@@ -94,7 +94,7 @@ public sealed class Wall : MonoBehaviour
         }
     }
 
-    /// The surface at the beginning and the end of a frame [m], and the clock's times of both [s].
+    /// Surface positions at the beginning and the end of a frame [m], and both clock times [s].
     sealed class SurfacePath
     {
         internal double From, To, Begin, End;
@@ -154,7 +154,7 @@ public sealed class Wall : MonoBehaviour
         Stop();
     }
 
-    /// <summary>Once a frame: the loop gets the position of the wall, and parameters that have changed.</summary>
+    /// <summary>Passes the position of the wall and changed parameters to the loop, once per frame.</summary>
     public void Update()
     {
         if (failure != null)
@@ -185,7 +185,7 @@ public sealed class Wall : MonoBehaviour
         given = changed;
         try
         {
-            // Checked here, where an error is shown; the loop keeps the parameters that it has.
+            // Check here, where Unity shows an error; the loop then keeps its parameters.
             Make(changed).Dispose();
         }
         catch (Exception error)
@@ -231,7 +231,7 @@ public sealed class Wall : MonoBehaviour
         return new Palpate.Contact(parameters.Contact, parameters.Loop);
     }
 
-    /// The loop. Coordinates are those of the wall: 0 is the surface, and positive is inside.
+    /// The loop, in coordinates of the wall: 0 is the surface, positive is inside.
     void Run(Palpate.Contact contact, IHapticAxis axis, Parameters first)
     {
         double step = first.Period;

@@ -1,4 +1,4 @@
-//! A contact in `double`, as C calls it.
+//! C functions of a contact in `double`.
 
 use core::ffi::{c_char, c_void};
 
@@ -9,21 +9,21 @@ use crate::output::{Ledger, Output};
 use crate::sample::Sample;
 use crate::status::Status;
 
-/// Bytes that a contact has at most, for memory that is laid out by the compiler;
-/// palpate_contact_size() says how many it has.
+/// Largest size of a contact in bytes, for statically allocated memory; palpate_contact_size() returns the
+/// actual size.
 pub const PALPATE_CONTACT_SIZE_MAX: usize = 4096;
 
-/// A multiple of this is where a contact may begin; palpate_contact_align() says what it needs.
+/// Largest alignment of a contact in bytes; palpate_contact_align() returns the actual alignment.
 pub const PALPATE_CONTACT_ALIGN_MAX: usize = 8;
 
 const _: () = assert!(size_of::<Contact<f64>>() <= PALPATE_CONTACT_SIZE_MAX);
 const _: () = assert!(align_of::<Contact<f64>>() <= PALPATE_CONTACT_ALIGN_MAX);
 
-/// Makes a contact, to be freed by palpate_contact_free, and puts it into `*contact`; NULL on an error.
-/// Not in the library for firmware.
+/// Creates a contact and stores it in `*contact`, or NULL on an error. Free it with palpate_contact_free.
+/// Not in the firmware library.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[cfg(feature = "std")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_contact_new(
@@ -31,40 +31,40 @@ pub unsafe extern "C" fn palpate_contact_new(
     loop_params: *const LoopParams,
     contact: *mut *mut Contact<f64>,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact::new(params, loop_params, contact) }
 }
 
-/// Frees a contact of palpate_contact_new. NULL, and a contact in memory of the caller's, are left alone.
-/// Not in the library for firmware.
+/// Frees a contact of palpate_contact_new. NULL and a contact in caller-owned memory are ignored.
+/// Not in the firmware library.
 ///
 /// # Safety
 /// `contact` is NULL or a contact, and is not used afterwards.
 #[cfg(feature = "std")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_contact_free(contact: *mut Contact<f64>) {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact::free(contact) }
 }
 
-/// Bytes that a contact has.
+/// Returns the size of a contact in bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_contact_size() -> usize {
     size_of::<Contact<f64>>()
 }
 
-/// A multiple of this is where a contact may begin.
+/// Returns the alignment of a contact in bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_contact_align() -> usize {
     align_of::<Contact<f64>>()
 }
 
-/// Makes a contact in `size` bytes of the caller's at `memory`, and puts it into `*contact`; NULL on an
-/// error. It is there as long as the memory is; nothing has to be freed.
+/// Creates a contact in `size` bytes of caller-owned memory and stores its address in `*contact`, or NULL on
+/// an error. The contact lives as long as the memory and need not be freed.
 ///
 /// # Safety
-/// `memory` is NULL, or `size` bytes can be written there. Each other pointer is NULL or to what its type
-/// says; structs have the sizes that they begin with.
+/// `memory` is NULL, or `size` bytes can be written there. Each other pointer is NULL or points to a value of its
+/// type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_contact_place(
     memory: *mut c_void,
@@ -73,31 +73,31 @@ pub unsafe extern "C" fn palpate_contact_place(
     loop_params: *const LoopParams,
     contact: *mut *mut Contact<f64>,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact::place(memory, size, params, loop_params, contact) }
 }
 
-/// One tick: takes a sample and gives the force on the device [N], to be held until the next one.
+/// Executes one tick: takes a sample and returns the force on the device [N], to be held until the next tick.
 ///
-/// It cannot fail: the force is a finite number for any input, and 0 where a sample is refused or an
-/// argument is wrong. It does not allocate, lock, wait, or loop without bound. `output` may be NULL; where
-/// it is given, its `fault` says why a sample was refused. Where an argument is wrong, PALPATE_FAULT_ARGUMENT, there was no tick:
-/// the contact stays as it was.
+/// It cannot fail: the force is finite for any input, and 0 if the sample is rejected or an argument is
+/// wrong. It does not allocate, lock, wait, or loop without bound. `output` may be NULL; otherwise its `fault`
+/// is the reason for rejecting a sample. PALPATE_FAULT_ARGUMENT means that an argument is wrong: no tick was
+/// executed, and the contact is unchanged.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_contact_step(
     contact: *mut Contact<f64>,
     sample: *const Sample<f64>,
     output: *mut Output<f64>,
 ) -> f64 {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact::step(contact, sample, output) }
 }
 
-/// Says which force on the device was really sent for the last tick [N], where it is another one than
-/// the tick has given: something between has limited it. What is not finite is refused.
+/// Reports the force that was actually sent to the device for the last tick, for example after saturation [N].
+/// A non-finite force is rejected.
 ///
 /// # Safety
 /// `contact` is NULL or a contact.
@@ -106,12 +106,11 @@ pub unsafe extern "C" fn palpate_contact_report_sent(
     contact: *mut Contact<f64>,
     force_on_device: f64,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact::report_sent(contact, force_on_device) }
 }
 
-/// Says which force on the device has really acted since the last sample, in the mean [N], where
-/// somebody has measured it. What is not finite is refused.
+/// Reports the measured mean force on the device since the last sample [N]. A non-finite force is rejected.
 ///
 /// # Safety
 /// `contact` is NULL or a contact.
@@ -120,31 +119,31 @@ pub unsafe extern "C" fn palpate_contact_report_held(
     contact: *mut Contact<f64>,
     force_on_device: f64,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact::report_held(contact, force_on_device) }
 }
 
-/// Renders something else from the next tick on, without a step in the force: stiffness, mass and
-/// virtual force pass over to the new ones in 0.1 s, and so does the difference that another method
-/// makes. The energy of it is booked as outside work. Where the object is does not change: that is
-/// palpate_contact_teleport. The period and the side stay. On an error all is as it was.
+/// Changes the rendering from the next tick on, without a step in the force: stiffness, mass, virtual force
+/// and the difference between two methods are blended over 0.1 s. The energy of the change is recorded as
+/// outside work. The object's position does not change (see palpate_contact_teleport), nor do the period and
+/// the side. On an error nothing changes.
 ///
-/// It does not allocate or wait, so the thread of the loop can call it between two ticks.
+/// It does not allocate or wait, so the loop thread can call it between two ticks.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_contact_change(
     contact: *mut Contact<f64>,
     params: *const ContactParams,
     loop_params: *const LoopParams,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact::change(contact, params, loop_params) }
 }
 
-/// Puts the object's surface at `position` [m] with the velocity `velocity` [m/s] with the next sample.
-/// The energy of it is booked as outside work.
+/// Moves the object's surface to `position` [m] with velocity `velocity` [m/s] at the next sample. The energy
+/// of the move is recorded as outside work.
 ///
 /// # Safety
 /// `contact` is NULL or a contact.
@@ -154,25 +153,25 @@ pub unsafe extern "C" fn palpate_contact_teleport(
     position: f64,
     velocity: f64,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact::teleport(contact, position, velocity) }
 }
 
-/// Puts the books up to the last sample into `*ledger`.
+/// Writes the energy ledger up to the last sample to `*ledger`.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_contact_ledger(
     contact: *const Contact<f64>,
     ledger: *mut Ledger<f64>,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact::ledger(contact, ledger) }
 }
 
-/// Puts what is rendered, in words, into `size` bytes at `memory`, cut to them and ended by a 0. Its
-/// whole length without the 0; 0 where `contact` is NULL.
+/// Writes a description of the rendering to `memory`, truncated to `size` bytes and terminated by a 0.
+/// Returns the untruncated length without the 0, or 0 if `contact` is NULL.
 ///
 /// # Safety
 /// `contact` is NULL or a contact; `memory` is NULL, or `size` bytes can be written there.
@@ -182,6 +181,6 @@ pub unsafe extern "C" fn palpate_contact_describe(
     memory: *mut c_char,
     size: usize,
 ) -> usize {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact::describe(contact, memory, size) }
 }

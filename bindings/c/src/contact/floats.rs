@@ -1,4 +1,4 @@
-//! A contact in `float`, as C calls it. What each function does stands in `doubles`.
+//! C functions of a contact in `float`. `doubles` documents each function.
 
 use core::ffi::{c_char, c_void};
 
@@ -9,17 +9,17 @@ use crate::output::{Ledger, Output};
 use crate::sample::Sample;
 use crate::status::Status;
 
-/// Bytes that a contact in float has at most, for memory that is laid out by the compiler;
-/// palpate_contact_f32_size() says how many it has. It may begin at a multiple of PALPATE_CONTACT_ALIGN_MAX.
+/// Largest size of a contact in float in bytes, for statically allocated memory; palpate_contact_f32_size()
+/// returns the actual size. Its alignment is at most PALPATE_CONTACT_ALIGN_MAX.
 pub const PALPATE_CONTACT_F32_SIZE_MAX: usize = 2048;
 
 const _: () = assert!(size_of::<Contact<f32>>() <= PALPATE_CONTACT_F32_SIZE_MAX);
 const _: () = assert!(align_of::<Contact<f32>>() <= crate::PALPATE_CONTACT_ALIGN_MAX);
 
-/// As palpate_contact_new, in float: the parameters are rounded once. Not in the library for firmware.
+/// As palpate_contact_new, in float: the parameters are rounded once. Not in the firmware library.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[cfg(feature = "std")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_contact_f32_new(
@@ -27,18 +27,18 @@ pub unsafe extern "C" fn palpate_contact_f32_new(
     loop_params: *const LoopParams,
     contact: *mut *mut Contact<f32>,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact::new(params, loop_params, contact) }
 }
 
-/// As palpate_contact_free, in float. Not in the library for firmware.
+/// As palpate_contact_free, in float. Not in the firmware library.
 ///
 /// # Safety
 /// `contact` is NULL or a contact, and is not used afterwards.
 #[cfg(feature = "std")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_contact_f32_free(contact: *mut Contact<f32>) {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact::free(contact) }
 }
 
@@ -57,8 +57,8 @@ pub extern "C" fn palpate_contact_f32_align() -> usize {
 /// As palpate_contact_place, in float: the parameters are rounded once.
 ///
 /// # Safety
-/// `memory` is NULL, or `size` bytes can be written there. Each other pointer is NULL or to what its type
-/// says; structs have the sizes that they begin with.
+/// `memory` is NULL, or `size` bytes can be written there. Each other pointer is NULL or points to a value of its
+/// type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_contact_f32_place(
     memory: *mut c_void,
@@ -67,21 +67,21 @@ pub unsafe extern "C" fn palpate_contact_f32_place(
     loop_params: *const LoopParams,
     contact: *mut *mut Contact<f32>,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact::place(memory, size, params, loop_params, contact) }
 }
 
 /// As palpate_contact_step, in float.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_contact_f32_step(
     contact: *mut Contact<f32>,
     sample: *const Sample<f32>,
     output: *mut Output<f32>,
 ) -> f32 {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact::step(contact, sample, output) }
 }
 
@@ -94,7 +94,7 @@ pub unsafe extern "C" fn palpate_contact_f32_report_sent(
     contact: *mut Contact<f32>,
     force_on_device: f32,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact::report_sent(contact, force_on_device) }
 }
 
@@ -107,21 +107,21 @@ pub unsafe extern "C" fn palpate_contact_f32_report_held(
     contact: *mut Contact<f32>,
     force_on_device: f32,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact::report_held(contact, force_on_device) }
 }
 
 /// As palpate_contact_change, in float.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_contact_f32_change(
     contact: *mut Contact<f32>,
     params: *const ContactParams,
     loop_params: *const LoopParams,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact::change(contact, params, loop_params) }
 }
 
@@ -135,20 +135,20 @@ pub unsafe extern "C" fn palpate_contact_f32_teleport(
     position: f32,
     velocity: f32,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact::teleport(contact, position, velocity) }
 }
 
 /// As palpate_contact_ledger, in float.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_contact_f32_ledger(
     contact: *const Contact<f32>,
     ledger: *mut Ledger<f32>,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact::ledger(contact, ledger) }
 }
 
@@ -162,6 +162,6 @@ pub unsafe extern "C" fn palpate_contact_f32_describe(
     memory: *mut c_char,
     size: usize,
 ) -> usize {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact::describe(contact, memory, size) }
 }

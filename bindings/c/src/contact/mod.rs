@@ -1,4 +1,4 @@
-//! A contact behind a handle, in `double` or in `float`: what the functions of `doubles` and `floats` do.
+//! Contact handle in `double` or `float`: implementation of the functions in `doubles` and `floats`.
 
 mod doubles;
 mod floats;
@@ -24,14 +24,14 @@ use crate::sized::{self, Room};
 use crate::status::{Refusal, Status};
 use crate::text;
 
-/// A contact that is rendered; its ticks are in double, or in float where its name ends with f32. One thread at a
-/// time may use it.
+/// A rendered contact. Its ticks are in double, or in float if the name ends with f32. Only one thread may use it
+/// at a time.
 pub struct Contact<S> {
     pub(crate) running: Running<S>,
-    /// For recorders.
+    /// Checked by recorders.
     #[cfg(feature = "worlds")]
     pub(crate) identity: Identity,
-    /// Whether it is on the heap of this library.
+    /// Whether this library allocated it on the heap.
     #[cfg_attr(not(feature = "std"), allow(dead_code))]
     on_heap: bool,
 }
@@ -47,19 +47,19 @@ impl<S> Contact<S> {
     }
 }
 
-/// The contact at `contact`.
+/// Returns the contact at `contact`.
 ///
 /// # Safety
-/// `contact` is NULL or a contact, which nobody else uses during `'a`.
+/// `contact` is NULL or a contact that is not used otherwise during `'a`.
 unsafe fn at<'a, S>(contact: *mut Contact<S>) -> Result<&'a mut Contact<S>, Refusal<'static>> {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { contact.as_mut() }.ok_or(Refusal::Null("contact"))
 }
 
-/// `palpate_contact_new`.
+/// Implements `palpate_contact_new`.
 ///
 /// # Safety
-/// As said of that function.
+/// The conditions of that function apply.
 #[inline]
 #[cfg(feature = "std")]
 unsafe fn new<S: Number>(
@@ -71,7 +71,7 @@ unsafe fn new<S: Number>(
         // SAFETY: NULL, or a pointer can be written there.
         let out = unsafe { contact.as_mut() }.ok_or(Refusal::Null("contact"))?;
         *out = ptr::null_mut();
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let rendering = unsafe { rendering(params, loop_params) }?;
         let running = Running::new(rendering)?;
         *out = Box::into_raw(Box::new(Contact::new(running, true)));
@@ -79,24 +79,24 @@ unsafe fn new<S: Number>(
     })
 }
 
-/// `palpate_contact_free`.
+/// Implements `palpate_contact_free`.
 ///
 /// # Safety
-/// As said of that function.
+/// The conditions of that function apply.
 #[inline]
 #[cfg(feature = "std")]
 unsafe fn free<S: Number>(contact: *mut Contact<S>) {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     if unsafe { contact.as_ref() }.is_some_and(|contact| contact.on_heap) {
-        // SAFETY: `palpate_contact_new` has made it by `Box::into_raw`, and it is not used afterwards.
+        // SAFETY: allocated with `Box::into_raw` by `palpate_contact_new`, and not used afterwards.
         drop(unsafe { Box::from_raw(contact) });
     }
 }
 
-/// `palpate_contact_step`.
+/// Implements `palpate_contact_step`.
 ///
 /// # Safety
-/// As said of that function.
+/// The conditions of that function apply.
 #[inline]
 unsafe fn step<S: Number>(
     contact: *mut Contact<S>,
@@ -104,15 +104,15 @@ unsafe fn step<S: Number>(
     output: *mut Output<S>,
 ) -> S {
     caught(|| {
-        // All of it before the tick: one that is refused has not been.
-        // SAFETY: as the caller says.
+        // Check all arguments before the tick: a rejected call must not change the contact.
+        // SAFETY: guaranteed by the caller.
         let given = unsafe {
             at(contact)
                 .and_then(|contact| Ok((contact, Sample::at(sample)?, Room::if_asked(output)?)))
         };
         let (contact, sample, room) = match given {
             Ok(given) => given,
-            // SAFETY: as the caller says.
+            // SAFETY: guaranteed by the caller.
             Err(refusal) => return unsafe { refuse(&refusal, output) },
         };
         let answer = contact.running.step(CoreSample::from(sample));
@@ -123,25 +123,25 @@ unsafe fn step<S: Number>(
         force_on_device
     })
     .unwrap_or_else(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let _ = unsafe { sized::write(output, || Output::refused(Fault::Internal)) };
         S::ZERO
     })
 }
 
-/// No force, and its reason where there is room for it.
+/// Returns zero force and writes the fault if `output` has room for it.
 ///
 /// # Safety
-/// `output` is NULL or an output of the size that it begins with.
+/// `output` is NULL or points to an output whose first field is its size.
 #[cold]
 unsafe fn refuse<S: Number>(refusal: &Refusal<'_>, output: *mut Output<S>) -> S {
     last_error::set(refusal);
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     let _ = unsafe { sized::write(output, || Output::refused(Fault::Argument)) };
     S::ZERO
 }
 
-/// A force that is reported, if it is a number.
+/// Returns a reported force if it is finite.
 fn reported<S: Number>(force_on_device: S) -> Result<S, Refusal<'static>> {
     if force_on_device.is_finite() {
         return Ok(force_on_device);
@@ -153,38 +153,38 @@ fn reported<S: Number>(force_on_device: S) -> Result<S, Refusal<'static>> {
     })
 }
 
-/// `palpate_contact_report_sent`.
+/// Implements `palpate_contact_report_sent`.
 ///
 /// # Safety
-/// As said of that function.
+/// The conditions of that function apply.
 #[inline]
 unsafe fn report_sent<S: Number>(contact: *mut Contact<S>, force_on_device: S) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let contact = unsafe { at(contact) }?;
         contact.running.report_sent(-reported(force_on_device)?);
         Ok(())
     })
 }
 
-/// `palpate_contact_report_held`.
+/// Implements `palpate_contact_report_held`.
 ///
 /// # Safety
-/// As said of that function.
+/// The conditions of that function apply.
 #[inline]
 unsafe fn report_held<S: Number>(contact: *mut Contact<S>, force_on_device: S) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let contact = unsafe { at(contact) }?;
         contact.running.report_held(-reported(force_on_device)?);
         Ok(())
     })
 }
 
-/// `palpate_contact_change`.
+/// Implements `palpate_contact_change`.
 ///
 /// # Safety
-/// As said of that function.
+/// The conditions of that function apply.
 #[inline]
 unsafe fn change<S: Number>(
     contact: *mut Contact<S>,
@@ -192,20 +192,20 @@ unsafe fn change<S: Number>(
     loop_params: *const LoopParams,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let (contact, rendering) = unsafe { (at(contact)?, rendering(params, loop_params)?) };
         Ok(contact.running.change(rendering)?)
     })
 }
 
-/// `palpate_contact_teleport`.
+/// Implements `palpate_contact_teleport`.
 ///
 /// # Safety
-/// As said of that function.
+/// The conditions of that function apply.
 #[inline]
 unsafe fn teleport<S: Number>(contact: *mut Contact<S>, position: S, velocity: S) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let contact = unsafe { at(contact) }?;
         Ok(contact
             .running
@@ -213,45 +213,45 @@ unsafe fn teleport<S: Number>(contact: *mut Contact<S>, position: S, velocity: S
     })
 }
 
-/// `palpate_contact_ledger`.
+/// Implements `palpate_contact_ledger`.
 ///
 /// # Safety
-/// As said of that function.
+/// The conditions of that function apply.
 #[inline]
 unsafe fn ledger<S: Number>(contact: *const Contact<S>, ledger: *mut Ledger<S>) -> Status {
     status(|| {
-        // SAFETY: NULL, or a contact that nobody changes meanwhile.
+        // SAFETY: NULL, or a contact that is not modified during this call.
         let contact = unsafe { contact.as_ref() }.ok_or(Refusal::Null("contact"))?;
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         unsafe { sized::write(ledger, || contact.running.ledger().into()) }
     })
 }
 
-/// `palpate_contact_describe`.
+/// Implements `palpate_contact_describe`.
 ///
 /// # Safety
-/// As said of that function.
+/// The conditions of that function apply.
 #[inline]
 unsafe fn describe<S: Number>(
     contact: *const Contact<S>,
     memory: *mut c_char,
     size: usize,
 ) -> usize {
-    // SAFETY: NULL, or a contact that nobody changes meanwhile.
+    // SAFETY: NULL, or a contact that is not modified during this call.
     let contact = unsafe { contact.as_ref() };
     let described = caught(|| match contact {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         Some(contact) => unsafe { text::put_at(contact.running.rendering(), memory, size) },
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         None => unsafe { text::put_at("", memory, size) },
     });
     described.unwrap_or(0)
 }
 
-/// `palpate_contact_place`.
+/// Implements `palpate_contact_place`.
 ///
 /// # Safety
-/// As said of that function.
+/// The conditions of that function apply.
 #[inline]
 unsafe fn place<S: Number>(
     memory: *mut c_void,
@@ -279,10 +279,10 @@ unsafe fn place<S: Number>(
             let needed = align_of::<Contact<S>>();
             return Err(Refusal::NotAligned { needed });
         }
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let rendering = unsafe { rendering(params, loop_params) }?;
         let running = Running::new(rendering)?;
-        // SAFETY: not NULL, aligned, and as many bytes as needed can be written.
+        // SAFETY: not NULL, aligned, and at least `needed` bytes can be written.
         unsafe {
             memory.write(Contact::new(running, false));
         }

@@ -1,4 +1,4 @@
-//! The host's end of a local model.
+//! Simulator side of a multirate local model.
 
 use palpate_world::engine::BodyNow;
 
@@ -9,10 +9,12 @@ use crate::scene::in_words;
 use crate::sized::Room;
 use crate::status::{Refusal, Status};
 
-/// A slow host, such as a physics engine of 60 Hz: the host's end of a local model. One thread at a time may use it.
+/// Simulator side of a multirate local model, for a low-rate simulator such as a 60 Hz physics engine. Only one
+/// thread may use it at a time.
 ///
-/// The host repeats: take the progress; step over the time since the progress before under palpate_mean_wrench() on each body;
-/// look for contacts near the avatar; publish its bodies and contacts as of the progress's tick.
+/// The simulator repeats four steps: read the progress; integrate over the time since the previous progress with
+/// palpate_mean_wrench() on each body; detect contacts near the proxy; publish its bodies and contacts for the tick
+/// of the progress.
 pub struct SlowHost {
     end: palpate_rt::SlowHost,
     bodies: usize,
@@ -26,7 +28,7 @@ impl SlowHost {
         }
     }
 
-    /// Refuses another number of bodies than there are.
+    /// Rejects a wrong number of bodies.
     fn counted(&self, given: usize) -> Result<(), Refusal<'static>> {
         if given == self.bodies {
             return Ok(());
@@ -40,23 +42,24 @@ impl SlowHost {
     }
 }
 
-/// Frees the host's end of a local model. NULL is allowed. What it has published fades in the loop.
+/// Frees the simulator side of a local model. NULL is allowed. The loop fades out the last published model.
 ///
 /// # Safety
-/// `host` is NULL or such an end, and is not used afterwards.
+/// `host` is NULL or a simulator side, and is not used afterwards.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_slow_host_free(host: *mut SlowHost) {
     if !host.is_null() {
-        // SAFETY: `palpate_local_world_new` has made it by `Box::into_raw`, and it is not used afterwards.
+        // SAFETY: allocated with `Box::into_raw` by `palpate_local_world_new`, and not used afterwards.
         drop(unsafe { Box::from_raw(host) });
     }
 }
 
-/// Puts how far the loop has come, as of its last tick, into `*progress`, and what the tool has given to each body into `bodies`,
-/// of which there are `body_count`: as many as the local model has. Both are of the same tick.
+/// Writes the progress of the loop at its last tick to `*progress`, and the impulses of the tool on each body at the
+/// same tick to `bodies`. `body_count` is the number of bodies of the local model.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says, `bodies` to `body_count` of them; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type, `bodies` to `body_count` of them; the first field of each
+/// sized struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_slow_host_progress(
     host: *mut SlowHost,
@@ -65,12 +68,12 @@ pub unsafe extern "C" fn palpate_slow_host_progress(
     body_count: usize,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let host = unsafe { host.as_mut() }.ok_or(Refusal::Null("host"))?;
         host.counted(body_count)?;
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let bodies = unsafe { array_mut(bodies, body_count, "bodies") }?;
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let room = unsafe { Room::at(progress) }?;
         let now = host.end.progress();
         room.write(Progress::from(now));
@@ -86,13 +89,14 @@ pub unsafe extern "C" fn palpate_slow_host_progress(
     })
 }
 
-/// Publishes the host's bodies and contacts as of a tick: that of the progress whose impulses the bodies have in them. The loop
-/// renders by them from its next tick on. A contact is known by its place in `contacts`: the one in the same place of the next
-/// model is the same contact, which has moved. On an error, which says everything that is wrong, the model before stays. What the
-/// loop does not take, the next progress says.
+/// Publishes the simulator's bodies and contacts for a tick: the tick of the progress whose impulses the bodies
+/// include. The loop renders them from its next tick on. The index in `contacts` identifies a contact: the same
+/// index in the next model is the same, moved contact. On an error, whose message lists all faults, the previous
+/// model stays. The next progress reports a model that the loop rejects.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says, `bodies` and `contacts` to as many as are said.
+/// Each pointer is NULL or points to a value of its type, `bodies` and `contacts` to `body_count` and
+/// `contact_count` of them.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_slow_host_publish(
     host: *mut SlowHost,
@@ -103,12 +107,12 @@ pub unsafe extern "C" fn palpate_slow_host_publish(
     contact_count: usize,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let host = unsafe { host.as_mut() }.ok_or(Refusal::Null("host"))?;
         host.counted(body_count)?;
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let bodies = unsafe { array(bodies, body_count, "bodies") }?;
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let contacts = unsafe { array(contacts, contact_count, "contacts") }?;
         let bodies: Vec<BodyNow> = bodies.iter().map(BodyNow::from).collect();
         let contacts: Vec<_> = contacts.iter().map(HostContact::local).collect();

@@ -1,4 +1,5 @@
-//! Local models: a slow host, such as a physics engine of 60 Hz, publishes bodies and contacts, and a fast loop renders them.
+//! Multirate local models: a low-rate simulator, such as a 60 Hz physics engine, publishes bodies and contacts; a
+//! fast loop renders them.
 
 mod host;
 mod model;
@@ -24,15 +25,16 @@ use crate::sized;
 use crate::status::{Refusal, Status};
 use crate::world::{Pose, WorldSample, Wrench, answer};
 
-/// What a slow host publishes, as the fast loop renders it: the loop's end. One thread at a time may use it.
+/// Loop side of a multirate local model: renders the published bodies and contacts. Only one thread may use it at a
+/// time.
 pub struct LocalWorld(BoundedLocalWorld);
 
-/// Makes both ends of a local model, and puts them into `*world` and `*host`; NULL on an error. The loop's end belongs to the
-/// thread that samples the device, the host's end to the thread of the host; neither ever waits for the other one. Each is to be
-/// freed, in any order, by palpate_local_world_free and palpate_slow_host_free.
+/// Creates both sides of a local model and stores them in `*world` and `*host`, or NULL on an error. The loop side
+/// belongs to the thread that samples the device, the simulator side to the thread of the simulator; neither waits
+/// for the other. Free them, in any order, with palpate_local_world_free and palpate_slow_host_free.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_local_world_new(
     params: *const LocalParams,
@@ -42,7 +44,7 @@ pub unsafe extern "C" fn palpate_local_world_new(
     status(|| {
         // SAFETY: each is NULL, or a pointer can be written there.
         let (mut world, mut host) = unsafe { (world.as_mut(), host.as_mut()) };
-        // Both, before either is asked for: whichever is there says what became of it.
+        // Clear both outputs before either is checked for NULL.
         if let Some(world) = &mut world {
             **world = ptr::null_mut();
         }
@@ -51,7 +53,7 @@ pub unsafe extern "C" fn palpate_local_world_new(
         }
         let world = world.ok_or(Refusal::Null("world"))?;
         let host = host.ok_or(Refusal::Null("host"))?;
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let params = unsafe { sized::read(params) }?;
         let (of_host, of_loop) = bounded_local_world(params.renderer()?, params.limits()?)
             .map_err(|error| Refusal::Numbers(error.to_string()))?;
@@ -61,27 +63,27 @@ pub unsafe extern "C" fn palpate_local_world_new(
     })
 }
 
-/// Frees the loop's end of a local model. NULL is allowed.
+/// Frees the loop side of a local model. NULL is allowed.
 ///
 /// # Safety
-/// `world` is NULL or such an end, and is not used afterwards.
+/// `world` is NULL or a loop side, and is not used afterwards.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_local_world_free(world: *mut LocalWorld) {
     if !world.is_null() {
-        // SAFETY: `palpate_local_world_new` has made it by `Box::into_raw`, and it is not used afterwards.
+        // SAFETY: allocated with `Box::into_raw` by `palpate_local_world_new`, and not used afterwards.
         drop(unsafe { Box::from_raw(world) });
     }
 }
 
-/// One tick: takes a sample of the device, with one pose, and puts what it is to hold until the next one into `*wrench`, by the
-/// newest model that the host has published. The orientation is not looked at, and the torque is 0.
+/// Executes one tick with the newest published model: takes a device sample with one pose and writes the wrench to
+/// hold until the next tick to `*wrench`. The orientation is ignored, and the torque is 0.
 ///
-/// It cannot fail: the wrench has finite numbers for any input, and is all 0 where a sample is refused or an argument is wrong;
-/// what it gives says why. It does not allocate, lock, wait, or loop without bound. `output` may be NULL. Where an argument is
-/// wrong, PALPATE_FAULT_ARGUMENT, there was no tick.
+/// It cannot fail: the wrench is finite for any input, and 0 if the sample is rejected or an argument is wrong; the
+/// return value is the reason. It does not allocate, lock, wait, or loop without bound. `output` may be NULL.
+/// PALPATE_FAULT_ARGUMENT means that an argument is wrong and no tick was executed.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_local_world_step(
     world: *mut LocalWorld,
@@ -89,7 +91,7 @@ pub unsafe extern "C" fn palpate_local_world_step(
     wrench: *mut Wrench,
     output: *mut LocalOutput,
 ) -> Fault {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         answer("wrench", wrench, 1, output, |out| {
             let world = world.as_mut().ok_or(Refusal::Null("world"))?;
@@ -116,20 +118,20 @@ pub unsafe extern "C" fn palpate_local_world_step(
     }
 }
 
-/// Says what was really sent to the device for the last tick, where it is another force than the tick has given: something
-/// between has limited it. What is not finite is refused.
+/// Reports the force that was actually sent to the device for the last tick, for example after saturation. A non-finite
+/// force is rejected.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says.
+/// Each pointer is NULL or points to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_local_world_report_sent(
     world: *mut LocalWorld,
     sent: *const Wrench,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let world = unsafe { world.as_mut() }.ok_or(Refusal::Null("world"))?;
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let sent = unsafe { sent.as_ref() }.ok_or(Refusal::Null("sent"))?;
         sent.reported()?;
         let Wrench { force, torque } = *sent;

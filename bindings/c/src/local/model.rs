@@ -1,4 +1,4 @@
-//! What a slow host publishes.
+//! Bodies and contacts that a low-rate simulator publishes.
 
 use palpate_world::engine::BodyNow;
 use palpate_world::engine::local::LocalContact;
@@ -6,25 +6,25 @@ use palpate_world::engine::local::LocalContact;
 use crate::scene::law_of;
 use crate::world::{PALPATE_NO_BODY, Pose};
 
-/// A body of a slow host as of a tick, along the world's axes. Its reference point is where the host takes torques about, as a
-/// rule the centre of mass. It stands in arrays, so it has no struct_size and stays as it is. palpate_host_body_fixed() makes one
-/// that does not move.
+/// A body of the simulator at a tick, in world axes. Torques are about its reference point, usually the centre of
+/// mass. The struct is an array element, so it has no struct_size and its layout is fixed. palpate_host_body_fixed()
+/// returns an immovable body.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct HostBody {
-    /// Where the reference point is, and how the body is turned.
+    /// Position of the reference point, and orientation of the body.
     pub pose: Pose,
     /// Velocity of the reference point [m/s].
     pub velocity: [f64; 3],
     /// Angular velocity [rad/s].
     pub angular_velocity: [f64; 3],
-    /// Acceleration of the reference point by everything but the tool, over the host's step [m/s^2].
+    /// Acceleration of the reference point over the simulator's step, without the tool's contribution [m/s^2].
     pub acceleration: [f64; 3],
-    /// Angular acceleration by everything but the tool [rad/s^2].
+    /// Angular acceleration without the tool's contribution [rad/s^2].
     pub angular_acceleration: [f64; 3],
-    /// What a wrench does to these six: rows are accelerations, columns force [N] and torque about the reference point [N m]. Of a
-    /// free body of mass m, 1/m in the first three places of the diagonal, and the inverse of its inertia in the last three rows
-    /// and columns; of a body that does not move, 0.
+    /// Mobility matrix: rows are accelerations, columns force [N] and torque about the reference point [N m]. For a
+    /// free body of mass m, the first three diagonal entries are 1/m, and the last three rows and columns are the
+    /// inverse inertia; for an immovable body all entries are 0.
     pub mobility: [[f64; 6]; 6],
 }
 
@@ -42,41 +42,41 @@ impl From<&HostBody> for BodyNow {
     }
 }
 
-/// A place where a sphere, the tool or a part of a body, may touch a surface, along the world's axes, with the bodies where the
-/// model says that they are. The surface is a plane or, with a curvature, a sphere; it is fixed to its body, and has no end. It
-/// stands in arrays, so it has no struct_size and stays as it is. palpate_host_contact_at_gap() makes one for the tool,
-/// palpate_host_contact_none() an empty place.
+/// A potential contact of a sphere (the tool or a part of a body) with a surface, in world axes at the bodies' poses
+/// in the model. The surface is a plane or, with a curvature, a sphere; it is attached to its body and unbounded.
+/// The struct is an array element, so it has no struct_size and its layout is fixed. palpate_host_contact_at_gap()
+/// returns one for the tool, palpate_host_contact_none() an empty one.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct HostContact {
-    /// A point of the surface: as a rule the one that is nearest to the sphere [m].
+    /// A point of the surface, usually the closest to the sphere [m].
     pub place: [f64; 3],
-    /// Unit vector out of the surface there.
+    /// Unit normal out of the surface at this point.
     pub normal: [f64; 3],
-    /// Curvature of the surface [1/m]: 1/r of a ball of radius r, -1/r of the inside of one, 0 of a plane.
+    /// Curvature of the surface [1/m]: 1/r for a ball of radius r, -1/r for its inside, 0 for a plane.
     pub curvature: f64,
-    /// Stiffness, above 0 [N/m]. 0: there is no contact in this place of the array.
+    /// Stiffness, above 0 [N/m]. 0: this array element has no contact.
     pub stiffness: f64,
     /// Damping, not below 0 [N s/m].
     pub damping: f64,
     /// Coefficient of friction, not below 0.
     pub friction: f64,
-    /// Stiffness of friction, above 0 [N/m]; 0: as `stiffness`.
+    /// Tangential stiffness of friction, above 0 [N/m]; 0: equal to `stiffness`.
     pub friction_stiffness: f64,
-    /// Damping of friction [N s/m]; 0: `damping` times `friction_stiffness` over `stiffness`; below 0: none.
+    /// Damping of friction [N s/m]; 0: `damping` times `friction_stiffness` over `stiffness`; below 0: no damping.
     pub friction_damping: f64,
-    /// Of a sphere of a body, its centre [m]. Not looked at for the tool.
+    /// Centre of a body's sphere [m]. Ignored for the tool.
     pub centre: [f64; 3],
-    /// Of a sphere of a body, its radius, not below 0 [m]. Not looked at for the tool.
+    /// Radius of a body's sphere, not below 0 [m]. Ignored for the tool.
     pub radius: f64,
-    /// Place of the body whose surface is touched; PALPATE_NO_BODY: something that never moves.
+    /// Index of the body with the surface; PALPATE_NO_BODY: a fixed surface.
     pub on: u32,
-    /// Place of the body whose sphere touches; PALPATE_NO_BODY: the tool.
+    /// Index of the body with the sphere; PALPATE_NO_BODY: the tool.
     pub of: u32,
 }
 
 impl HostContact {
-    /// The contact, or none in an empty place.
+    /// Returns the contact, or `None` for an empty element.
     pub(super) fn local(&self) -> Option<LocalContact> {
         if self.stiffness == 0.0 {
             return None;

@@ -1,4 +1,4 @@
-//! What comes out of a tick by a local model, beside the force.
+//! Output of a local-model tick, in addition to the force.
 
 use palpate_rt::HeldLocal;
 use palpate_world::engine::local::ModelRefusal as Why;
@@ -7,19 +7,19 @@ use crate::output::Fault;
 use crate::sized::SizedStruct;
 use crate::world::{TickOutput, limits};
 
-/// Why a model was not taken; the one before goes on.
+/// Reason for rejecting a model. The loop keeps the previous model.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ModelRefusal {
-    /// It was taken, or none has come.
+    /// The model was accepted, or none was published.
     None = 0,
-    /// It is of a tick that has not been.
+    /// The model is for a future tick.
     NotYet = 1,
-    /// It is of a tick before that of the model before.
+    /// The model is for an earlier tick than the previous model.
     OutOfOrder = 2,
-    /// It is older than stale_after.
+    /// The model is older than stale_after.
     TooOld = 3,
-    /// It is of another host.
+    /// The model is from another simulator.
     OtherHost = 4,
 }
 
@@ -35,29 +35,30 @@ impl ModelRefusal {
     }
 }
 
-/// What a tick by a local model says beside the force. palpate_local_output_empty() makes one to be filled.
+/// Output of a local-model tick, in addition to the force. palpate_local_output_empty() returns an empty one to be
+/// filled.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct LocalOutput {
     /// Size of this struct; palpate_local_output_empty() sets it.
     pub struct_size: usize,
-    /// Age of the newest model [s]; INFINITY where there is none.
+    /// Age of the newest model [s]; INFINITY if there is none.
     pub age: f64,
-    /// Why the sample was refused. The force is then 0.
+    /// Reason for rejecting the sample. The force is then 0.
     pub fault: Fault,
     /// Limits that changed the force: bits of palpate_limit.
     pub limited: u32,
-    /// 1: the contacts fade, or have faded, because there is no model or it is too old.
+    /// 1: the contacts fade or have faded, because there is no model or it is too old.
     pub is_stale: u32,
-    /// Why the model that has come since the last tick was not taken.
+    /// Reason for rejecting the model that arrived since the last tick.
     pub refusal: ModelRefusal,
-    /// Sub-steps of the tick, with those that were replaced by finer ones.
+    /// Number of sub-steps, including replaced ones.
     pub sub_steps: u32,
-    /// Sub-steps that were replaced by finer ones, where contacts begin, end, or begin to slip.
+    /// Number of sub-steps that were replaced by finer ones, at the start or end of a contact or of slip.
     pub refined: u32,
-    /// Such sub-steps that were not: there were too many of them.
+    /// Number of such sub-steps that were not refined, because the limit was reached.
     pub unrefined: u32,
-    /// 1: the fastest contact asked for more sub-steps than a tick may have. A smaller stiffness or a shorter period helps.
+    /// 1: the fastest contact needs more sub-steps than a tick allows. Reduce the stiffness or the period.
     pub too_fast: u32,
 }
 

@@ -1,4 +1,4 @@
-//! What a caller says of a local model once.
+//! Parameters of a local model.
 
 use palpate::Actuation;
 use palpate_rt::safety::SafetyParams;
@@ -10,42 +10,42 @@ use crate::scene::{check, in_words};
 use crate::sized::{self, SizedStruct};
 use crate::status::{Refusal, Status};
 
-/// The loop, its device, and room for what a slow host publishes. palpate_local_params_default() fills it.
+/// The loop, its device, and capacities for the published model. palpate_local_params_default() fills it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct LocalParams {
     /// Size of this struct; palpate_local_params_default() sets it.
     pub struct_size: usize,
-    /// Nominal time from sample to sample of the loop, above 0 [s]: 0.001 is 1 ms. It has no default.
+    /// Nominal sampling period of the loop, above 0 [s]: 0.001 is 1 ms. It has no default.
     pub period: f64,
-    /// Effective mass of the device along each axis of the world, above 0 [kg]; a factor of 2 is near enough. INFINITY: the device
-    /// lacks this axis. It has no default.
+    /// Effective mass of the device along each world axis, above 0 [kg]; an error of a factor of 2 is acceptable.
+    /// INFINITY: the device lacks this axis. It has no default.
     pub device_mass: [f64; 3],
-    /// Radius of the tool, a sphere, not below 0 [m]. Default: 0, a point.
+    /// Radius of the spherical tool, not below 0 [m]. Default: 0, a point.
     pub tool_radius: f64,
     /// Age of the newest model beyond which its contacts fade [s]: 1 to 1000 periods of the loop. Default: 0.2.
     pub stale_after: f64,
-    /// Time in which they fade, and come back, above 0 [s]. Default: 0.1.
+    /// Time over which these contacts fade out, or back in, above 0 [s]. Default: 0.1.
     pub fade: f64,
-    /// Time in which a change of a contact that touches comes in, above 0 [s]. Default: 0.01.
+    /// Time over which changes of an active contact are blended in, above 0 [s]. Default: 0.01.
     pub settle: f64,
-    /// Time in which the loop's copy of a body goes back to the host's body, above 0 [s]. Default: 1.
+    /// Time over which the loop's copy of a body returns to the simulator's body, above 0 [s]. Default: 1.
     pub return_time: f64,
     /// Quantum of the position sensor, not below 0 [m]. Default: 0.
     pub quantum: f64,
-    /// Time from a sample to the moment at which its command begins to act, not below 0 [s]. Default: 0.
+    /// Delay from a sample to the start of its command, not below 0 [s]. Default: 0.
     pub delay: f64,
-    /// Time constant of a first-order lag after it, not below 0 [s]. Default: 0.
+    /// Time constant of the first-order lag after the delay, not below 0 [s]. Default: 0.
     pub lag: f64,
-    /// Delivered over commanded force, above 0. Default: 1.
+    /// Ratio of delivered to commanded force, above 0. Default: 1.
     pub gain: f64,
     /// Largest force on the device, by its norm, above 0 [N]. INFINITY: no limit. Default: 20.
     pub force_limit: f64,
-    /// Time over which a force comes in where a start or a recovery finds contact, not below 0 [s]. Default: 0.2.
+    /// Ramp time of the force if a start or a recovery is in contact, not below 0 [s]. Default: 0.2.
     pub soft_start: f64,
-    /// Number of the host's bodies, at most 16; 0, the default: contacts with what never moves only.
+    /// Number of the simulator's bodies, at most 16. 0, the default: contacts only with fixed surfaces.
     pub bodies: u32,
-    /// Most contacts of a model, 1 to 64. Default: 8.
+    /// Largest number of contacts of a model, 1 to 64. Default: 8.
     pub contacts: u32,
 }
 
@@ -79,7 +79,7 @@ impl Default for LocalParams {
     }
 }
 
-/// Fills parameters of a local model with the defaults. `struct_size` is sizeof(palpate_local_params).
+/// Fills local-model parameters with the defaults. `struct_size` is sizeof(palpate_local_params).
 ///
 /// # Safety
 /// `params` is NULL, or `struct_size` bytes can be written there.
@@ -88,12 +88,12 @@ pub unsafe extern "C" fn palpate_local_params_init(
     params: *mut LocalParams,
     struct_size: usize,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     status(|| unsafe { sized::fill(params, struct_size, LocalParams::default()) })
 }
 
 impl LocalParams {
-    /// What renders, with every parameter checked.
+    /// Returns the renderer after checking all parameters.
     pub(super) fn renderer(&self) -> Result<LocalRenderer, Refusal<'static>> {
         let above_0 = |name, given: f64, allowed| {
             if given > 0.0 {
@@ -149,7 +149,7 @@ impl LocalParams {
             .map_err(|faults| Refusal::Numbers(in_words(&faults)))
     }
 
-    /// What may reach the device.
+    /// Returns the limits of the device force.
     pub(super) fn limits(&self) -> Result<SafetyParams, Refusal<'static>> {
         check(&[("soft_start", self.soft_start, false)])?;
         let force = self.force_limit.is_finite().then_some(self.force_limit);

@@ -1,33 +1,35 @@
-//! What the loop gives back to a slow host.
+//! Progress of the loop, as reported to a low-rate simulator.
 
 use palpate_world::engine::local::LocalProgress;
 
 use super::ModelRefusal;
 use crate::sized::SizedStruct;
 
-/// How far the loop has come: what a host needs for its next step. palpate_progress_empty() makes one to be filled.
+/// Progress of the loop: inputs for the simulator's next step. palpate_progress_empty() returns an empty one to be
+/// filled.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
     /// Size of this struct; palpate_progress_empty() sets it.
     pub struct_size: usize,
-    /// Periods that have passed: those that the loop has rendered, and those that it has missed. A model that has all impulses of this progress in it is of this tick.
+    /// Number of elapsed periods, rendered and missed. A model that includes all impulses of this progress has this
+    /// tick.
     pub tick: u64,
-    /// Time from sample to sample of the loop [s].
+    /// Sampling period of the loop [s].
     pub period: f64,
-    /// Where the avatar of the tool is at the end of the last period [m]: where the host looks for what the tool may touch.
+    /// Proxy position of the tool at the end of the last period [m]; the simulator detects contacts near it.
     pub position: [f64; 3],
-    /// Its velocity [m/s].
+    /// Proxy velocity [m/s].
     pub velocity: [f64; 3],
-    /// Tick of the newest model, where `has_model` is not 0.
+    /// Tick of the newest model, if `has_model` is 1.
     pub model_tick: u64,
-    /// 1: a model has been taken.
+    /// 1: a model has been accepted.
     pub has_model: u32,
-    /// 1: the contacts fade, or have faded, because there is no model or it is too old.
+    /// 1: the contacts fade or have faded, because there is no model or it is too old.
     pub is_stale: u32,
-    /// Why the last model that came was not taken.
+    /// Reason for rejecting the last model.
     pub refusal: ModelRefusal,
-    /// 0.
+    /// Unused; 0.
     pub reserved: u32,
 }
 
@@ -54,14 +56,15 @@ impl From<&LocalProgress> for Progress {
     }
 }
 
-/// What the tool has given to a body of the host. It stands in arrays, so it has no struct_size and stays as it is.
+/// Impulses of the tool on a body of the simulator. The struct is an array element, so it has no struct_size and its
+/// layout is fixed.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct BodyProgress {
     /// Impulse of the tool on the body since the start [N s].
     pub impulse: [f64; 3],
-    /// Its moment about the body's reference point [N m s].
+    /// Moment of the impulse about the body's reference point [N m s].
     pub moment: [f64; 3],
-    /// Where the loop's copy of the body is [m].
+    /// Position of the loop's copy of the body [m].
     pub copy: [f64; 3],
 }

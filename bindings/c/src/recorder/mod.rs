@@ -1,4 +1,4 @@
-//! Recordings: what a loop did, tick by tick, written by a thread of the library's own.
+//! Recordings of the ticks of a loop, written by a thread of the library.
 
 mod params;
 mod ticks;
@@ -24,36 +24,36 @@ use crate::status::{Refusal, Status};
 use crate::text;
 use crate::world::World;
 
-/// A recording that is being written. One thread at a time may use it.
+/// A recording in progress. Only one thread may use it at a time.
 pub struct Recorder {
     tap: Tap,
     thread: Thread,
     of: Of,
     /// Number of the next tick.
     sequence: u64,
-    /// When the last tick was sampled [s].
+    /// Sampling time of the last tick [s].
     time: f64,
 }
 
-/// What is recorded.
+/// The recorded object.
 enum Of {
     Contact(Identity),
     World {
         world: Identity,
         rows: WorldRows,
-        /// How often the world had been changed.
+        /// Number of changes of the world so far.
         changes: u64,
-        /// Place in the scene of the device that is recorded.
+        /// Index in the scene of the recorded device.
         device: usize,
     },
 }
 
-/// Begins the recording of a contact in a new file at `path`, to be ended by palpate_recorder_close, and puts it into
-/// `*recorder`; NULL on an error, and no file is left then. A file that is there is not replaced. `params` may be NULL: every
-/// default. Not in the library for firmware.
+/// Starts the recording of a contact in a new file at `path` and stores the recorder in `*recorder`, or NULL on an
+/// error, which leaves no file. An existing file is not replaced. End the recording with palpate_recorder_close.
+/// `params` may be NULL: all defaults. Not in the firmware library.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_recorder_of_contact(
     contact: *const Contact<f64>,
@@ -61,7 +61,7 @@ pub unsafe extern "C" fn palpate_recorder_of_contact(
     params: *const RecorderParams,
     recorder: *mut *mut Recorder,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         begin(path, params, recorder, |receipt| {
             let contact = contact.as_ref().ok_or(Refusal::Null("contact"))?;
@@ -78,12 +78,12 @@ pub unsafe extern "C" fn palpate_recorder_of_contact(
     }
 }
 
-/// Begins the recording of a world of one device, as palpate_recorder_of_contact does of a contact. `palpate replay` renders
-/// its motion anew; files of meshes are looked for beside the recording. A world of several devices takes
-/// palpate_recorder_of_device.
+/// Starts the recording of a world of one device, as palpate_recorder_of_contact does for a contact. `palpate
+/// replay` renders the motion again; it looks for mesh files beside the recording. For a world of several devices
+/// use palpate_recorder_of_device.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_recorder_of_world(
     world: *const World,
@@ -91,7 +91,7 @@ pub unsafe extern "C" fn palpate_recorder_of_world(
     params: *const RecorderParams,
     recorder: *mut *mut Recorder,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         begin(path, params, recorder, |receipt| {
             let world = world.as_ref().ok_or(Refusal::Null("world"))?;
@@ -103,12 +103,12 @@ pub unsafe extern "C" fn palpate_recorder_of_world(
     }
 }
 
-/// Begins the recording of one device of a world, by its place in the scene, with all contacts and bodies of the world. The
-/// recordings of several devices of a world are several recorders and files; a tick has the same number in each.
-/// The rest is as for palpate_recorder_of_contact.
+/// Starts the recording of one device of a world, given by its index in the scene, with all contacts and bodies of
+/// the world. For several devices use one recorder and file each; a tick has the same number in every file.
+/// Otherwise as palpate_recorder_of_contact.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_recorder_of_device(
     world: *const World,
@@ -117,7 +117,7 @@ pub unsafe extern "C" fn palpate_recorder_of_device(
     params: *const RecorderParams,
     recorder: *mut *mut Recorder,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         begin(path, params, recorder, |receipt| {
             let world = world.as_ref().ok_or(Refusal::Null("world"))?;
@@ -142,11 +142,11 @@ pub unsafe extern "C" fn palpate_recorder_of_device(
     }
 }
 
-/// What the receipt of a recording says of a world, and what is recorded of it.
+/// Adds a world to the metadata of a recording and returns it with the recorded object.
 fn of_device(receipt: Receipt, world: &World, device: usize) -> (Receipt, Of) {
     let receipt = match &world.source {
         Some(source) => receipt.with("world", source),
-        // No text says it.
+        // A world that was not read from a text has no source.
         None => receipt,
     };
     let receipt = receipt
@@ -161,7 +161,7 @@ fn of_device(receipt: Receipt, world: &World, device: usize) -> (Receipt, Of) {
     (receipt, of)
 }
 
-/// Begins a recording of what `of` says, with the receipt that it gives.
+/// Starts a recording of the object that `of` returns, with its metadata.
 ///
 /// # Safety
 /// As for `palpate_recorder_of_contact`.
@@ -175,7 +175,7 @@ unsafe fn begin<'a>(
         // SAFETY: NULL, or a pointer can be written there.
         let out = unsafe { recorder.as_mut() }.ok_or(Refusal::Null("recorder"))?;
         *out = ptr::null_mut();
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let (path, asked) = unsafe { (text::read(path, "path")?, Asked::at(params)?) };
         let receipt = Receipt::new(env!("CARGO_PKG_VERSION")).with("device", &asked.device);
         let receipt = match &asked.scene {
@@ -199,22 +199,22 @@ unsafe fn begin<'a>(
     })
 }
 
-/// How many ticks found no room so far, since the disk was slower than the loop; 0 where `recorder` is NULL.
+/// Returns the number of ticks dropped so far because the disk was slower than the loop; 0 if `recorder` is NULL.
 ///
 /// # Safety
 /// `recorder` is NULL or a recorder.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_recorder_lost(recorder: *const Recorder) -> u64 {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { recorder.as_ref() }.map_or(0, |recorder| recorder.tap.lost())
 }
 
-/// Ends a recording: waits until everything is on its way to the disk, writes how many ticks the loop made, and frees the
-/// recorder, whatever it answers. PALPATE_STATUS_RECORDING where the system refused to write; what was written before can
-/// be read. `recorded` may be NULL. NULL for a recorder is left alone.
+/// Ends a recording: waits until all data is passed to the system, writes the number of ticks of the loop, and
+/// always frees the recorder. Returns PALPATE_STATUS_RECORDING if writing failed; the data written before is
+/// readable. `recorded` may be NULL. A NULL recorder is ignored.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; the recorder is not used afterwards.
+/// Each pointer is NULL or points to a value of its type; the recorder is not used afterwards.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_recorder_close(
     recorder: *mut Recorder,
@@ -224,7 +224,7 @@ pub unsafe extern "C" fn palpate_recorder_close(
         if recorder.is_null() {
             return Ok(());
         }
-        // SAFETY: `begin` has made it by `Box::into_raw`, and it is not used afterwards.
+        // SAFETY: allocated with `Box::into_raw` by `begin`, and not used afterwards.
         let Recorder { tap, thread, .. } = *unsafe { Box::from_raw(recorder) };
         tap.end(Ending::Stopped);
         let (account, failed) = thread.finish();
@@ -235,7 +235,7 @@ pub unsafe extern "C" fn palpate_recorder_close(
                 ticks: account.recording.as_ref().map_or(0, |_| account.ticks),
                 lost: account.lost_ticks(),
             };
-            // SAFETY: as the caller says.
+            // SAFETY: guaranteed by the caller.
             unsafe { sized::write(recorded, || value) }?;
         }
         match failed {
@@ -246,22 +246,22 @@ pub unsafe extern "C" fn palpate_recorder_close(
 }
 
 impl Recorder {
-    /// Goes on to a tick `elapsed` [s] after the one before: its number, when it was sampled, and the time since the
-    /// sample before; NaN for the first.
+    /// Advances to a tick `elapsed` [s] after the previous one. Returns its number, its sampling time and the
+    /// elapsed time, which is NaN for the first tick.
     fn goes_on(&mut self, elapsed: f64) -> (u64, f64, f64) {
         let sequence = self.sequence;
         self.sequence += 1;
         if sequence == 0 {
             return (sequence, self.time, f64::NAN);
         }
-        // A sample whose time was refused was taken at an instant that nobody knows.
+        // The sampling time of a sample with a rejected elapsed time is unknown.
         if elapsed.is_finite() && elapsed > 0.0 {
             self.time += elapsed;
         }
         (sequence, self.time, elapsed)
     }
 
-    /// Tells how long the loop has run.
+    /// Reports the run time of the loop.
     fn ran(&mut self) {
         self.tap.ran(LoopTime {
             lasted: Duration::try_from_secs_f64(self.time).unwrap_or_default(),
@@ -270,7 +270,7 @@ impl Recorder {
     }
 }
 
-/// A tick of something else than what the recorder was made of.
+/// Returns the error for a tick of another object than the recorded one.
 fn other(made_of: &str, given: &str) -> Refusal<'static> {
     Refusal::Recording(format!(
         "the recorder was made of {made_of}, and this is a tick of {given}"

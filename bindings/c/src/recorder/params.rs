@@ -1,4 +1,4 @@
-//! What a recording is to have, and what it had in the end.
+//! Parameters and result of a recording.
 
 use core::ffi::c_char;
 use core::ptr;
@@ -12,18 +12,18 @@ use crate::sized::{self, SizedStruct};
 use crate::status::{Refusal, Status};
 use crate::text;
 
-/// What a recording is to have. palpate_recorder_params_default() makes one with every default.
+/// Parameters of a recording. palpate_recorder_params_default() returns the defaults.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct RecorderParams {
     /// Size of this struct; palpate_recorder_params_default() sets it.
     pub struct_size: usize,
-    /// Name of the device, in UTF-8; NULL: not said.
+    /// Name of the device, in UTF-8; NULL: unknown.
     pub device: *const c_char,
-    /// Text of a scene file of what is rendered, in UTF-8, which `palpate replay` of a contact needs; NULL: none.
+    /// Text of a scene file of the rendered contact, in UTF-8; `palpate replay` of a contact needs it. NULL: none.
     pub scene: *const c_char,
-    /// Ticks of one contact that may wait for the disk, 1 to 2^24; each takes about 1 KiB, all at once: PALPATE_STATUS_MEMORY where
-    /// the system has not so much. 0: 65536.
+    /// Capacity of the queue to the disk in ticks of one contact, 1 to 2^24. Each takes about 1 KiB, allocated at
+    /// the start: PALPATE_STATUS_MEMORY if the system has too little. 0: 65536.
     pub room: usize,
 }
 
@@ -32,7 +32,7 @@ unsafe impl SizedStruct for RecorderParams {
     const NAME: &'static str = "palpate_recorder_params";
 }
 
-/// What a recording had in the end. palpate_recorded_empty() makes one to be filled.
+/// Result of a recording. palpate_recorded_empty() returns an empty one to be filled.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Recorded {
@@ -40,9 +40,9 @@ pub struct Recorded {
     pub struct_size: usize,
     /// Ticks that the loop made.
     pub ticks_made: u64,
-    /// Ticks that the file has; 0 where the system refused to write it to its end.
+    /// Ticks in the file; 0 if the file could not be completed.
     pub ticks: u64,
-    /// Ticks that found no room on their way to the disk. The file says which.
+    /// Ticks dropped because the queue was full. The file lists them.
     pub lost: u64,
 }
 
@@ -58,10 +58,10 @@ const DEFAULT: RecorderParams = RecorderParams {
     room: 0,
 };
 
-/// Most ticks that may wait: what they take is made at once.
+/// Largest queue capacity [ticks], because the queue is allocated at the start.
 const MOST_ROOM: usize = 1 << 24;
 
-/// Fills parameters of a recording with the defaults. `struct_size` is sizeof(palpate_recorder_params).
+/// Fills recording parameters with the defaults. `struct_size` is sizeof(palpate_recorder_params).
 ///
 /// # Safety
 /// `params` is NULL, or `struct_size` bytes can be written there.
@@ -70,35 +70,35 @@ pub unsafe extern "C" fn palpate_recorder_params_init(
     params: *mut RecorderParams,
     struct_size: usize,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     status(|| unsafe { sized::fill(params, struct_size, DEFAULT) })
 }
 
-/// What was asked for, read and checked.
+/// Checked parameters of a recording.
 pub(super) struct Asked {
-    /// What the receipt says of the device.
+    /// Device name for the metadata.
     pub device: String,
     pub scene: Option<String>,
     pub room: usize,
 }
 
 impl Asked {
-    /// What stands at `params`; the defaults where that is NULL.
+    /// Reads and checks the parameters at `params`; NULL means the defaults.
     ///
     /// # Safety
-    /// `params` is NULL or to parameters of the size that they begin with.
+    /// `params` is NULL or points to parameters whose first field is their size.
     pub unsafe fn at<'a>(params: *const RecorderParams) -> Result<Self, Refusal<'a>> {
         let params = if params.is_null() {
             DEFAULT
         } else {
-            // SAFETY: as the caller says.
+            // SAFETY: guaranteed by the caller.
             unsafe { sized::read(params) }?
         };
         let text = |text: *const c_char, name| {
             if text.is_null() {
                 return Ok(None);
             }
-            // SAFETY: as the caller says.
+            // SAFETY: guaranteed by the caller.
             unsafe { text::read(text, name) }.map(|text| Some(String::from(text)))
         };
         if params.room > MOST_ROOM {

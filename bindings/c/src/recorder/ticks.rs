@@ -1,4 +1,4 @@
-//! A tick on its way to a recording.
+//! Conversion of ticks for recordings.
 
 use palpate::{Limited, Output as CoreOutput, Phase as CorePhase};
 use palpate_device::Wrench as Held;
@@ -14,15 +14,14 @@ use crate::sized::{self, SizedStruct};
 use crate::status::{Refusal, Status};
 use crate::world::{World, WorldOutput, WorldSample, Wrench};
 
-/// Records a tick of the contact that the recorder was made of, after its palpate_contact_step: the sample that went in,
-/// the output that came out, and the force on the device that was really sent [N]; NaN where nobody knows. A tick of another
-/// contact is refused.
+/// Records a tick of the recorder's contact after its palpate_contact_step: the sample, the output, and the force
+/// that was actually sent to the device [N], or NaN if it is unknown. A tick of another contact is rejected.
 ///
-/// It does not allocate, lock or wait, so the thread of the loop can call it: a tick that finds no room is lost and counted.
-/// Call it once for each tick, refused ones too.
+/// It does not allocate, lock or wait, so the loop thread can call it. If the queue is full, the tick is dropped and
+/// counted. Call it once for each tick, including rejected ones.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_recorder_contact_tick(
     recorder: *mut Recorder,
@@ -32,18 +31,18 @@ pub unsafe extern "C" fn palpate_recorder_contact_tick(
     sent_force: f64,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let recorder = unsafe { recorder.as_mut() }.ok_or(Refusal::Null("recorder"))?;
-        // SAFETY: NULL, or a contact that nobody changes meanwhile.
+        // SAFETY: NULL, or a contact that is not modified during this call.
         let contact = unsafe { contact.as_ref() }.ok_or(Refusal::Null("contact"))?;
         match recorder.of {
             Of::Contact(made_of) if made_of == contact.identity => {}
             Of::Contact(_) => return Err(other("a contact", "another one")),
             Of::World { .. } => return Err(other("a world", "a contact")),
         }
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let sample = unsafe { Sample::at(sample) }?;
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let output = unsafe { sized::read(output.cast::<Answer>()) }?;
         let elapsed = if sample.has_elapsed != 0 {
             sample.elapsed
@@ -79,12 +78,12 @@ pub unsafe extern "C" fn palpate_recorder_contact_tick(
     })
 }
 
-/// Records a tick of the world that the recorder was made of, after its palpate_world_step: the sample that went in, the
-/// output that came out, and what was really sent to the device that is recorded. A tick of another world is refused, and of
-/// one that was changed since. The rest is as for palpate_recorder_contact_tick.
+/// Records a tick of the recorder's world after its palpate_world_step: the sample, the output, and the wrench that was
+/// actually sent to the recorded device. A tick of another world, or of a world that was changed since the start of the
+/// recording, is rejected. Otherwise as palpate_recorder_contact_tick.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_recorder_world_tick(
     recorder: *mut Recorder,
@@ -94,9 +93,9 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
     sent: *const Wrench,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let recorder = unsafe { recorder.as_mut() }.ok_or(Refusal::Null("recorder"))?;
-        // SAFETY: NULL, or a world that nobody changes meanwhile.
+        // SAFETY: NULL, or a world that is not modified during this call.
         let world = unsafe { world.as_ref() }.ok_or(Refusal::Null("world"))?;
         let Of::World {
             world: made_of,
@@ -117,11 +116,11 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
             ));
         }
         let devices = world.devices.len();
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let (sample, poses) = unsafe { WorldSample::at(sample, devices) }?;
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let output = unsafe { sized::read(output.cast::<WorldAnswer>()) }?;
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let sent = unsafe { sent.as_ref() }.ok_or(Refusal::Null("sent"))?;
         let (Some(of_device), Some(pose)) = (world.devices.get(device), poses.get(device)) else {
             return Err(Refusal::Index {
@@ -152,7 +151,7 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
             )
             .with(Flags::SAFETY_TRIPPED, is(Limit::Stopped as u32))
             .with(Flags::FAULT, output.fault != Fault::None as u32);
-        // A tick that has not been gave no wrench, and the world still has that of the tick before.
+        // After an argument error no tick was executed, and the world still holds the wrenches of the previous tick.
         let has_been = output.fault != Fault::Argument as u32;
         let given = world.bounded.wrenches().get(device);
         let given = given.filter(|_| has_been).copied().unwrap_or(Held::NONE);
@@ -181,7 +180,7 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
     })
 }
 
-/// A palpate_output as it comes back from C, where an enum may have any value.
+/// A palpate_output read from C, where an enum field may have any value.
 #[repr(C)]
 #[derive(Clone, Copy)]
 struct Answer {
@@ -216,7 +215,7 @@ unsafe impl SizedStruct for Answer {
 }
 
 impl Answer {
-    /// As the core has said it, but for the fault, which is said of the tick.
+    /// Converts to the output of the core, except for the fault, which the tick stores.
     fn of_core(&self) -> CoreOutput<f64> {
         let is = |limit: Limit| self.limited & limit as u32 != 0;
         CoreOutput {
@@ -245,7 +244,7 @@ impl Answer {
     }
 }
 
-/// A palpate_world_output as it comes back from C.
+/// A palpate_world_output read from C.
 #[repr(C)]
 #[derive(Clone, Copy)]
 struct WorldAnswer {

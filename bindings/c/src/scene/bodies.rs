@@ -1,4 +1,4 @@
-//! Devices and bodies of a scene: they are added, read, changed and taken out.
+//! Functions that add, read, change and remove devices and bodies of a scene.
 
 use core::ffi::c_char;
 use std::borrow::ToOwned;
@@ -11,12 +11,12 @@ use crate::edge::status;
 use crate::sized;
 use crate::status::Status;
 
-/// Adds a device and the shape of its tool: a sphere, several spheres, a box, a capsule or a cylinder. Its place in the scene, which
-/// samples and wrenches go by, is that of the call. A name may not be "", "*" or "world", nor that of another device or body, and
-/// has no comma, quotation mark or control character.
+/// Adds a device and the shape of its tool: a sphere, several spheres, a box, a capsule or a cylinder. The order of
+/// the calls determines its index in samples and wrenches. The name must not be "", "*", "world" or the name of
+/// another device or body, and must not contain a comma, quotation mark or control character.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_scene_add_device(
     scene: *mut Scene,
@@ -25,11 +25,11 @@ pub unsafe extern "C" fn palpate_scene_add_device(
     shape: *const Shape,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let (scene, name) = unsafe { (at(scene)?, named(name, "name")?) };
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let (params, shape) = unsafe { (sized::read(params)?, Shape::at(shape)?) };
-        // As in a file.
+        // The same rule applies to files.
         if name.contains(|letter: char| letter.is_control() || "\",".contains(letter)) {
             return Err(wrong(format!(
                 "name is {name:?}, but must have no comma, quotation mark or control character: it begins names of columns"
@@ -42,7 +42,7 @@ pub unsafe extern "C" fn palpate_scene_add_device(
         tool.gives_torque = device.turning.is_none_or(|turning| turning.gives_torque);
         let number = scene.scene.world.tools.len();
         scene.scene.world.tools.push(tool);
-        // Only now is it known whether the tool can be.
+        // The check needs the tool in the scene.
         if let Err(refusal) = scene.check(|fault| fault.part == WorldPart::Tool(number)) {
             scene.scene.world.tools.truncate(number);
             return Err(refusal);
@@ -56,10 +56,10 @@ pub unsafe extern "C" fn palpate_scene_add_device(
     })
 }
 
-/// Adds a body. Its place is that of the call, as long as none before it is removed.
+/// Adds a body. The order of the calls determines its index, unless an earlier body is removed.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_scene_add_body(
     scene: *mut Scene,
@@ -68,9 +68,9 @@ pub unsafe extern "C" fn palpate_scene_add_body(
     shape: *const Shape,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let (scene, name) = unsafe { (at(scene)?, named(name, "name")?) };
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let (params, shape) = unsafe { (sized::read(params)?, Shape::at(shape)?) };
         scene.free_name(name)?;
         let number = scene.scene.world.bodies.len();
@@ -85,10 +85,10 @@ pub unsafe extern "C" fn palpate_scene_add_body(
     })
 }
 
-/// Puts what the scene says of a body into `*params`: of a body that moves and is a mesh or hull, its centre of mass.
+/// Writes the parameters of a body to `*params`. For a moving mesh or hull the position is its centre of mass.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_scene_body(
     scene: *mut Scene,
@@ -96,18 +96,18 @@ pub unsafe extern "C" fn palpate_scene_body(
     params: *mut BodyParams,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let (scene, name) = unsafe { (at(scene)?, named(name, "name")?) };
         let body = &scene.scene.world.bodies[scene.body(name)?];
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         unsafe { sized::write(params, || BodyParams::from(body)) }
     })
 }
 
-/// Says another thing of a body. `shape` may be NULL: it keeps its own. On an error it stays as it was.
+/// Replaces the parameters of a body. If `shape` is NULL, the shape is kept. On an error nothing changes.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_scene_set_body(
     scene: *mut Scene,
@@ -116,20 +116,20 @@ pub unsafe extern "C" fn palpate_scene_set_body(
     shape: *const Shape,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let (scene, name) = unsafe { (at(scene)?, named(name, "name")?) };
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let params = unsafe { sized::read(params) }?;
         let number = scene.body(name)?;
         let shape = if shape.is_null() {
             None
         } else {
-            // SAFETY: as the caller says.
+            // SAFETY: guaranteed by the caller.
             Some(unsafe { Shape::at(shape) }?)
         };
         let before = scene.scene.world.bodies[number].clone();
         let after = match shape {
-            // Its shape is about its centre of mass already.
+            // The shape is already relative to the centre of mass.
             None => params.body(name, before.shape.clone())?,
             Some(shape) => params.body(name, shape)?.balanced(),
         };
@@ -143,17 +143,17 @@ pub unsafe extern "C" fn palpate_scene_set_body(
     })
 }
 
-/// Takes a body out, with its joints and with the laws that name it. The bodies behind it go down by one place.
+/// Removes a body with its joints and the laws that name it. The indices of later bodies decrease by one.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says.
+/// Each pointer is NULL or points to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_scene_remove_body(
     scene: *mut Scene,
     name: *const c_char,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let (scene, name) = unsafe { (at(scene)?, named(name, "name")?) };
         let number = scene.body(name)?;
         let world = &mut scene.edit().world;
@@ -167,22 +167,22 @@ pub unsafe extern "C" fn palpate_scene_remove_body(
     })
 }
 
-/// Number of bodies of the scene; 0 where `scene` is NULL.
+/// Returns the number of bodies of the scene; 0 if `scene` is NULL.
 ///
 /// # Safety
 /// `scene` is NULL or a scene.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_scene_body_count(scene: *mut Scene) -> usize {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { at(scene) }.map_or(0, |scene| scene.scene.world.bodies.len())
 }
 
-/// Number of devices of the scene; 0 where `scene` is NULL.
+/// Returns the number of devices of the scene; 0 if `scene` is NULL.
 ///
 /// # Safety
 /// `scene` is NULL or a scene.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_scene_device_count(scene: *mut Scene) -> usize {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { at(scene) }.map_or(0, |scene| scene.scene.world.tools.len())
 }

@@ -1,4 +1,4 @@
-//! Laws of contacts, and joints.
+//! Contact laws and joints.
 
 use core::ffi::c_char;
 use std::borrow::ToOwned;
@@ -12,12 +12,12 @@ use crate::sized;
 use crate::status::{Refusal, Status};
 use crate::text;
 
-/// One side of a law: a name, or "*" for every tool and body.
+/// Reads one side of a law: a name, or "*" for every tool and body.
 ///
 /// # Safety
-/// `name` is NULL, or a 0 ends what it points to.
+/// `name` is NULL or points to a text that is terminated by a 0.
 unsafe fn party<'a>(name: *const c_char, what: &'static str) -> Result<Party, Refusal<'a>> {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     let name = unsafe { text::read(name, what) }?;
     Ok(if name == "*" {
         Party::Any
@@ -26,18 +26,18 @@ unsafe fn party<'a>(name: *const c_char, what: &'static str) -> Result<Party, Re
     })
 }
 
-/// Whether a law is between these two, in any order.
+/// Whether a law is for this unordered pair.
 fn is_between(contact: &Contact, [one, other]: &[Party; 2]) -> bool {
     let [a, b] = &contact.between;
     (a == one && b == other) || (a == other && b == one)
 }
 
-/// Lets two touch by a law, in place of the one that they had: devices and bodies by their names, or "*" for all. A law between
-/// two names goes before one between a name and "*", which goes before one between "*" and "*". A pair without a law does not
-/// touch.
+/// Sets the contact law of a pair and replaces a previous one. `one` and `other` are names of devices or bodies, or
+/// "*" for any. The most specific law applies: two names, then a name and "*", then "*" twice. Pairs without a law
+/// do not collide.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_scene_set_law(
     scene: *mut Scene,
@@ -46,11 +46,11 @@ pub unsafe extern "C" fn palpate_scene_set_law(
     law: *const Law,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let scene = unsafe { at(scene) }?;
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let between = unsafe { [party(one, "one")?, party(other, "other")?] };
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let law = unsafe { sized::read(law) }?.checked()?;
         let contacts = &scene.scene.world.contacts;
         let before = contacts.clone();
@@ -67,10 +67,10 @@ pub unsafe extern "C" fn palpate_scene_set_law(
     })
 }
 
-/// Puts the law between two into `*law`: the one of just these names, or of "*".
+/// Writes the law of exactly this pair of names or "*" to `*law`.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_scene_law(
     scene: *mut Scene,
@@ -79,20 +79,20 @@ pub unsafe extern "C" fn palpate_scene_law(
     law: *mut Law,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let scene = unsafe { at(scene) }?;
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let between = unsafe { [party(one, "one")?, party(other, "other")?] };
         let contact = scene.law(&between)?;
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         unsafe { sized::write(law, || Law::from(&scene.scene.world.contacts[contact])) }
     })
 }
 
-/// Takes a law out: the one between just these names, or of "*".
+/// Removes the law of exactly this pair of names or "*".
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says.
+/// Each pointer is NULL or points to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_scene_remove_law(
     scene: *mut Scene,
@@ -100,9 +100,9 @@ pub unsafe extern "C" fn palpate_scene_remove_law(
     other: *const c_char,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let scene = unsafe { at(scene) }?;
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let between = unsafe { [party(one, "one")?, party(other, "other")?] };
         scene.law(&between)?;
         let contacts = &mut scene.edit().world.contacts;
@@ -111,11 +111,11 @@ pub unsafe extern "C" fn palpate_scene_remove_law(
     })
 }
 
-/// Adds a joint of a body with another one, or with the world where `against` is NULL. Its place is that of the call, as long
-/// as none before it is removed.
+/// Adds a joint between a body and another one, or the world if `against` is NULL. The order of the calls determines
+/// its index, unless an earlier joint is removed.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_scene_add_joint(
     scene: *mut Scene,
@@ -124,15 +124,15 @@ pub unsafe extern "C" fn palpate_scene_add_joint(
     params: *const JointParams,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let (scene, body) = unsafe { (at(scene)?, named(body, "body")?) };
         let against = if against.is_null() {
             None
         } else {
-            // SAFETY: as the caller says.
+            // SAFETY: guaranteed by the caller.
             Some(unsafe { named(against, "against") }?)
         };
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let joint = unsafe { sized::read(params) }?.joint(body, against)?;
         let number = scene.scene.world.joints.len();
         scene.scene.world.joints.push(joint);
@@ -145,10 +145,10 @@ pub unsafe extern "C" fn palpate_scene_add_joint(
     })
 }
 
-/// Says another thing of a joint between the same two. On an error it stays as it was.
+/// Replaces the parameters of a joint; its bodies stay the same. On an error nothing changes.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_scene_set_joint(
     scene: *mut Scene,
@@ -156,9 +156,9 @@ pub unsafe extern "C" fn palpate_scene_set_joint(
     params: *const JointParams,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let scene = unsafe { at(scene) }?;
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let params = unsafe { sized::read(params) }?;
         let before = scene.joint(joint)?.clone();
         let after = params.joint(&before.body, before.against.as_deref())?;
@@ -172,14 +172,14 @@ pub unsafe extern "C" fn palpate_scene_set_joint(
     })
 }
 
-/// Takes a joint out. The joints behind it go down by one place.
+/// Removes a joint. The indices of later joints decrease by one.
 ///
 /// # Safety
 /// `scene` is NULL or a scene.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_scene_remove_joint(scene: *mut Scene, joint: usize) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let scene = unsafe { at(scene) }?;
         scene.joint(joint)?;
         scene.edit().world.joints.remove(joint);
@@ -187,18 +187,18 @@ pub unsafe extern "C" fn palpate_scene_remove_joint(scene: *mut Scene, joint: us
     })
 }
 
-/// Number of joints of the scene; 0 where `scene` is NULL.
+/// Returns the number of joints of the scene; 0 if `scene` is NULL.
 ///
 /// # Safety
 /// `scene` is NULL or a scene.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_scene_joint_count(scene: *mut Scene) -> usize {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { at(scene) }.map_or(0, |scene| scene.scene.world.joints.len())
 }
 
 impl Scene {
-    /// The place of the law between just these.
+    /// Returns the index of the law for exactly this pair.
     fn law(&self, between: &[Party; 2]) -> Result<usize, Refusal<'static>> {
         let contacts = &self.scene.world.contacts;
         let place = contacts.iter().rposition(|law| is_between(law, between));

@@ -1,4 +1,4 @@
-//! Descriptions of worlds that are made and changed by calls.
+//! Scenes: descriptions of worlds that C functions create and change.
 
 mod bodies;
 mod laws;
@@ -31,32 +31,32 @@ use crate::edge::status;
 use crate::status::{Refusal, Status};
 use crate::text;
 
-/// What a world is made of: its loop, devices, bodies, laws of contacts and joints. It renders nothing: a world is made of it,
-/// or changed to it, and knows nothing of it afterwards. One thread at a time may use it.
+/// Description of a world: its loop, devices, bodies, contact laws and joints. A scene renders nothing. A world is
+/// created from it or changed to it, and is independent of it afterwards. Only one thread may use it at a time.
 pub struct Scene {
     pub(crate) scene: WorldScene,
-    /// The text of a scene file that says the same.
+    /// Text of the scene file, if the scene is unchanged.
     pub(crate) source: Option<String>,
 }
 
-/// How long a scene of calls would be simulated, which nobody does [s].
+/// Placeholder for the simulated time of a scene, which the C API does not use [s].
 const DURATION: f64 = 0.5;
 
-/// The scene at `scene`.
+/// Returns the scene at `scene`.
 ///
 /// # Safety
-/// `scene` is NULL or a scene, which nobody else uses during `'a`.
+/// `scene` is NULL or a scene that is not used otherwise during `'a`.
 pub(crate) unsafe fn at<'a>(scene: *mut Scene) -> Result<&'a mut Scene, Refusal<'static>> {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { scene.as_mut() }.ok_or(Refusal::Null("scene"))
 }
 
-/// The name at `name`, which is called `what` in messages.
+/// Reads the name at `name`, called `what` in messages.
 ///
 /// # Safety
-/// `name` is NULL, or a 0 ends what it points to, which nobody changes during `'a`.
+/// `name` is NULL or points to a text that is terminated by a 0 and not modified during `'a`.
 unsafe fn named<'a>(name: *const c_char, what: &'static str) -> Result<&'a str, Refusal<'a>> {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     let name = unsafe { text::read(name, what) }?;
     if name.is_empty() || name == "*" || name == "world" {
         return Err(wrong(format!(
@@ -70,23 +70,23 @@ fn wrong(words: impl Into<String>) -> Refusal<'static> {
     Refusal::Scene(words.into())
 }
 
-/// Every fault in a line of its own.
+/// Returns the faults, one per line.
 pub(crate) fn in_words(faults: &[WorldError]) -> String {
     let lines: Vec<String> = faults.iter().map(ToString::to_string).collect();
     lines.join("\n")
 }
 
-/// Makes an empty scene, to be freed by palpate_scene_free, and puts it into `*scene`; NULL on an error. It has no devices, no
-/// bodies, no laws and no joints yet.
+/// Creates a scene without devices, bodies, laws and joints and stores it in `*scene`, or NULL on an error. Free it
+/// with palpate_scene_free.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_scene_new(
     params: *const SceneParams,
     scene: *mut *mut Scene,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         make(scene, || {
             let params = SceneParams::at(params)?;
@@ -131,14 +131,14 @@ pub unsafe extern "C" fn palpate_scene_new(
     }
 }
 
-/// Makes the scene of a scene file of format 2, to be changed by calls. The rest is as for palpate_scene_new and
+/// Creates a scene from a scene file of format 2, to be changed by calls. Otherwise as palpate_scene_new and
 /// palpate_world_open.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says.
+/// Each pointer is NULL or points to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_scene_open(path: *const c_char, scene: *mut *mut Scene) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         make(scene, || {
             let (path, text) = text_of_file(path)?;
@@ -151,14 +151,14 @@ pub unsafe extern "C" fn palpate_scene_open(path: *const c_char, scene: *mut *mu
     }
 }
 
-/// The path of a scene file, and its text.
+/// Returns the path of a scene file and its text.
 ///
 /// # Safety
-/// `path` is NULL, or a 0 ends what it points to, which nobody changes during `'a`.
+/// `path` is NULL or points to a text that is terminated by a 0 and not modified during `'a`.
 pub(crate) unsafe fn text_of_file<'a>(
     path: *const c_char,
 ) -> Result<(&'a str, String), Refusal<'a>> {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     let path = unsafe { text::read(path, "path") }?;
     if path.is_empty() {
         return Err(wrong("path is \"\", but must name a file"));
@@ -168,7 +168,7 @@ pub(crate) unsafe fn text_of_file<'a>(
     Ok((path, text))
 }
 
-/// Makes a scene by `made`.
+/// Stores the scene that `made` returns.
 ///
 /// # Safety
 /// `scene` is NULL, or a pointer can be written there.
@@ -177,7 +177,7 @@ unsafe fn make<'a>(
     made: impl FnOnce() -> Result<Scene, Refusal<'a>>,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let out = unsafe { scene.as_mut() }.ok_or(Refusal::Null("scene"))?;
         *out = ptr::null_mut();
         *out = Box::into_raw(Box::new(made()?));
@@ -185,26 +185,26 @@ unsafe fn make<'a>(
     })
 }
 
-/// Frees a scene; worlds that were made of it stay. NULL is left alone.
+/// Frees a scene. Worlds created from it stay valid. NULL is ignored.
 ///
 /// # Safety
 /// `scene` is NULL or a scene, and is not used afterwards.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_scene_free(scene: *mut Scene) {
     if !scene.is_null() {
-        // SAFETY: `make` has made it by `Box::into_raw`, and it is not used afterwards.
+        // SAFETY: allocated with `Box::into_raw` by `make`, and not used afterwards.
         drop(unsafe { Box::from_raw(scene) });
     }
 }
 
 impl Scene {
-    /// Changes the scene: nothing of a text says it any more.
+    /// Returns the scene for a change, after which its source text no longer matches.
     fn edit(&mut self) -> &mut WorldScene {
         self.source = None;
         &mut self.scene
     }
 
-    /// A name that no device or body has yet.
+    /// Rejects a name that a device or body already has.
     fn free_name(&self, name: &str) -> Result<(), Refusal<'static>> {
         let World { tools, bodies, .. } = &self.scene.world;
         let is_taken = tools.iter().any(|tool| tool.name == *name)
@@ -217,7 +217,7 @@ impl Scene {
         Ok(())
     }
 
-    /// The place of the body of that name.
+    /// Returns the index of the body with this name.
     fn body(&self, name: &str) -> Result<usize, Refusal<'static>> {
         let bodies = &self.scene.world.bodies;
         let place = bodies.iter().position(|body| body.name == *name);
@@ -230,8 +230,8 @@ impl Scene {
         })
     }
 
-    /// The faults of the world that `is` one's, after a change; devices may still be missing. They are those of names, or else
-    /// of the numbers that a call has given.
+    /// Checks the world after a change and reports the faults that `is` selects; devices may still be missing. An
+    /// unknown name is a scene error, any other fault a parameter error.
     fn check(&self, is: impl Fn(&WorldError) -> bool) -> Result<(), Refusal<'static>> {
         let faults = self.scene.world.check().err().unwrap_or_default();
         let own: Vec<_> = faults.into_iter().filter(is).collect();

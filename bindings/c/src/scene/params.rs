@@ -1,4 +1,4 @@
-//! What a caller says of a scene and of its devices.
+//! Parameters of a scene and of its devices.
 
 use palpate_scene::world::{DeviceTurning, TurningHand, WorldDevice, WorldHand};
 use palpate_world::NOT_TURNED;
@@ -8,31 +8,31 @@ use crate::edge::status;
 use crate::sized::{self, SizedStruct};
 use crate::status::{Refusal, Status};
 
-/// The loop of a scene, and what methods have for settings. palpate_scene_params_default() fills it.
+/// The loop of a scene and the settings of methods. palpate_scene_params_default() fills it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct SceneParams {
     /// Size of this struct; palpate_scene_params_default() sets it.
     pub struct_size: usize,
-    /// Nominal time from sample to sample, above 0 [s]: 0.001 is 1 ms. It has no default.
+    /// Nominal sampling period, above 0 [s]: 0.001 is 1 ms. It has no default.
     pub period: f64,
-    /// Time from a sample to the moment at which its command begins to act, not below 0 [s]. Default: 0.
+    /// Delay from a sample to the start of its command, not below 0 [s]. Default: 0.
     pub delay: f64,
-    /// Time constant of a first-order lag after it, not below 0 [s]. Default: 0.
+    /// Time constant of the first-order lag after the delay, not below 0 [s]. Default: 0.
     pub lag: f64,
-    /// Delivered over commanded force, above 0. Default: 1.
+    /// Ratio of delivered to commanded force, above 0. Default: 1.
     pub gain: f64,
-    /// Damping of the methods that damp [N s/m]; 0, the default: not said.
+    /// Damping of the methods with damping [N s/m]; 0, the default: unset.
     pub damping: f64,
-    /// The same of turning [N m s/rad].
+    /// Rotational damping of the methods with damping [N m s/rad].
     pub rotational_damping: f64,
-    /// Stiffness of virtual-coupling and god-object [N/m]; 0, the default: not said.
+    /// Stiffness of virtual-coupling and god-object [N/m]; 0, the default: unset.
     pub coupling_stiffness: f64,
-    /// Mass of the avatar of virtual-coupling [kg]; 0, the default: not said.
+    /// Proxy mass of virtual-coupling [kg]; 0, the default: unset.
     pub coupling_mass: f64,
-    /// The stiffness of its turning [N m/rad].
+    /// Rotational stiffness of virtual-coupling [N m/rad].
     pub coupling_rotational_stiffness: f64,
-    /// The moment of inertia of its avatar [kg m^2].
+    /// Proxy moment of inertia of virtual-coupling [kg m^2].
     pub coupling_inertia: f64,
 }
 
@@ -59,7 +59,7 @@ impl Default for SceneParams {
     }
 }
 
-/// Refuses the first number that is not as it is allowed.
+/// Rejects the first number outside its range.
 pub(crate) fn check(numbers: &[(&'static str, f64, bool)]) -> Result<(), Refusal<'static>> {
     for &(name, given, is_above_0) in numbers {
         let is_right = given.is_finite() && (given > 0.0 || (given == 0.0 && !is_above_0));
@@ -80,12 +80,12 @@ pub(crate) fn check(numbers: &[(&'static str, f64, bool)]) -> Result<(), Refusal
 }
 
 impl SceneParams {
-    /// What stands at `params`, checked.
+    /// Reads and checks the parameters at `params`.
     ///
     /// # Safety
-    /// `params` is NULL or to parameters of the size that they begin with.
+    /// `params` is NULL or points to parameters whose first field is their size.
     pub(super) unsafe fn at(params: *const Self) -> Result<Self, Refusal<'static>> {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let params = unsafe { sized::read(params) }?;
         check(&[
             ("period", params.period, true),
@@ -107,24 +107,24 @@ impl SceneParams {
     }
 }
 
-/// A device, as the renderer is told it. palpate_device_params_default() fills it.
+/// Model values of a device. palpate_device_params_default() fills it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct DeviceParams {
     /// Size of this struct; palpate_device_params_default() sets it.
     pub struct_size: usize,
-    /// Effective mass along each axis, above 0 [kg]; a factor of 2 is near enough. It has no default.
+    /// Effective mass along each axis, above 0 [kg]; an error of a factor of 2 is acceptable. It has no default.
     pub mass: [f64; 3],
     /// Quantum of the position sensor along each axis, not below 0 [m]. Default: 0.
     pub quantum: [f64; 3],
-    /// Of a device that measures six axes, its moments of inertia along the tool's axes, above 0 [kg m^2].
+    /// Moments of inertia along the tool's axes, above 0 [kg m^2]; for devices that measure six axes.
     pub inertia: [f64; 3],
-    /// Of a device that measures six axes, the quantum of its angles, not below 0 [rad]. Default: 0.
+    /// Quantum of the angles, not below 0 [rad]; for devices that measure six axes. Default: 0.
     pub angle_quantum: f64,
-    /// 1: a device of six axes. 2: one that measures six axes and gives no torque, so that its hand alone turns the tool. 0, the
-    /// default: one of three.
+    /// 0, the default: a device of three axes. 1: a device of six axes. 2: a device that measures six axes but gives no
+    /// torque, so only the hand rotates the tool.
     pub turns: u32,
-    /// 0.
+    /// Must be 0.
     pub reserved: u32,
 }
 
@@ -147,11 +147,11 @@ impl Default for DeviceParams {
     }
 }
 
-/// What `turns` is of a device that gives no torque.
+/// Value of `turns` for a device that measures six axes but gives no torque.
 const BY_HAND: u32 = 2;
 
 impl DeviceParams {
-    /// The device, checked. Nobody simulates its hand.
+    /// Returns the checked device. Its hand is not simulated.
     pub(super) fn device(&self) -> Result<WorldDevice, Refusal<'static>> {
         for axis in 0..3 {
             check(&[
@@ -208,7 +208,7 @@ impl DeviceParams {
     }
 }
 
-/// Fills parameters of a scene with the defaults. `struct_size` is sizeof(palpate_scene_params).
+/// Fills scene parameters with the defaults. `struct_size` is sizeof(palpate_scene_params).
 ///
 /// # Safety
 /// `params` is NULL, or `struct_size` bytes can be written there.
@@ -217,11 +217,11 @@ pub unsafe extern "C" fn palpate_scene_params_init(
     params: *mut SceneParams,
     struct_size: usize,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     status(|| unsafe { sized::fill(params, struct_size, SceneParams::default()) })
 }
 
-/// Fills parameters of a device with the defaults. `struct_size` is sizeof(palpate_device_params).
+/// Fills device parameters with the defaults. `struct_size` is sizeof(palpate_device_params).
 ///
 /// # Safety
 /// `params` is NULL, or `struct_size` bytes can be written there.
@@ -230,6 +230,6 @@ pub unsafe extern "C" fn palpate_device_params_init(
     params: *mut DeviceParams,
     struct_size: usize,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     status(|| unsafe { sized::fill(params, struct_size, DeviceParams::default()) })
 }

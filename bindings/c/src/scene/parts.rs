@@ -1,4 +1,4 @@
-//! The structs of bodies, laws and joints.
+//! Structs of bodies, laws and joints.
 
 use palpate_world::{Body, Contact, ContactLaw, Free, Joint, JointKind, JointLaw, Motion, Shape};
 use std::borrow::ToOwned;
@@ -17,17 +17,18 @@ use crate::world::Pose;
 pub struct BodyParams {
     /// Size of this struct; palpate_body_params_default() sets it.
     pub struct_size: usize,
-    /// Where it is at the start, and how it is turned: of a body that moves, its centre of mass. Default: the origin.
+    /// Initial pose; the position of a moving body is its centre of mass. Default: the origin.
     pub pose: Pose,
-    /// Mass, above 0 [kg]. INFINITY, the default: a fixed body, which takes no force; one with a velocity is refused.
+    /// Mass, above 0 [kg]. INFINITY, the default: a fixed body, which must not have a velocity.
     pub mass: f64,
-    /// Moments of inertia about the centre of mass along its own axes [kg m^2]. All 0, the default: of its shape, filled evenly.
+    /// Moments of inertia about the centre of mass along the body axes [kg m^2]. All 0, the default: those of a
+    /// homogeneous solid of its shape.
     pub inertia: [f64; 3],
-    /// Velocity of the centre of mass at the start [m/s]. Default: 0.
+    /// Initial velocity of the centre of mass [m/s]. Default: 0.
     pub velocity: [f64; 3],
-    /// Angular velocity at the start along the world's axes [rad/s]. Default: 0.
+    /// Initial angular velocity in world axes [rad/s]. Default: 0.
     pub angular_velocity: [f64; 3],
-    /// A constant force at the centre of mass, its weight for instance [N]. Default: 0.
+    /// Constant force at the centre of mass, for instance its weight [N]. Default: 0.
     pub force: [f64; 3],
 }
 
@@ -54,10 +55,10 @@ impl Default for BodyParams {
 }
 
 impl BodyParams {
-    /// A body of that name and shape. The check of a world finds what else is wrong with its numbers.
+    /// Returns a body with this name and shape. The check of the world validates the other numbers.
     ///
     /// # Errors
-    /// A fixed body with a velocity: the body would stand still, and no message would say so.
+    /// Rejects a fixed body with a velocity, which would otherwise be ignored silently.
     pub(super) fn body(&self, name: &str, shape: Shape) -> Result<Body, Refusal<'static>> {
         let motion = if self.mass == f64::INFINITY {
             for (key, value) in [
@@ -113,7 +114,7 @@ impl From<&Body> for BodyParams {
     }
 }
 
-/// The law of a contact: how two surfaces push each other where they overlap, and rub. palpate_contact_law_default() fills it.
+/// Contact law: normal force and friction of two overlapping surfaces. palpate_contact_law_default() fills it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Law {
@@ -125,9 +126,10 @@ pub struct Law {
     pub damping: f64,
     /// Coefficient of friction, not below 0. Default: 0.
     pub friction: f64,
-    /// Stiffness of the bristle by which they rub [N/m]. 0, the default: `stiffness`.
+    /// Stiffness of the friction bristle [N/m]. 0, the default: `stiffness`.
     pub friction_stiffness: f64,
-    /// Damping of the bristle [N s/m]. 0, the default: `damping` times `friction_stiffness` over `stiffness`. Below 0: none.
+    /// Damping of the bristle [N s/m]. 0, the default: `damping` times `friction_stiffness` over `stiffness`. Below
+    /// 0: no damping.
     pub friction_damping: f64,
 }
 
@@ -175,8 +177,8 @@ impl Law {
     }
 }
 
-/// The law of stiffness, damping, friction, and stiffness and damping of friction, as C gives them: a 0 of the last two is their
-/// default; friction has no negative damping.
+/// Returns the contact law of stiffness, damping, friction, and stiffness and damping of friction in the C convention:
+/// 0 in the last two selects the default, and a negative friction damping selects no damping.
 pub(crate) fn law_of(
     [
         stiffness,
@@ -228,43 +230,43 @@ impl From<&Contact> for Law {
     }
 }
 
-/// What a joint lets a body do.
+/// Degree of freedom of a joint.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bearing {
-    /// Turn about the axis, and nothing else.
+    /// Rotation about the axis only.
     Hinge = 0,
-    /// Slide along the axis, and nothing else.
+    /// Translation along the axis only.
     Slider = 1,
 }
 
-/// A joint: a bearing of springs, stiff in all directions but one. palpate_joint_params_default() fills it.
+/// A joint: a bearing made of springs, stiff in all directions except one. palpate_joint_params_default() fills it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct JointParams {
     /// Size of this struct; palpate_joint_params_default() sets it.
     pub struct_size: usize,
-    /// One of palpate_joint.
+    /// A palpate_joint.
     pub kind: u32,
-    /// 1: it has stops at `limits`. 0, the default: none.
+    /// 1: stops at `limits`. 0, the default: no stops.
     pub has_limits: u32,
-    /// The middle of the bearing, in world axes as the bodies stand when a world is made or changed [m].
+    /// Centre of the bearing in world axes, at the bodies' poses when the world is created or changed [m].
     pub point: [f64; 3],
-    /// Along its axis, of any length above 0. Default: z.
+    /// Direction of the axis, of any length above 0. Default: z.
     pub axis: [f64; 3],
-    /// Stiffness against what it does not let pass, above 0 [N/m]. It has no default.
+    /// Stiffness in the constrained directions, above 0 [N/m]. It has no default.
     pub stiffness: f64,
-    /// The same of damping, not below 0 [N s/m]. Default: 0.
+    /// Damping in the constrained directions, not below 0 [N s/m]. Default: 0.
     pub damping: f64,
     /// Length of the bearing, above 0 [m]. It has no default.
     pub span: f64,
-    /// Stiffness of a spring along or about the axis, not below 0 [N/m], of a hinge [N m/rad]. Default: 0.
+    /// Stiffness of a spring along or about the axis, not below 0 [N/m], for a hinge [N m/rad]. Default: 0.
     pub spring: f64,
-    /// Where that spring is relaxed [m], of a hinge [rad]. Default: 0, as the bodies stand.
+    /// Rest position of that spring [m], for a hinge [rad]. Default: 0, the initial pose.
     pub rest: f64,
-    /// Damping along or about the axis, not below 0 [N s/m], of a hinge [N m s/rad]. Default: 0.
+    /// Damping along or about the axis, not below 0 [N s/m], for a hinge [N m s/rad]. Default: 0.
     pub along_damping: f64,
-    /// Where its stops are [m], of a hinge [rad].
+    /// Positions of the stops [m], for a hinge [rad].
     pub limits: [f64; 2],
 }
 
@@ -293,7 +295,7 @@ impl Default for JointParams {
 }
 
 impl JointParams {
-    /// The joint of a body against another one, or the world. What is wrong with its numbers says the check of a world.
+    /// Returns the joint of a body with another one or the world. The check of the world validates its numbers.
     pub(super) fn joint(
         &self,
         body: &str,
@@ -336,7 +338,7 @@ impl JointParams {
     }
 }
 
-/// Fills parameters of a body with the defaults. `struct_size` is sizeof(palpate_body_params).
+/// Fills body parameters with the defaults. `struct_size` is sizeof(palpate_body_params).
 ///
 /// # Safety
 /// `params` is NULL, or `struct_size` bytes can be written there.
@@ -345,21 +347,21 @@ pub unsafe extern "C" fn palpate_body_params_init(
     params: *mut BodyParams,
     struct_size: usize,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     status(|| unsafe { sized::fill(params, struct_size, BodyParams::default()) })
 }
 
-/// Fills the law of a contact with the defaults. `struct_size` is sizeof(palpate_contact_law).
+/// Fills a contact law with the defaults. `struct_size` is sizeof(palpate_contact_law).
 ///
 /// # Safety
 /// `law` is NULL, or `struct_size` bytes can be written there.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_contact_law_init(law: *mut Law, struct_size: usize) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     status(|| unsafe { sized::fill(law, struct_size, Law::default()) })
 }
 
-/// Fills parameters of a joint with the defaults. `struct_size` is sizeof(palpate_joint_params).
+/// Fills joint parameters with the defaults. `struct_size` is sizeof(palpate_joint_params).
 ///
 /// # Safety
 /// `params` is NULL, or `struct_size` bytes can be written there.
@@ -368,6 +370,6 @@ pub unsafe extern "C" fn palpate_joint_params_init(
     params: *mut JointParams,
     struct_size: usize,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     status(|| unsafe { sized::fill(params, struct_size, JointParams::default()) })
 }

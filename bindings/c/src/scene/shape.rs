@@ -1,4 +1,4 @@
-//! The shapes of tools and bodies.
+//! Shapes of tools and bodies.
 
 use std::fmt::Display;
 use std::string::ToString;
@@ -12,17 +12,17 @@ use crate::edge::status;
 use crate::sized::{self, SizedStruct};
 use crate::status::{Refusal, Status};
 
-/// The kind of a shape.
+/// Kind of a shape.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ShapeKind {
-    /// A sphere of `radius`; of a tool, a point with radius 0.
+    /// A sphere of `radius`; for a tool, radius 0 is a point.
     Sphere = 0,
-    /// All that is behind a plane across `normal`, `offset` along it; for fixed bodies.
+    /// The half-space behind the plane with normal `normal` at distance `offset`; for fixed bodies.
     HalfSpace = 1,
-    /// A block of `half_extents`.
+    /// A box of `half_extents`.
     Box = 2,
-    /// All within `radius` of a segment of 2 `half_length` along z.
+    /// All points within `radius` of a segment of length 2 `half_length` along z.
     Capsule = 3,
     /// A cylinder of `radius` and a length of 2 `half_length` along z.
     Cylinder = 4,
@@ -34,8 +34,8 @@ pub enum ShapeKind {
     Spheres = 7,
 }
 
-/// A shape, in the own axes of the tool or body that has it. palpate_shape_default() fills it. Arrays are copied by the calls
-/// that take a shape.
+/// A shape, in the axes of its tool or body. palpate_shape_default() fills it. Functions that take a shape copy its
+/// arrays.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Shape {
@@ -43,25 +43,25 @@ pub struct Shape {
     pub struct_size: usize,
     /// One of palpate_shape_kind. Default: PALPATE_SHAPE_KIND_SPHERE.
     pub kind: u32,
-    /// 0.
+    /// Must be 0.
     pub reserved: u32,
     /// Radius [m]. Default: 0.
     pub radius: f64,
-    /// Half of the length of a capsule's segment or a cylinder [m].
+    /// Half the length of a capsule's segment or a cylinder [m].
     pub half_length: f64,
-    /// Half of a block's length along each axis [m].
+    /// Half the length of a box along each axis [m].
     pub half_extents: [f64; 3],
-    /// Out of a half-space, of any length above 0. Default: z.
+    /// Outward normal of a half-space, of any length above 0. Default: z.
     pub normal: [f64; 3],
-    /// Where a half-space's surface is along its normal [m].
+    /// Position of a half-space's surface along its normal [m].
     pub offset: f64,
-    /// Points of a mesh or hull, or centres of spheres: three numbers for each [m].
+    /// Points of a mesh or hull, or centres of spheres: three numbers per point [m].
     pub points: *const f64,
-    /// How many they are.
+    /// Number of points.
     pub point_count: usize,
-    /// Triangles of a mesh: the places of three points for each, in turn to the left as they are seen from outside.
+    /// Triangles of a mesh: three point indices each, counter-clockwise as seen from outside.
     pub faces: *const u32,
-    /// How many they are.
+    /// Number of triangles.
     pub face_count: usize,
 }
 
@@ -90,12 +90,13 @@ impl Default for Shape {
 }
 
 impl Shape {
-    /// The shape at `shape`. What is wrong with its lengths says the check of a world.
+    /// Reads the shape at `shape`. The check of the world validates its lengths.
     ///
     /// # Safety
-    /// `shape` is NULL or to a shape of the size that it begins with, and its arrays have as many elements as it says.
+    /// `shape` is NULL or points to a shape whose first field is its size and whose arrays have the stated numbers of
+    /// elements.
     pub(super) unsafe fn at(shape: *const Self) -> Result<World, Refusal<'static>> {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let shape = unsafe { sized::read(shape) }?;
         choice::unused(shape.reserved)?;
         let numbers = |error: &dyn Display| Refusal::Numbers(error.to_string());
@@ -108,7 +109,7 @@ impl Shape {
             ..
         } = shape;
         let is = |kind: ShapeKind| shape.kind == kind as u32;
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let points =
             || unsafe { array(shape.points.cast::<[f64; 3]>(), shape.point_count, "points") };
         Ok(if is(ShapeKind::Sphere) {
@@ -137,7 +138,7 @@ impl Shape {
                 half_length,
             }
         } else if is(ShapeKind::Mesh) {
-            // SAFETY: as the caller says.
+            // SAFETY: guaranteed by the caller.
             let faces =
                 unsafe { array(shape.faces.cast::<[u32; 3]>(), shape.face_count, "faces") }?;
             let mesh = Mesh::new(points()?, faces).map_err(|error| numbers(&error))?;
@@ -167,6 +168,6 @@ impl Shape {
 /// `shape` is NULL, or `struct_size` bytes can be written there.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_shape_init(shape: *mut Shape, struct_size: usize) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     status(|| unsafe { sized::fill(shape, struct_size, Shape::default()) })
 }

@@ -1,4 +1,4 @@
-//! Changes of a world that runs, between two ticks.
+//! Changes of a running world between two ticks.
 
 use core::ffi::c_char;
 use std::format;
@@ -14,25 +14,25 @@ use crate::sized;
 use crate::status::{Refusal, Status};
 use crate::text;
 
-/// Goes on with another scene from the next tick on. What is there by its name already goes on from where it is, as it moves:
-/// what the scene says of its place and velocity is not looked at, but its shape, mass and force, and whether it is fixed, are
-/// those of the scene. What has another name begins as the scene says, and what is not in the scene is gone. Laws are those of
-/// the scene. A joint of the same bodies, kind, point, axis and span goes on too; another one begins as the bodies stand. Devices
-/// have to be the same, in the same order, but for the shapes of their tools; method, period, limits, and what is told of the
-/// devices stay as they are. On an error all is as it was.
+/// Changes to another scene from the next tick on. A body with an existing name keeps its pose and velocity and
+/// takes shape, mass, force and fixedness from the scene. A body with a new name starts as in the scene, and a body
+/// that is not in the scene is removed. The laws are those of the scene. A joint with the same bodies, kind, point,
+/// axis and span continues; a new one starts at the current poses. The devices must be the same in the same order,
+/// except for the shapes of their tools. Method, period, limits and the model values of the devices do not change.
+/// On an error nothing changes.
 ///
-/// What the devices are held by passes over in 0.1 s, without a step; the energy of the change is booked as outside work. It
-/// takes memory, as making a world does, and so long: a tick does not. The places of bodies may be other ones afterwards, names
-/// that were given are gone, and recorders of the world are to be closed.
+/// The wrenches are blended over 0.1 s, without a step; the energy of the change is recorded as outside work. The
+/// call allocates and takes as long as creating a world; a tick does not. Afterwards, indices of bodies may differ,
+/// names returned earlier are invalid, and recorders of the world must be closed.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says.
+/// Each pointer is NULL or points to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_world_change(world: *mut World, scene: *mut Scene) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let world = unsafe { world.as_mut() }.ok_or(Refusal::Null("world"))?;
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let scene = unsafe { scene::at(scene) }?;
         let period = world.bounded.renderer().in_loop().period;
         let given = scene.scene.timing.period;
@@ -54,12 +54,13 @@ pub unsafe extern "C" fn palpate_world_change(world: *mut World, scene: *mut Sce
     })
 }
 
-/// Puts a body elsewhere from the next tick on, and gives it the velocities of `state`; a fixed one has none. `body` is its
-/// place. What the devices are held by passes over in 0.1 s, without a step; the energy of it is booked as outside work. It
-/// takes no memory, so the thread of the loop can call it between two ticks. On an error all is as it was.
+/// Moves a body from the next tick on to the pose and velocities of `state`; a fixed body must have zero velocity.
+/// `body` is its index. The wrenches are blended over 0.1 s, without a step; the energy of the move is recorded as
+/// outside work. It does not allocate, so the loop thread can call it between two ticks. On an error nothing
+/// changes.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_world_place(
     world: *mut World,
@@ -67,9 +68,9 @@ pub unsafe extern "C" fn palpate_world_place(
     state: *const BodyState,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let world = unsafe { world.as_mut() }.ok_or(Refusal::Null("world"))?;
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let state = unsafe { sized::read(state) }?;
         let count = world.bodies.len();
         if body >= count {
@@ -91,7 +92,7 @@ pub unsafe extern "C" fn palpate_world_place(
         };
         world.bounded.place(body, &to).map_err(|fault| {
             let mut velocities = to.velocity.iter().chain(&to.angular_velocity);
-            // Of numbers that can be, only a fixed body refuses a velocity.
+            // With finite velocities the only possible velocity fault is motion of a fixed body.
             if fault.field == WorldField::Velocity && velocities.all(|number| number.is_finite()) {
                 Refusal::WorldChange(fault.to_string())
             } else {
@@ -101,10 +102,10 @@ pub unsafe extern "C" fn palpate_world_place(
     })
 }
 
-/// Puts the place of the body of that name into `*body`; it holds until the world is changed.
+/// Writes the index of the body with this name to `*body`. It is valid until the world is changed.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says.
+/// Each pointer is NULL or points to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_world_body_named(
     world: *const World,
@@ -112,9 +113,9 @@ pub unsafe extern "C" fn palpate_world_body_named(
     body: *mut usize,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let (world, name) = unsafe { (super::at(world)?, text::read(name, "name")?) };
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let out = unsafe { body.as_mut() }.ok_or(Refusal::Null("body"))?;
         let mut bodies = world.bodies.iter();
         let place = bodies.position(|body| body.as_bytes() == name.as_bytes());

@@ -1,4 +1,4 @@
-//! What touches in a world, and where the tools of its devices are.
+//! Contacts of a world, and tool poses of its devices.
 
 use palpate_world::{Mode, Side};
 
@@ -7,45 +7,45 @@ use crate::edge::status;
 use crate::sized::{self, SizedStruct};
 use crate::status::{Refusal, Status};
 
-/// Whether two surfaces touch at a point, and how.
+/// Contact state of two surfaces at a point.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Touch {
-    /// Apart.
+    /// No contact.
     Free = 0,
-    /// They touch, and friction holds, or there is none.
+    /// In contact and sticking, or without friction.
     Sticks = 1,
-    /// They touch, and slide.
+    /// In contact and sliding.
     Slides = 2,
-    /// They overlap but do not push: they part faster than the material follows.
+    /// Overlapping without force: the surfaces separate faster than the material recovers.
     Parts = 3,
 }
 
-/// A point at which two can touch, at the last sample. palpate_contact_state_empty() makes one to be filled.
+/// A potential contact point at the last sample. palpate_contact_state_empty() returns an empty one to be filled.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ContactState {
     /// Size of this struct; palpate_contact_state_empty() sets it.
     pub struct_size: usize,
-    /// Place of the device of the first of the two; PALPATE_NO_DEVICE where it is a body.
+    /// Index of the first device; PALPATE_NO_DEVICE if the first object is a body.
     pub first_device: u32,
-    /// Place of the body of the first; PALPATE_NO_BODY where it is a device.
+    /// Index of the first body; PALPATE_NO_BODY if the first object is a device.
     pub first_body: u32,
-    /// The same of the second.
+    /// Index of the second device; PALPATE_NO_DEVICE if the second object is a body.
     pub second_device: u32,
-    /// The same of the second.
+    /// Index of the second body; PALPATE_NO_BODY if the second object is a device.
     pub second_body: u32,
-    /// Whether they touch, and how.
+    /// Contact state.
     pub touch: Touch,
-    /// 0.
+    /// Unused; 0.
     pub reserved: u32,
-    /// Where the force acts [m].
+    /// Point of application of the force [m].
     pub point: [f64; 3],
-    /// Unit vector from the second to the first.
+    /// Unit normal from the second to the first object.
     pub normal: [f64; 3],
-    /// Force on the first [N].
+    /// Force on the first object [N].
     pub force: [f64; 3],
-    /// How far they overlap, 0 where they do not [m].
+    /// Penetration; 0 without overlap [m].
     pub penetration: f64,
 }
 
@@ -54,22 +54,22 @@ unsafe impl SizedStruct for ContactState {
     const NAME: &'static str = "palpate_contact_state";
 }
 
-/// `first_body` and `second_body` where that is a device.
+/// Value of `first_body` and `second_body` if the object is a device.
 pub const PALPATE_NO_BODY: u32 = u32::MAX;
 
-/// The tool of a device at the last sample. palpate_device_state_empty() makes one to be filled.
+/// Tool of a device at the last sample. palpate_device_state_empty() returns an empty one to be filled.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct DeviceState {
     /// Size of this struct; palpate_device_state_empty() sets it.
     pub struct_size: usize,
-    /// Where the device is, by what the method knows.
+    /// Device pose as estimated by the method.
     pub pose: Pose,
-    /// What the world meets in its place: draw the tool here.
+    /// Proxy pose, with which the world collides. Draw the tool here.
     pub avatar: Pose,
     /// Velocity of the device [m/s].
     pub velocity: [f64; 3],
-    /// Velocity of its avatar [m/s].
+    /// Velocity of the proxy [m/s].
     pub avatar_velocity: [f64; 3],
 }
 
@@ -78,20 +78,21 @@ unsafe impl SizedStruct for DeviceState {
     const NAME: &'static str = "palpate_device_state";
 }
 
-/// Number of points at which two of the world can touch, whether they do or not; 0 where `world` is NULL.
+/// Returns the number of potential contact points of the world, active or not; 0 if `world` is NULL.
 ///
 /// # Safety
 /// `world` is NULL or a world.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_world_contact_count(world: *const World) -> usize {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { at(world) }.map_or(0, |world| world.bounded.state().contacts().len())
 }
 
-/// Puts what a point of contact does into `*state`. `contact` is its place, from 0; a world that is changed has other ones.
+/// Writes the state of a contact point to `*state`. `contact` is its 0-based index; a change of the world changes
+/// the indices.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_world_contact_state(
     world: *const World,
@@ -99,7 +100,7 @@ pub unsafe extern "C" fn palpate_world_contact_state(
     state: *mut ContactState,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let contacts = unsafe { at(world) }?.bounded.state().contacts();
         let is = contacts.get(contact).ok_or(Refusal::Index {
             name: "contact",
@@ -130,15 +131,15 @@ pub unsafe extern "C" fn palpate_world_contact_state(
             force: is.force,
             penetration: is.penetration,
         };
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         unsafe { sized::write(state, || value) }
     })
 }
 
-/// Puts where the tool of a device is into `*state`. `device` is its place in the scene.
+/// Writes the tool state of a device to `*state`. `device` is its index in the scene.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_world_device_state(
     world: *const World,
@@ -146,7 +147,7 @@ pub unsafe extern "C" fn palpate_world_device_state(
     state: *mut DeviceState,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let tools = unsafe { at(world) }?.bounded.state().tools();
         let tool = tools.get(device).ok_or(Refusal::Index {
             name: "device",
@@ -166,7 +167,7 @@ pub unsafe extern "C" fn palpate_world_device_state(
             velocity: tool.velocity,
             avatar_velocity: tool.avatar_velocity,
         };
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         unsafe { sized::write(state, || value) }
     })
 }

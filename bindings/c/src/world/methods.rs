@@ -1,4 +1,4 @@
-//! The methods for worlds by name.
+//! Methods for worlds, by name.
 
 use core::ffi::c_char;
 use core::ptr;
@@ -12,14 +12,14 @@ use super::as_c;
 static NAMES: LazyLock<[CString; WorldScene::METHODS.len()]> =
     LazyLock::new(|| WorldScene::METHODS.map(as_c));
 
-/// Number of methods for worlds.
+/// Returns the number of methods for worlds.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_world_method_count() -> usize {
     NAMES.len()
 }
 
-/// Name of method number `method` for worlds, counted from 0, which `method` of palpate_world_params takes; NULL where there is
-/// none. Nobody has to free it.
+/// Returns the name of the world method with the 0-based index `method`, as accepted by `method` of
+/// palpate_world_params, or NULL if there is no such method. The text is static.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_world_method_name(method: usize) -> *const c_char {
     let name = NAMES.get(method);

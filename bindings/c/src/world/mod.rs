@@ -1,4 +1,4 @@
-//! Worlds behind a handle: several devices, bodies and contacts in space.
+//! World handle: several devices, bodies and contacts in space.
 
 mod change;
 mod contacts;
@@ -32,46 +32,46 @@ use crate::scene::{self, Scene};
 use crate::status::{Refusal, Status};
 use crate::text;
 
-/// A world that is rendered. One thread at a time may use it.
+/// A rendered world. Only one thread may use it at a time.
 pub struct World {
     pub(crate) bounded: BoundedWorld,
     pub(crate) devices: Vec<ToolDevice>,
     pub(crate) bodies: Vec<CString>,
-    /// For recordings: which world it is, the text of the scene, if one says the world, the method,
+    /// For recordings: identity, source text of the scene if there is one, and method.
     pub(crate) identity: Identity,
     pub(crate) source: Option<String>,
     pub(crate) method: String,
-    /// how often it was changed,
+    /// For recordings: number of changes.
     pub(crate) changes: u64,
-    /// and room for what they have of a tick.
+    /// For recordings: scratch buffer for a tick.
     pub(crate) rows: WorldRows,
-    /// Room for the sample of a tick: positions [m],
+    /// Scratch buffer for the positions of a sample [m].
     pub(crate) positions: Vec<Vector>,
-    /// and orientations.
+    /// Scratch buffer for the orientations of a sample.
     pub(crate) orientations: Vec<Quaternion>,
 }
 
-/// A device of a world, as the scene says it.
+/// A device of the scene.
 pub(crate) struct ToolDevice {
     pub name: CString,
-    /// Whether it measures six axes,
+    /// Whether the device measures six axes.
     pub turns: bool,
-    /// and gives a torque, too, if it does.
+    /// Whether a device of six axes gives a torque.
     pub gives_torque: bool,
 }
 
-/// Makes the world of a scene file of format 2, to be freed by palpate_world_free, and puts it into `*world`; NULL on
-/// an error. Files of meshes are looked for beside the scene. `params` may be NULL: every default.
+/// Creates the world of a scene file of format 2 and stores it in `*world`, or NULL on an error. Free it with
+/// palpate_world_free. Mesh files are searched beside the scene. `params` may be NULL: all defaults.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_world_open(
     path: *const c_char,
     params: *const WorldParams,
     world: *mut *mut World,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         make(params, world, || {
             let (path, text) = scene::text_of_file(path)?;
@@ -80,11 +80,11 @@ pub unsafe extern "C" fn palpate_world_open(
     }
 }
 
-/// Makes a world of the text of a scene of format 2. `name` stands for the path of the scene in messages, and files of
-/// meshes are looked for beside it; NULL: the working folder. The rest is as for palpate_world_open.
+/// Creates a world from the text of a scene of format 2. `name` is the path of the scene for messages, and mesh files
+/// are searched beside it; NULL: the working directory. Otherwise as palpate_world_open.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_world_new(
     scene: *const c_char,
@@ -92,7 +92,7 @@ pub unsafe extern "C" fn palpate_world_new(
     params: *const WorldParams,
     world: *mut *mut World,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         make(params, world, || {
             let name = if name.is_null() {
@@ -105,7 +105,7 @@ pub unsafe extern "C" fn palpate_world_new(
     }
 }
 
-/// The world of a scene, by its name and its text.
+/// Creates a world from the name and text that `source` returns.
 ///
 /// # Safety
 /// As for `palpate_world_open`.
@@ -118,7 +118,7 @@ unsafe fn make<'a>(
         // SAFETY: NULL, or a pointer can be written there.
         let out = unsafe { world.as_mut() }.ok_or(Refusal::Null("world"))?;
         *out = ptr::null_mut();
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let asked = unsafe { Asked::at(params) }?;
         let (name, text) = source()?;
         let file =
@@ -130,11 +130,12 @@ unsafe fn make<'a>(
     })
 }
 
-/// Makes the world of a scene, to be freed by palpate_world_free, and puts it into `*world`; NULL on an error. The scene stays as
-/// it is, and what becomes of it does not change the world. `params` may be NULL: every default.
+/// Creates the world of a scene and stores it in `*world`, or NULL on an error. Free it with palpate_world_free. The
+/// scene is not modified, and later changes of the scene do not affect the world. `params` may be NULL: all
+/// defaults.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_world_of_scene(
     scene: *mut Scene,
@@ -145,7 +146,7 @@ pub unsafe extern "C" fn palpate_world_of_scene(
         // SAFETY: NULL, or a pointer can be written there.
         let out = unsafe { world.as_mut() }.ok_or(Refusal::Null("world"))?;
         *out = ptr::null_mut();
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let (scene, asked) = unsafe { (scene::at(scene)?, Asked::at(params)?) };
         let source = scene.source.clone();
         let world = World::new(&scene.scene, source, &asked, scene::in_words)?;
@@ -200,7 +201,7 @@ impl World {
     }
 }
 
-/// A name as C has it: a name in a file or from C has no 0 in it.
+/// Converts a name to a C string. Names from files and from C contain no 0.
 fn as_c(name: &str) -> CString {
     CString::new(name).unwrap_or_default()
 }
@@ -209,7 +210,7 @@ fn names_of_bodies(world: &palpate_world::World) -> Vec<CString> {
     world.bodies.iter().map(|body| as_c(&body.name)).collect()
 }
 
-/// What keeps a world from being rendered, each fault in a line of its own.
+/// Returns the faults of a scene, one per line.
 fn in_words(file: &WorldFile, faults: &[WorldError], is_method_given: bool) -> String {
     let lines: Vec<String> = faults
         .iter()
@@ -226,23 +227,23 @@ fn in_words(file: &WorldFile, faults: &[WorldError], is_method_given: bool) -> S
     lines.join("\n")
 }
 
-/// The world at `world`.
+/// Returns the world at `world`.
 ///
 /// # Safety
-/// `world` is NULL or a world that nobody changes during `'a`.
+/// `world` is NULL or a world that is not modified during `'a`.
 pub(crate) unsafe fn at<'a>(world: *const World) -> Result<&'a World, Refusal<'static>> {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe { world.as_ref() }.ok_or(Refusal::Null("world"))
 }
 
-/// Frees a world. NULL is left alone.
+/// Frees a world. NULL is ignored.
 ///
 /// # Safety
 /// `world` is NULL or a world, and is not used afterwards.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_world_free(world: *mut World) {
     if !world.is_null() {
-        // SAFETY: `make` has made it by `Box::into_raw`, and it is not used afterwards.
+        // SAFETY: allocated with `Box::into_raw` by `make` or `palpate_world_of_scene`, and not used afterwards.
         drop(unsafe { Box::from_raw(world) });
     }
 }

@@ -1,4 +1,4 @@
-//! What comes out of a tick of a world, beside the wrenches.
+//! Output of a world tick, in addition to the wrenches.
 
 use palpate_rt::Held;
 use palpate_rt::safety::Bounded;
@@ -8,30 +8,30 @@ use super::TickOutput;
 use crate::output::{Fault, Limit};
 use crate::sized::SizedStruct;
 
-/// `fault_device` where the fault is none of one device.
+/// Value of `fault_device` if the fault does not belong to one device.
 pub const PALPATE_NO_DEVICE: u32 = u32::MAX;
 
-/// What a tick of a world says beside the wrenches. palpate_world_output_empty() makes one to be filled.
+/// Output of a world tick, in addition to the wrenches. palpate_world_output_empty() returns an empty one to be filled.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct WorldOutput {
     /// Size of this struct; palpate_world_output_empty() sets it.
     pub struct_size: usize,
-    /// Why the sample was refused. Every wrench is then 0.
+    /// Reason for rejecting the sample. All wrenches are then 0.
     pub fault: Fault,
-    /// The device whose sample is at fault; PALPATE_NO_DEVICE where it is none of one device.
+    /// Index of the device with the faulty sample; PALPATE_NO_DEVICE if the fault does not belong to one device.
     pub fault_device: u32,
     /// Limits that changed a wrench: bits of palpate_limit.
     pub limited: u32,
-    /// Sub-steps of the tick, with those that were replaced by finer ones.
+    /// Number of sub-steps, including replaced ones.
     pub sub_steps: u32,
-    /// Sub-steps that were replaced by finer ones, where contacts begin, end, or begin to slip.
+    /// Number of sub-steps that were replaced by finer ones, at the start or end of a contact or of slip.
     pub refined: u32,
-    /// Such sub-steps that were not: there were too many of them.
+    /// Number of such sub-steps that were not refined, because the limit was reached.
     pub unrefined: u32,
-    /// 1: the fastest contact asked for more sub-steps than a tick may have. A smaller stiffness or a shorter period helps.
+    /// 1: the fastest contact needs more sub-steps than a tick allows. Reduce the stiffness or the period.
     pub too_fast: u32,
-    /// Triangles of meshes and contacts with them that a sub-step had no room for.
+    /// Number of mesh triangles and mesh contacts that exceeded the capacity of a sub-step.
     pub left_out: u32,
 }
 
@@ -60,7 +60,7 @@ impl TickOutput for WorldOutput {
     }
 }
 
-/// Limits that changed a wrench, as bits of palpate_limit.
+/// Returns the limits that changed a wrench, as bits of palpate_limit.
 pub(crate) fn limits(limited: Limited, bounded: Bounded) -> u32 {
     let bit = |set: bool, limit: Limit| if set { limit as u32 } else { 0 };
     bit(limited.force || bounded.force, Limit::Force)

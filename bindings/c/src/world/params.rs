@@ -1,4 +1,4 @@
-//! What a caller says of a world beside its scene.
+//! Parameters of a world in addition to its scene.
 
 use core::ffi::c_char;
 use core::ptr;
@@ -11,21 +11,22 @@ use crate::sized::{self, SizedStruct};
 use crate::status::{Refusal, Status};
 use crate::text;
 
-/// How a world is rendered, where that is not as its scene says. palpate_world_params_default() fills it.
+/// Overrides of the rendering parameters of a scene. palpate_world_params_default() fills it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct WorldParams {
     /// Size of this struct; palpate_world_params_default() sets it.
     pub struct_size: usize,
-    /// Name of the method: basic, virtual-damper, virtual-coupling, god-object or coupled. NULL, the default: the scene's.
+    /// Name of the method: basic, virtual-damper, virtual-coupling, god-object or coupled. NULL, the default: that
+    /// of the scene.
     pub method: *const c_char,
-    /// Largest force on each device, by its norm [N]. INFINITY: no limit, and none of the torque unless one is given. 0,
-    /// the default: the scene's, or 20 N where it has none.
+    /// Largest norm of the force on each device [N]. INFINITY: no limit, and no torque limit unless one is given. 0,
+    /// the default: the limit of the scene, or 20 N.
     pub force_limit: f64,
-    /// Largest torque on each device, by its norm [N m]. INFINITY: no limit. 0, the default: the scene's, or 1 N m where
-    /// it has none.
+    /// Largest norm of the torque on each device [N m]. INFINITY: no limit. 0, the default: the limit of the scene,
+    /// or 1 N m.
     pub torque_limit: f64,
-    /// Time over which a force comes in where a start or a recovery finds contact, not below 0 [s]. Default: 0.2.
+    /// Ramp time of the force if a start or a recovery is in contact, not below 0 [s]. Default: 0.2.
     pub soft_start: f64,
 }
 
@@ -46,7 +47,7 @@ impl Default for WorldParams {
     }
 }
 
-/// Fills parameters of a world with the defaults. `struct_size` is sizeof(palpate_world_params).
+/// Fills world parameters with the defaults. `struct_size` is sizeof(palpate_world_params).
 ///
 /// # Safety
 /// `params` is NULL, or `struct_size` bytes can be written there.
@@ -55,35 +56,35 @@ pub unsafe extern "C" fn palpate_world_params_init(
     params: *mut WorldParams,
     struct_size: usize,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     status(|| unsafe { sized::fill(params, struct_size, WorldParams::default()) })
 }
 
-/// What was asked for, read and checked.
+/// Checked parameters of a world.
 pub(crate) struct Asked {
     pub method: Option<String>,
-    /// Infinite: none; 0: what the scene says.
+    /// Infinite: no limit; 0: the limit of the scene.
     force_limit: f64,
     torque_limit: f64,
     soft_start: f64,
 }
 
 impl Asked {
-    /// What stands at `params`; the defaults where that is NULL.
+    /// Reads and checks the parameters at `params`; NULL means the defaults.
     ///
     /// # Safety
-    /// `params` is NULL or to parameters of the size that they begin with.
+    /// `params` is NULL or points to parameters whose first field is their size.
     pub unsafe fn at<'a>(params: *const WorldParams) -> Result<Self, Refusal<'a>> {
         let params = if params.is_null() {
             WorldParams::default()
         } else {
-            // SAFETY: as the caller says.
+            // SAFETY: guaranteed by the caller.
             unsafe { sized::read(params) }?
         };
         let method = if params.method.is_null() {
             None
         } else {
-            // SAFETY: as the caller says.
+            // SAFETY: guaranteed by the caller.
             Some(unsafe { text::read(params.method, "method") }?.to_owned())
         };
         let asked = Self {
@@ -123,13 +124,13 @@ impl Asked {
         }
     }
 
-    /// Whether it has a limit of its own.
+    /// Whether the parameters override a limit of the scene.
     pub fn has_limits(&self) -> bool {
         self.force_limit != 0.0 || self.torque_limit != 0.0
     }
 
-    /// The limits of each device, which are put into `render` too: what the renderer limits by itself needs no sending
-    /// back. As `palpate pipe` has them.
+    /// Returns the limits of each device and sets them in `render`, too: the renderer knows about limits that it
+    /// applies itself, so no sent force has to be reported back. `palpate pipe` uses the same limits.
     pub fn limits(&self, render: &mut WorldRender) -> SafetyParams {
         let default = SafetyParams::default();
         let asked = |number: f64| (number != 0.0).then_some(number);
@@ -137,7 +138,7 @@ impl Asked {
             [asked(self.force_limit), asked(self.torque_limit)],
             [default.largest_force, default.largest_torque],
         );
-        // The caller's loop knows its device; what a renderer does not believe is a fault.
+        // No speed limit: the caller's loop knows its device, and the renderer reports implausible samples as faults.
         SafetyParams::bounding(render.force_limit, render.torque_limit, self.soft_start)
     }
 }

@@ -1,29 +1,29 @@
-//! What goes into a tick of a world.
+//! Input of a world tick.
 
 use crate::array::array;
 use crate::choice;
 use crate::sized::{self, SizedStruct};
 use crate::status::Refusal;
 
-/// Where a device is. It stands in arrays, so it has no struct_size and stays as it is.
+/// Pose of a device. The struct is an array element, so it has no struct_size and its layout is fixed.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Pose {
-    /// Measured position of its tool along the world's axes [m].
+    /// Measured position of the tool in world axes [m].
     pub position: [f64; 3],
-    /// Measured orientation, for a device of six axes: a unit quaternion w, x, y, z that turns the tool's axes into those
-    /// of the world. Not looked at for a device of three axes.
+    /// Measured orientation of a device of six axes: the unit quaternion w, x, y, z that rotates the tool's axes to the
+    /// world's. Ignored for a device of three axes.
     pub orientation: [f64; 4],
 }
 
-/// What a device is to give to the hand, and to hold until the next sample. It stands in arrays, so it has no struct_size
-/// and stays as it is.
+/// Wrench of a device on the hand, to be held until the next sample. The struct is an array element, so it has no
+/// struct_size and its layout is fixed.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Wrench {
-    /// Force along the world's axes [N].
+    /// Force in world axes [N].
     pub force: [f64; 3],
-    /// Torque about the tool's centre of mass along the world's axes [N m]; 0 for a device of three axes.
+    /// Torque about the tool's centre of mass in world axes [N m]; 0 for a device of three axes.
     pub torque: [f64; 3],
 }
 
@@ -33,15 +33,15 @@ pub struct Wrench {
 pub struct WorldSample {
     /// Size of this struct; palpate_world_sample_at() sets it.
     pub struct_size: usize,
-    /// The devices, in the order of the scene.
+    /// Poses of the devices in the order of the scene.
     pub poses: *const Pose,
     /// Number of poses: palpate_world_device_count().
     pub pose_count: usize,
-    /// Time since the sample before [s], where `has_elapsed` is not 0.
+    /// Time since the previous sample [s]; used if `has_elapsed` is 1.
     pub elapsed: f64,
-    /// 1: `elapsed` was measured. 0: one period.
+    /// 1: `elapsed` is the measured time. 0: one period has elapsed.
     pub has_elapsed: u32,
-    /// 0.
+    /// Must be 0.
     pub reserved: u32,
 }
 
@@ -51,15 +51,15 @@ unsafe impl SizedStruct for WorldSample {
 }
 
 impl WorldSample {
-    /// The sample at `given`, and its poses: one for each of so many devices. What is wrong with their numbers says the tick.
+    /// Reads the sample at `given` and its poses, one for each of `devices`. The tick checks their numbers.
     ///
     /// # Safety
-    /// `given` is NULL or to a sample of the size that it begins with, with as many poses as it says.
+    /// `given` is NULL or points to a sample whose first field is its size, with the stated number of poses.
     pub(crate) unsafe fn at<'a>(
         given: *const Self,
         devices: usize,
     ) -> Result<(Self, &'a [Pose]), Refusal<'static>> {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let sample = unsafe { sized::read(given) }?;
         choice::switch("has_elapsed", sample.has_elapsed)?;
         choice::unused(sample.reserved)?;
@@ -71,14 +71,14 @@ impl WorldSample {
                 of: ("the world", "devices"),
             });
         }
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let poses = unsafe { array(sample.poses, devices, "poses") }?;
         Ok((sample, poses))
     }
 }
 
 impl Wrench {
-    /// Refuses what is no number.
+    /// Rejects a non-finite wrench.
     pub(crate) fn reported(&self) -> Result<(), Refusal<'static>> {
         let of = |name, numbers: [f64; 3], allowed| {
             let wrong = numbers.into_iter().find(|number| !number.is_finite());

@@ -1,4 +1,4 @@
-//! A tick of a world.
+//! Tick of a world.
 
 use palpate_device::Wrench as Held;
 use palpate_world::{NOT_TURNED, Sample};
@@ -16,16 +16,16 @@ const NONE: Wrench = Wrench {
     torque: [0.0; 3],
 };
 
-/// One tick: takes a sample of all devices, and puts what each of them is to hold until the next one into `wrenches`, of
-/// which there are `wrench_count`, one for each device.
+/// Executes one tick: takes a sample of all devices and writes the wrenches to hold until the next tick to `wrenches`.
+/// `wrench_count` is the number of devices.
 ///
-/// It cannot fail: the wrenches are finite numbers for any input, and all 0 where a sample is refused or an argument is
-/// wrong; what it gives says why. It does not allocate, lock, wait, or loop without bound. `output` may be NULL. Where an
-/// argument is wrong, PALPATE_FAULT_ARGUMENT, there was no tick: the world stays as it was.
+/// It cannot fail: the wrenches are finite for any input, and all 0 if the sample is rejected or an argument is
+/// wrong; the return value is the reason. It does not allocate, lock, wait, or loop without bound. `output` may be
+/// NULL. PALPATE_FAULT_ARGUMENT means that an argument is wrong: no tick was executed, and the world is unchanged.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says, `wrenches` to `wrench_count` of them; structs have the sizes that they
-/// begin with.
+/// Each pointer is NULL or points to a value of its type, `wrenches` to `wrench_count` of them; the first field of
+/// each sized struct is its size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_world_step(
     world: *mut World,
@@ -34,7 +34,7 @@ pub unsafe extern "C" fn palpate_world_step(
     wrench_count: usize,
     output: *mut WorldOutput,
 ) -> Fault {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         answer("wrenches", wrenches, wrench_count, output, |out| {
             tick(world, sample, out)
@@ -42,19 +42,20 @@ pub unsafe extern "C" fn palpate_world_step(
     }
 }
 
-/// What a tick says beside the wrenches.
+/// Output of a tick, in addition to the wrenches.
 pub(crate) trait TickOutput: SizedStruct {
-    /// Nothing but why there is no force.
+    /// Returns an empty output with the given fault.
     fn refused(fault: Fault) -> Self;
 
-    /// Why the sample was refused.
+    /// Returns the reason for rejecting the sample.
     fn fault(&self) -> Fault;
 }
 
-/// The answer of a tick that may go wrong: whatever happens, nothing of an earlier one stays in the wrenches.
+/// Runs a fallible tick. On any failure all wrenches are 0, so none of an earlier tick remains.
 ///
 /// # Safety
-/// `wrenches` is NULL or to `wrench_count` of them, `output` NULL or to a struct of the size that it begins with.
+/// `wrenches` is NULL or points to `wrench_count` wrenches; `output` is NULL or points to a struct whose first field
+/// is its size.
 pub(crate) unsafe fn answer<O: TickOutput>(
     name: &'static str,
     wrenches: *mut Wrench,
@@ -62,8 +63,8 @@ pub(crate) unsafe fn answer<O: TickOutput>(
     output: *mut O,
     tick: impl FnOnce(&mut [Wrench]) -> Result<O, Refusal<'static>>,
 ) -> Fault {
-    // All of it before the tick: one that is refused has not been.
-    // SAFETY: as the caller says.
+    // Check all arguments before the tick: a rejected call must not change the world.
+    // SAFETY: guaranteed by the caller.
     let (out, room) = unsafe {
         (
             array_mut(wrenches, wrench_count, name),
@@ -88,7 +89,7 @@ pub(crate) unsafe fn answer<O: TickOutput>(
     })
     .unwrap_or(O::refused(Fault::Internal));
     if said.fault() == Fault::Internal {
-        // What was put there before a defect came up.
+        // Clear wrenches that were written before the panic.
         out.fill(NONE);
     }
     let fault = said.fault();
@@ -98,7 +99,7 @@ pub(crate) unsafe fn answer<O: TickOutput>(
     fault
 }
 
-/// The tick of arguments that may be wrong.
+/// Checks the arguments and executes the tick.
 ///
 /// # Safety
 /// As for `palpate_world_step`.
@@ -107,7 +108,7 @@ unsafe fn tick(
     sample: *const WorldSample,
     out: &mut [Wrench],
 ) -> Result<WorldOutput, Refusal<'static>> {
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     let world = unsafe { world.as_mut() }.ok_or(Refusal::Null("world"))?;
     let devices = world.devices.len();
     if out.len() != devices {
@@ -118,7 +119,7 @@ unsafe fn tick(
             of: ("the world", "devices"),
         });
     }
-    // SAFETY: as the caller says.
+    // SAFETY: guaranteed by the caller.
     let (sample, poses) = unsafe { WorldSample::at(sample, devices) }?;
     let room = world.positions.iter_mut().zip(&mut world.orientations);
     for ((position, orientation), (pose, device)) in room.zip(poses.iter().zip(&world.devices)) {
@@ -143,11 +144,11 @@ unsafe fn tick(
     Ok(WorldOutput::from(&held))
 }
 
-/// Says what was really sent to a device for the last tick, where it is another wrench than the tick has given: something
-/// between has limited it. What is not finite is refused.
+/// Reports the wrench that was actually sent to a device for the last tick, for example after saturation. A non-finite
+/// wrench is rejected.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says.
+/// Each pointer is NULL or points to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_world_report_sent(
     world: *mut World,
@@ -155,9 +156,9 @@ pub unsafe extern "C" fn palpate_world_report_sent(
     sent: *const Wrench,
 ) -> Status {
     status(|| {
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let world = unsafe { world.as_mut() }.ok_or(Refusal::Null("world"))?;
-        // SAFETY: as the caller says.
+        // SAFETY: guaranteed by the caller.
         let sent = unsafe { sent.as_ref() }.ok_or(Refusal::Null("sent"))?;
         let devices = world.devices.len();
         if device >= devices {

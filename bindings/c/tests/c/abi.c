@@ -1,5 +1,5 @@
-/* Sizes, alignments and places of the structs on machines of 64 bits: a program that is compiled today has
-   to find them there in every library of this ABI. src/abi.rs asserts the same of the Rust side. */
+/* Sizes, alignments and field offsets of the structs on 64-bit machines, which every library of this ABI must keep for
+   compiled programs. src/abi.rs asserts the same of the Rust side. */
 #include <palpate.h>
 
 #define HAS(type, size, align)                                                \

@@ -1,10 +1,9 @@
-/* The library for firmware: a contact in static memory, no heap. The same wall and motion as
-   examples/loop.c. */
+/* The firmware library: a contact in static memory, no heap. Wall and motion are those of examples/loop.c. */
 #include <palpate.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-/* A firmware would take the force off its motors here, and reset. */
+/* A real firmware sets the motor forces to zero here and resets. */
 void palpate_panicked(void) { abort(); }
 
 static _Alignas(PALPATE_CONTACT_ALIGN_MAX) unsigned char memory[PALPATE_CONTACT_SIZE_MAX];
@@ -17,7 +16,7 @@ int main(void) {
   loop.device_mass = 0.25;
   params.stiffness = 1000.0;
   if (palpate_contact_place(memory, sizeof memory, &params, &loop, &contact) == PALPATE_STATUS_OK) {
-    return 1; /* there is no period yet */
+    return 1; /* the period is missing */
   }
   fprintf(stderr, "%s\n", palpate_last_error());
   loop.period = 0.001;

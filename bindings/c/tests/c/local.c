@@ -1,4 +1,4 @@
-/* Local models: what a caller can do wrong, and both ends in two threads. */
+/* Local models: caller errors, and both sides in two threads. */
 #include <math.h>
 #include <palpate.h>
 #include <pthread.h>
@@ -60,7 +60,7 @@ static void making(void) {
   palpate_slow_host_free(NULL);
 }
 
-/* A tick with the tool so deep in a floor at 0. */
+/* Executes a tick with the tool at the given depth in a floor at 0. */
 static palpate_fault tick(palpate_local_world *world, double depth, palpate_wrench *wrench, palpate_local_output *output) {
   palpate_pose pose = {{0.0, 0.0, 0.005 - depth}, {0.0, 0.0, 0.0, 0.0}};
   palpate_world_sample sample = palpate_world_sample_at(&pose, 1);
@@ -88,7 +88,7 @@ static void ticks(void) {
 
   EXPECT(tick(world, 0.001, &wrench, &output) == PALPATE_FAULT_NONE && wrench.force[2] == 0.0 && wrench.torque[2] == 0.0);
   EXPECT(output.is_stale == 1 && output.age == INFINITY && output.refusal == PALPATE_MODEL_REFUSAL_NONE);
-  /* For longer than a model may be old. */
+  /* Longer than the maximum age of a model. */
   for (int at = 0; at < 400; at++) {
     EXPECT(palpate_slow_host_progress(host, &progress, NULL, 0) == PALPATE_STATUS_OK);
     EXPECT(palpate_slow_host_publish(host, progress.tick, NULL, 0, floor, 2) == PALPATE_STATUS_OK);
@@ -98,7 +98,7 @@ static void ticks(void) {
   EXPECT(fabs(output.age - 0.001) < 1e-12 && progress.tick == 400 && progress.has_model == 1 && progress.model_tick == 399);
   EXPECT(progress.period == 0.001 && fabs(progress.position[2] - 0.004) < 0.001);
 
-  /* What is published wrongly changes nothing, and says all that is wrong. */
+  /* An invalid model changes nothing, and the message lists all faults. */
   REFUSED(palpate_slow_host_publish(host, 400, &body, 1, floor, 1), PALPATE_STATUS_COUNT,
           "body_count is 1, but the local model has 0 bodies");
   REFUSED(palpate_slow_host_publish(host, 400, NULL, 0, NULL, 1), PALPATE_STATUS_NULL, "contacts is NULL");
@@ -112,13 +112,13 @@ static void ticks(void) {
   REFUSED(palpate_slow_host_progress(host, NULL, NULL, 0), PALPATE_STATUS_NULL, "palpate_progress");
   EXPECT(palpate_slow_host_progress(NULL, &progress, NULL, 0) == PALPATE_STATUS_NULL);
   EXPECT(palpate_slow_host_publish(NULL, 0, NULL, 0, NULL, 0) == PALPATE_STATUS_NULL);
-  /* What the loop does not take, both ends say. */
+  /* Both sides report a model that the loop rejects. */
   EXPECT(palpate_slow_host_publish(host, 5000, NULL, 0, floor, 2) == PALPATE_STATUS_OK);
   EXPECT(tick(world, 0.001, &wrench, &output) == PALPATE_FAULT_NONE && output.refusal == PALPATE_MODEL_REFUSAL_NOT_YET);
   EXPECT(palpate_slow_host_progress(host, &progress, NULL, 0) == PALPATE_STATUS_OK);
   EXPECT(progress.refusal == PALPATE_MODEL_REFUSAL_NOT_YET && fabs(wrench.force[2] - 1.0) < 0.05);
 
-  /* No force from what is no sample. */
+  /* An invalid sample gives no force. */
   EXPECT(tick(world, NAN, &wrench, &output) == PALPATE_FAULT_POSITION_NOT_FINITE && wrench.force[2] == 0.0);
   wrench.force[2] = 1.0;
   EXPECT(palpate_local_world_step(NULL, &sample, &wrench, NULL) == PALPATE_FAULT_ARGUMENT && wrench.force[2] == 0.0);
@@ -129,7 +129,7 @@ static void ticks(void) {
   EXPECT(palpate_local_world_step(world, &sample, &wrench, NULL) == PALPATE_FAULT_ARGUMENT);
   sample = palpate_world_sample_at(NULL, 1);
   EXPECT(palpate_local_world_step(world, &sample, &wrench, NULL) == PALPATE_FAULT_ARGUMENT);
-  /* A tick that could not say what it did has not been. */
+  /* A tick whose output struct is invalid is not executed. */
   EXPECT(palpate_slow_host_progress(host, &progress, NULL, 0) == PALPATE_STATUS_OK);
   before = progress.tick;
   output.struct_size = 8;
@@ -144,7 +144,7 @@ static void ticks(void) {
   EXPECT(palpate_local_world_report_sent(NULL, &wrench) == PALPATE_STATUS_NULL);
   EXPECT(palpate_local_world_report_sent(world, &wrench) == PALPATE_STATUS_OK);
 
-  /* A host that is gone: its contacts fade. */
+  /* After the simulator side is freed, its contacts fade out. */
   output = palpate_local_output_empty();
   palpate_slow_host_free(host);
   for (int at = 0; at < 400; at++) tick(world, 0.001, &wrench, &output);
@@ -152,7 +152,7 @@ static void ticks(void) {
   palpate_local_world_free(world);
 }
 
-/* A device without z, which a floor below it cannot push. */
+/* A device without a z axis, which a floor below it cannot push. */
 static void planar(void) {
   palpate_local_world *world;
   palpate_slow_host *host;
@@ -183,7 +183,7 @@ static int publish_until_the_end(palpate_slow_host *host) {
   palpate_host_contact floor = palpate_host_contact_at_gap(centre, 0.005, 0, 0.0, UP, 1000.0);
   do {
     if (palpate_slow_host_progress(host, &progress, given, 1) != PALPATE_STATUS_OK) return 1;
-    /* This loop does not wait for the time of its ticks: a model can be too old when it comes. Nothing else may be wrong. */
+    /* This loop does not pace its ticks, so a model can be too old on arrival. No other error is allowed. */
     if (progress.refusal != PALPATE_MODEL_REFUSAL_NONE && progress.refusal != PALPATE_MODEL_REFUSAL_TOO_OLD) return 1;
     if (palpate_slow_host_publish(host, progress.tick, &body, 1, &floor, 1) != PALPATE_STATUS_OK) return 1;
     published++;
@@ -208,7 +208,7 @@ static void two_threads(void) {
   params.bodies = 1;
   EXPECT(palpate_local_world_new(&params, &world, &host) == PALPATE_STATUS_OK);
   EXPECT(pthread_create(&thread, NULL, publishes, host) == 0);
-  /* Until many models have gone over, of which one has been taken at least. */
+  /* Until many models have been published and at least one has been accepted. */
   for (int taken = 0; (published < 100 || !taken) && !is_gone; taken |= !output.is_stale) {
     EXPECT(tick(world, 0.001, &wrench, &output) == PALPATE_FAULT_NONE);
     EXPECT(wrench.force[0] == 0.0 && wrench.force[2] >= 0.0 && wrench.force[2] <= 20.0);

@@ -1,4 +1,4 @@
-/* What a caller can do wrong: an answer each time, in words, and no force. */
+/* Caller errors: each returns a status and a message, and no force. */
 #include <math.h>
 #include <palpate.h>
 #include <stdio.h>
@@ -122,7 +122,7 @@ static void structs(void) {
            sizeof params);
   REFUSED(palpate_contact_new(&params, &loop, &contact), PALPATE_STATUS_STRUCT_SIZE, words);
 
-  /* A program that was compiled with a newer header. */
+  /* A program compiled with a newer header. */
   EXPECT(palpate_contact_params_init(&newer.known, sizeof newer) == PALPATE_STATUS_OK);
   EXPECT(newer.unknown == 0.0 && newer.known.struct_size == sizeof newer);
   newer.known.method = "basic";
@@ -167,7 +167,7 @@ static void ticks(void) {
   EXPECT(palpate_contact_step(contact, &sample, &output) == 0.0);
   EXPECT(palpate_contact_ledger(contact, NULL) == PALPATE_STATUS_NULL);
   EXPECT(palpate_contact_teleport(contact, NAN, 0.0) == PALPATE_STATUS_PARAMETER);
-  /* The default force limit is the program's. */
+  /* The default force limit equals that of the program. */
   sample = palpate_sample_at(0.05);
   output = palpate_output_empty();
   EXPECT(palpate_contact_step(contact, &sample, &output) == -20.0);
@@ -179,7 +179,7 @@ static void ticks(void) {
   palpate_contact_free(contact);
 }
 
-/* What is refused leaves a contact as if nobody had called. */
+/* Rejected calls leave a contact unchanged. */
 static void refused_ticks(void) {
   palpate_contact *contact, *left_alone;
   palpate_loop_params loop = loop_params();
@@ -224,7 +224,7 @@ static void names(void) {
   EXPECT(strcmp(palpate_fault_name(PALPATE_FAULT_GAP_TOO_LONG), "gap-too-long") == 0);
   EXPECT(strcmp(palpate_fault_name(PALPATE_FAULT_ARGUMENT), "argument") == 0);
   EXPECT(strcmp(palpate_fault_name(50), "unknown") == 0);
-  /* The setting damper_object of the method virtual-damper has words, its first one a number. */
+  /* The setting damper_object of the method virtual-damper accepts words, the first of which is a number. */
   palpate_setting_text(2, 2, PALPATE_ABOUT_SETTING_WORDS, words, sizeof words);
   EXPECT(strcmp(words, "spring-and-damper, spring, held-force") == 0);
   EXPECT(palpate_setting_text(2, 0, PALPATE_ABOUT_SETTING_WORDS, words, sizeof words) == 0 && strcmp(words, "") == 0);
@@ -248,7 +248,7 @@ static void memory(void) {
   EXPECT(contact != NULL);
   EXPECT(palpate_contact_describe(contact, text, sizeof text) == strlen("a wall of 1000 N/m, f_V 0 N, by basic"));
   EXPECT(strcmp(text, "a wall ") == 0);
-  palpate_contact_free(contact); /* the memory is not the library's */
+  palpate_contact_free(contact); /* the caller owns the memory */
   free(bytes);
 }
 

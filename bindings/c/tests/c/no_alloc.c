@@ -1,5 +1,5 @@
-/* Ticks of a world take no memory and give none back, before and after changes, and neither does putting a body elsewhere:
-   SCENE. malloc and free are counted; on glibc, not under valgrind or a sanitizer, which have their own. */
+/* Ticks of a world and palpate_world_place neither allocate nor free memory, before and after changes. Argument: SCENE.
+   The program counts malloc and free, on glibc only, without valgrind or a sanitizer, which replace them. */
 #include <palpate.h>
 #include <stdio.h>
 
@@ -32,7 +32,7 @@ int main(int argc, char **argv) {
     palpate_wrench wrench;
     if (tick == 100 && palpate_scene_add_body(scene, "ball", &ball, &sphere) != PALPATE_STATUS_OK) return wrong("add");
     if (tick == 400 && palpate_scene_remove_body(scene, "ball") != PALPATE_STATUS_OK) return wrong("remove");
-    /* A second change before the first has settled, too. */
+    /* Includes a second change before the first has settled. */
     if (tick == 100 || tick == 101 || tick == 400) {
       if (palpate_world_change(world, scene) != PALPATE_STATUS_OK) return wrong("change");
     }

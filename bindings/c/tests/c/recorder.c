@@ -1,6 +1,6 @@
-/* What a caller of a recorder can do wrong, a ring that overflows, and two devices of a world. Takes the path of a scene of a
-   world, that of a folder for recordings, whose disk.mcap, short.mcap, left.mcap and right.mcap the check looks at, and that
-   of a scene of two devices, left and right. */
+/* Caller errors of a recorder, a ring buffer overflow, and two devices of a world. Arguments: the path of a world
+   scene; a folder for recordings, whose disk.mcap, short.mcap, left.mcap and right.mcap the check reads; the path of a
+   scene of two devices, left and right. */
 #include <math.h>
 #include <palpate.h>
 #include <stdio.h>
@@ -97,7 +97,7 @@ static void ticks(palpate_contact *contact, palpate_world *world) {
   EXPECT(palpate_recorder_contact_tick(recorder, contact, &sample, NULL, 0.0) == PALPATE_STATUS_NULL);
   output.struct_size = 8;
   EXPECT(palpate_recorder_contact_tick(recorder, contact, &sample, &output, 0.0) == PALPATE_STATUS_STRUCT_SIZE);
-  /* A sample that is refused is a tick of the recording, and so is an output that no tick has filled. */
+  /* A rejected sample is a tick of the recording, and so is an output that no tick has filled. */
   EXPECT(tick(recorder, contact, NAN) == PALPATE_STATUS_OK);
   memset(&output, 0xff, sizeof output);
   output.struct_size = sizeof output;
@@ -118,7 +118,7 @@ static void ticks(palpate_contact *contact, palpate_world *world) {
   EXPECT(palpate_recorder_world_tick(recorder, world, &of_world, &answer, NULL) == PALPATE_STATUS_NULL);
   EXPECT(palpate_recorder_world_tick(recorder, world, &of_world, &answer, &wrench) == PALPATE_STATUS_OK);
   recorded.struct_size = 8;
-  /* The recorder is freed all the same. */
+  /* The recorder is freed despite the error. */
   EXPECT(palpate_recorder_close(recorder, &recorded) == PALPATE_STATUS_STRUCT_SIZE);
 }
 
@@ -139,7 +139,7 @@ static void overflow(palpate_contact *contact) {
   EXPECT(recorded.ticks_made == made && recorded.lost == lost && recorded.ticks == made - lost);
 }
 
-/* Two fingers that close on a cube, each in a recording of its own. */
+/* Two fingers that close on a cube, with one recording each. */
 static void devices(const char *scene, palpate_world *of_one) {
   palpate_world *world, *again;
   palpate_recorder *left, *right, *none;

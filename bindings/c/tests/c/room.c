@@ -1,5 +1,5 @@
-/* Memory that a recorder asks for and the system has not: a status, and no file. Takes the path of a recording. This program
-   has 2 GiB of addresses, whatever the machine has. */
+/* A recorder that needs more memory than the system has: an error status, and no file. Argument: the path of a
+   recording. The program limits its address space to 2 GiB. */
 #define _POSIX_C_SOURCE 200809L
 #include <palpate.h>
 #include <stdio.h>
@@ -32,7 +32,7 @@ int main(int argc, char **argv) {
   EXPECT(recorder == NULL && strstr(palpate_last_error(), "room for 16777216 ticks takes ") != NULL);
   snprintf(part, sizeof part, "%s.part", argv[1]);
   EXPECT((file = fopen(argv[1], "r")) == NULL && (file = fopen(part, "r")) == NULL);
-  /* So the path is free. */
+  /* The failed call left no file. */
   params.room = 1000;
   EXPECT(palpate_recorder_of_contact(contact, argv[1], &params, &recorder) == PALPATE_STATUS_OK);
   EXPECT(palpate_recorder_close(recorder, NULL) == PALPATE_STATUS_OK);

@@ -1,5 +1,5 @@
-/* Worlds that are built and changed by calls: SCENE, pushed-block.toml. The same bits as of the file; what a change keeps, and
-   what is refused. */
+/* Worlds that are built and changed by calls: SCENE, pushed-block.toml. Tests bit equality with the file, the state
+   that a change preserves, and rejected calls. */
 #include <palpate.h>
 #include <math.h>
 #include <stdio.h>
@@ -35,7 +35,7 @@ static palpate_scene *built(void) {
   box.kind = PALPATE_SHAPE_KIND_BOX;
   box.half_extents[0] = box.half_extents[1] = 0.02, box.half_extents[2] = 0.01;
   plane.kind = PALPATE_SHAPE_KIND_HALF_SPACE;
-  plane.normal[2] = 2.0; /* its length does not matter */
+  plane.normal[2] = 2.0; /* of any length */
   OK(palpate_scene_new(&params, &scene));
   OK(palpate_scene_add_device(scene, "tool", &device, &ball));
   OK(palpate_scene_add_body(scene, "block", &block, &box));
@@ -78,7 +78,7 @@ static void same_as_the_file(const char *path) {
   palpate_world_free(from_scene);
 }
 
-/* A ball comes, rolls, is put elsewhere and goes, beside a block that is pushed. */
+/* A ball appears, rolls, is moved and is removed, beside a block that is pushed. */
 static void changed(void) {
   palpate_scene *scene = built();
   palpate_world *world, *left_alone;
@@ -121,7 +121,7 @@ static void changed(void) {
     }
     EXPECT(pushed(world, tick, &wrench) == PALPATE_FAULT_NONE);
     EXPECT(pushed(left_alone, tick, &alone) == PALPATE_FAULT_NONE);
-    /* Bit for bit until a body is put elsewhere: then the force stays for three samples. */
+    /* Bit-identical until a body is moved: then the force changes within three samples. */
     EXPECT(fabs(wrench.force[0] - alone.force[0]) <= (tick < 200 ? 0.0 : 0.2));
   }
   EXPECT(wrench.force[0] < -0.01);
@@ -132,7 +132,7 @@ static void changed(void) {
   palpate_scene_free(scene);
 }
 
-/* The law between tool and block gets softer under the finger: no step, and then another force. */
+/* The law between tool and block softens under the finger: the force changes without a step. */
 static void softer(void) {
   palpate_scene *scene = built();
   palpate_world *world;
@@ -181,7 +181,7 @@ static const double corners[] = {-0.01, -0.01, -0.01, 0.01, -0.01, -0.01, -0.01,
 static const uint32_t sides[] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                                  2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
 
-/* Each shape, and a joint that is changed. */
+/* Every shape, and a joint that is changed. */
 static void shapes_and_joints(void) {
   palpate_scene *scene = built();
   palpate_world *world;
@@ -206,7 +206,7 @@ static void shapes_and_joints(void) {
     OK(palpate_scene_add_body(scene, name, &body, &shape));
   }
   memset(corners_of_mine, 0, sizeof corners_of_mine); /* they were copied */
-  /* A mesh that hangs beside a hinge falls and swings; a slider holds it. */
+  /* A mesh that hangs on a hinge falls and swings; a slider then holds it. */
   OK(palpate_scene_body(scene, "shape 5", &body));
   body.force[2] = -0.981;
   OK(palpate_scene_set_body(scene, "shape 5", &body, NULL));
@@ -222,7 +222,7 @@ static void shapes_and_joints(void) {
     const double x = state.pose.position[0] + 0.05, z = state.pose.position[2] - hinge.point[2];
     EXPECT(fabs(sqrt(x * x + z * z) - 0.05) < 1e-3 && z < -0.02);
   }
-  hinge.along_damping = 0.005; /* the same bearing: it goes on where it is */
+  hinge.along_damping = 0.005; /* the same bearing keeps its position */
   OK(palpate_scene_set_joint(scene, 0, &hinge));
   OK(palpate_world_change(world, scene));
   for (int tick = 0; tick < 1000; tick++) pushed(world, 0, &wrench);
@@ -311,7 +311,7 @@ static void misuse(void) {
   REFUSED(palpate_scene_set_body(scene, "block", &body, NULL), PARAMETER, "mass is -1");
   OK(palpate_scene_body(scene, "block", &body));
   EXPECT(body.mass == 0.05);
-  /* It would stand still and say nothing. */
+  /* A fixed body would silently ignore its velocity. */
   body.mass = INFINITY, body.velocity[0] = 1.0;
   REFUSED(palpate_scene_set_body(scene, "block", &body, NULL), PARAMETER, "velocity is [1.0, 0.0, 0.0], and a fixed body");
   body.velocity[0] = 0.0, body.angular_velocity[2] = 1.0, shape.radius = 0.01;
@@ -368,7 +368,7 @@ static void misuse(void) {
   palpate_scene_free(scene);
 }
 
-/* A pen beside a wall, which a hand turns against it: with turns = 1 the tool feels a torque, with 2 it feels none. */
+/* A hand turns a pen against a wall: with turns = 1 the tool gives a torque, with 2 it does not. */
 static void turned(unsigned turns) {
   palpate_scene_params params = palpate_scene_params_default();
   palpate_device_params device = palpate_device_params_default();
@@ -405,7 +405,7 @@ static void turned(unsigned turns) {
   palpate_scene_free(scene);
 }
 
-/* A recorder of a world that is changed takes no more ticks; a new one does. */
+/* A recorder rejects ticks of a world that was changed; a new recorder accepts them. */
 static void recorded(const char *folder) {
   palpate_scene *scene = built();
   palpate_world *world;

@@ -1,4 +1,4 @@
-// palpate::span: what it takes, what it refuses, and what the functions make of it. Compiled as C++17 and as C++20.
+// palpate::span: accepted and rejected types, and functions that take spans. Compiled as C++17 and as C++20.
 #include <array>
 #include <cstdio>
 #include <palpate.hpp>
@@ -29,11 +29,11 @@ static_assert(takes<const int (&)[3], span<const int>> && !takes<const int (&)[3
 static_assert(takes<std::array<int, 3> &, span<int>> && takes<const std::array<int, 3> &, span<const int>>);
 static_assert(takes<std::array<const int, 3> &, span<const int>>);
 static_assert(takes<std::vector<int> &, span<int>> && takes<std::vector<int> &, span<const int>>);
-// What goes at the end of the call is read only.
+// A temporary gives a read-only span.
 static_assert(takes<std::vector<int>, span<const int>> && !takes<std::vector<int>, span<int>>);
 static_assert(!takes<const std::vector<int> &, span<int>>);
 static_assert(takes<span<int>, span<const int>> && !takes<span<const int>, span<int>>);
-// Another type is no element, though it converts: its array has another step.
+// A convertible type is not an element type: its array has another stride.
 static_assert(!takes<std::vector<float> &, span<double>> && !takes<std::vector<int> &, span<const long>>);
 struct Longer : palpate_pose {
   double more;
@@ -80,7 +80,7 @@ static void taken() {
 #endif
 }
 
-/* A world of two devices: as many poses as devices, in any array. */
+/* A world of two devices: one pose per device, in any array. */
 static void worlds(const char *path) {
   palpate::World world{std::string(path)};
   EXPECT(world.device_count() == 2);
@@ -96,7 +96,7 @@ static void worlds(const char *path) {
 #if __cplusplus >= 202002L
   EXPECT(world.step(std::span(poses), std::span(given)) == PALPATE_FAULT_NONE);
 #endif
-  // Another number than there are devices: no force, and nothing is read or written behind an end.
+  // A wrong number of poses or wrenches: no force, and no access beyond the arrays.
   given[0].force[0] = given[1].force[0] = 1.0;
   EXPECT(world.step(span<const palpate_pose>(poses).first(1), given) == PALPATE_FAULT_ARGUMENT);
   EXPECT(given[0].force[0] == 0.0 && given[1].force[0] == 0.0);

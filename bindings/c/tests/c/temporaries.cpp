@@ -1,6 +1,6 @@
 /*
- * Functions whose result points to an array do not take a temporary one: without CASE this compiles, and each CASE is refused
- * by a deleted overload.
+ * Functions whose result points to an array reject a temporary one: the file compiles without CASE, and a deleted
+ * overload rejects each CASE.
  */
 #include <array>
 #include <vector>

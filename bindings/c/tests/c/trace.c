@@ -1,6 +1,6 @@
-/* Every method over the device positions of a table, with everything that a loop can tell a contact: the
-   bits of all that comes out, as double. examples/trace.rs prints the same from Rust. With -DTICKS_IN_FLOAT
-   the contact is one in float. */
+/* Runs every method over the device positions of a table with all optional inputs of a contact, and prints the bits of
+   the full output as double. examples/trace.rs prints the same from Rust. With -DTICKS_IN_FLOAT the ticks are in float.
+   */
 #include <inttypes.h>
 #include <math.h>
 #include <palpate.h>
@@ -30,7 +30,7 @@ static void put(double value) {
   printf(" %016" PRIx64, bits);
 }
 
-/* The second column of a table with a header. */
+/* Reads the second column of a table with a header. */
 static int read_positions(const char *path, double *positions) {
   FILE *file = fopen(path, "r");
   char line[512];

@@ -1,4 +1,4 @@
-/* The wrenches of a world along a straight line, bit by bit: SCENE X Y Z VX VY VZ, in m and m/s. examples/world.rs prints
+/* Prints the wrench bits of a world along a straight line: SCENE X Y Z VX VY VZ, in m and m/s. examples/world.rs prints
    the same from Rust. */
 #include <palpate.h>
 #include <math.h>

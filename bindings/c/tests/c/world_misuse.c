@@ -1,4 +1,4 @@
-/* What a caller of a world can do wrong: an answer each time, in words, and no force. */
+/* Caller errors of a world: each returns a status and a message, and no force. */
 #include <math.h>
 #include <palpate.h>
 #include <stdio.h>
@@ -35,7 +35,7 @@ static void making(void) {
   REFUSED(palpate_world_open("", NULL, &world), PALPATE_STATUS_SCENE, "path is \"\", but must name a file");
   REFUSED(palpate_world_open(NULL, NULL, &world), PALPATE_STATUS_NULL, "path is NULL");
 #ifdef __linux__
-  /* A file without end fills no memory. */
+  /* An endless file does not fill the memory. */
   REFUSED(palpate_world_open("/dev/zero", NULL, &world), PALPATE_STATUS_SCENE, "/dev/zero: the file does not end within 16 MiB");
 #endif
   EXPECT(palpate_world_open("x", NULL, NULL) == PALPATE_STATUS_NULL);
@@ -80,7 +80,7 @@ static void ticks(void) {
 
   EXPECT(palpate_world_step(world, &sample, wrenches, 1, &output) == PALPATE_FAULT_NONE);
   EXPECT(fabs(wrenches[0].force[2] - 1.0) < 1e-9 && output.limited == 0);
-  /* One wrench too many, none at all, a pose that is missing: no force is left from the tick before. */
+  /* One wrench too many, no wrench, a missing pose: no force remains from the previous tick. */
   EXPECT(palpate_world_step(world, &sample, wrenches, 2, &output) == PALPATE_FAULT_ARGUMENT);
   EXPECT(strcmp(palpate_last_error(), "wrench_count is 2, but the world has 1 devices") == 0);
   EXPECT(wrenches[0].force[2] == 0.0 && wrenches[1].force[0] == 0.0 && output.fault == PALPATE_FAULT_ARGUMENT);
@@ -102,7 +102,7 @@ static void ticks(void) {
   pose.position[0] = INFINITY;
   EXPECT(palpate_world_step(world, &sample, wrenches, 1, &output) == PALPATE_FAULT_POSITION_NOT_FINITE);
   EXPECT(output.fault_device == 0 && wrenches[0].force[2] == 0.0);
-  /* The default force limit is the program's. */
+  /* The default force limit equals that of the program. */
   pose.position[0] = 0.0;
   pose.position[2] = -0.04;
   EXPECT(palpate_world_step(world, &sample, wrenches, 1, &output) == PALPATE_FAULT_NONE);
@@ -116,7 +116,7 @@ static void ticks(void) {
   palpate_world_free(world);
 }
 
-/* What is refused leaves a world as if nobody had called. */
+/* Rejected calls leave a world unchanged. */
 static void refused_ticks(void) {
   palpate_world *world, *left_alone;
   palpate_world_output output = palpate_world_output_empty(), small = output;
@@ -154,7 +154,7 @@ static void refused_ticks(void) {
   palpate_world_free(left_alone);
 }
 
-/* Held while the device leaves by 2 mm, 2 N create 4 mJ in each second period: a safety stop. */
+/* A held 2 N generates 4 mJ in every second period while the device retracts by 2 mm: a safety stop. */
 static void created_energy(void) {
   palpate_world *world;
   palpate_world_params params = palpate_world_params_default();

@@ -1,4 +1,4 @@
-// What palpate.hpp adds to palpate.h: handles that move and free themselves, errors that are thrown.
+// Additions of palpate.hpp to palpate.h: move-only handles and exceptions.
 #include <cstdio>
 #include <palpate.hpp>
 #include <type_traits>
@@ -21,7 +21,7 @@ static_assert(std::is_same_v<decltype(std::declval<palpate::ContactF32 &>().step
 static_assert(std::is_nothrow_move_constructible_v<palpate::World>);
 static_assert(!std::is_copy_constructible_v<palpate::World>);
 
-/* A tool over a floor, from a file. */
+/* A tool above a floor, read from a file. */
 static void worlds(const char *path) {
   palpate::World first(path);
   EXPECT(first.device_count() == 1 && first.device_name(0) == "tool" && first.body_name(9).empty());
@@ -64,7 +64,7 @@ static palpate_status refused(Call call) {
   return PALPATE_STATUS_OK;
 }
 
-/* A world that is built by calls, and changed while it runs. */
+/* A world that is built by calls and changed while it runs. */
 static void built() {
   palpate::Scene empty(0.001);
   auto device = palpate_device_params_default();

@@ -295,7 +295,7 @@ class Loop(Fixed, _palpate.Loop):
         """Says why there is no tick, where that is not what somebody wanted."""
         now = self.status
         if self._started and self.report is None and not now.running:
-            # Nobody has stopped it: this says what has ended it.
+            # The loop ended by itself: report the reason.
             report = self.stop()
             raise LoopError(f"the loop has ended: {report.ending}")
         if wait > 0.0 and now.running:
@@ -355,7 +355,7 @@ class Loop(Fixed, _palpate.Loop):
         method, before, soft_start, settings = _split(self._parameters)
         kept = settings if changes.get("method", method) == method else {}
         parameters = {"method": method, **before, "soft_start": soft_start, **kept, **changes}
-        # Checked as a renderer's arguments are, unknown names among them.
+        # Checked like a renderer's arguments, including unknown names.
         method, given, _, settings = _split(Renderer(**parameters).parameters)
         generation = super().change(method, given, settings)
         self._parameters = parameters
@@ -407,7 +407,7 @@ class Loop(Fixed, _palpate.Loop):
         try:
             self.stop()
         except LoopError:
-            # What was raised first is told; the report has the rest.
+            # An exception of the `with` block takes precedence; the report has the rest.
             if error is None:
                 raise
 

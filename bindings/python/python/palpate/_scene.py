@@ -182,7 +182,7 @@ def simulate(
         return WorldRuns._of_worlds(_palpate.simulate_world(scene, method))
     made = _palpate.simulate(scene, method)
     several = [method] if method is None or isinstance(method, str) or callable(method) else method
-    # A method of one's own may remember its calls, so its runs are not made again for a figure.
+    # A user-defined method may be stateful, so it is not run again for a figure.
     is_drawn = not any(callable(one) for one in several)
     return Runs._of_runs(made, (_palpate.simulate_figure, (scene, method)) if is_drawn else None)
 

@@ -157,7 +157,7 @@ class Map(Table, Report):
         repository). What a cell has not is NaN."""
         lines = [line for line in self._csv.splitlines() if not line.startswith("#")]
         [names, *rows] = csv.reader(lines)
-        # The last column says how the map was made, on its first line.
+        # The first line has the metadata of the map in its last column.
         names = names[:-1]
         words = {"plant", "method"}
         dtype = [(name, "U20" if name in words else "f8") for name in names]

@@ -312,7 +312,7 @@ class Inverse3(Device):
         return {"kind": "inverse3", **self._values}
 
 
-# The compiled part alone: NumPy would take a guardian longer to start than it takes to guard.
+# Load only the compiled part: importing NumPy takes longer than the watchdog process may take to start.
 _SERVE = """\
 import sys
 from importlib.machinery import ExtensionFileLoader

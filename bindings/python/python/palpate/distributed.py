@@ -82,7 +82,7 @@ class Study:
         finally:
             client.cancel(futures)
         for part in range(1, self.parts + 1):
-            # What workers that were killed have left.
+            # Remove leftovers of killed workers.
             for torn in Path(folder).glob(f".{self.file(part)}.*"):
                 torn.unlink(missing_ok=True)
         return [Path(folder) / self.file(part) for part in range(1, self.parts + 1)]
@@ -286,7 +286,7 @@ class TuneStudy(Study):
         columns: dict[str, list[Any]] = {}
         for point in report["curve"]:
             for key, value in point.items():
-                # A spread is three columns.
+                # A spread has three columns.
                 for name, number in value.items() if isinstance(value, dict) else [("", value)]:
                     columns.setdefault(f"{key}_{name}" if name else key, []).append(number)
         return columns, {"report": (report.to_json(), str(report), report.to_svg())}

@@ -1,4 +1,4 @@
-//! A loop of one contact, of a world or of a slow host, before and while it runs.
+//! Loops of one contact, a world or a low-rate simulator, before and during a run.
 
 use std::io;
 
@@ -9,14 +9,14 @@ use palpate_rt::{ChangingWorld, ControlLoop, LocalWorld, LoopThread, Parameters,
 
 use super::ended::Ended;
 
-/// A loop that has not begun.
+/// A loop that has not started.
 pub enum Control {
     Contact(Box<ControlLoop<Box<dyn Device>, MonotonicClock>>),
     World(Box<ControlLoop<Box<dyn Device>, MonotonicClock, ChangingWorld>>),
     Local(Box<ControlLoop<Box<dyn Device>, MonotonicClock, LocalWorld>>),
 }
 
-/// A loop in its thread.
+/// A loop running in its thread.
 pub enum Running {
     Contact(LoopThread<Box<dyn Device>, MonotonicClock>),
     World(LoopThread<Box<dyn Device>, MonotonicClock, ChangingWorld>),
@@ -24,7 +24,7 @@ pub enum Running {
 }
 
 impl Control {
-    /// The same loop, telling `tap` what it does.
+    /// Returns the loop with its ticks connected to `tap`.
     pub fn tapped(self, tap: Tap) -> Self {
         match self {
             Self::Contact(control) => Self::Contact(Box::new(control.tapped(tap))),
@@ -33,7 +33,7 @@ impl Control {
         }
     }
 
-    /// The other end of the parameters of a contact; others have none.
+    /// Returns the parameter channel of a contact loop; other loops have none.
     pub fn parameters(&mut self) -> Option<Parameters> {
         match self {
             Self::Contact(control) => control.parameters(),
@@ -42,7 +42,7 @@ impl Control {
         }
     }
 
-    /// Starts the loop's thread, and runs it until it is stopped or the device is gone.
+    /// Starts the loop's thread, which runs until it is stopped or the device disconnects.
     pub fn start(self, request: Request) -> io::Result<Running> {
         let stop = StopFlag::new();
         Ok(match self {
@@ -60,7 +60,7 @@ impl Control {
 }
 
 impl Running {
-    /// What the machine was asked for, and what it granted.
+    /// Returns the real-time requests to the system and their results.
     pub fn answers(&self) -> &[Answer] {
         match self {
             Self::Contact(thread) => thread.answers(),
@@ -69,7 +69,7 @@ impl Running {
         }
     }
 
-    /// How often the supervisor has commanded no force so far.
+    /// Returns the number of times the supervisor has commanded zero force.
     pub fn cuts(&self) -> u64 {
         match self {
             Self::Contact(thread) => thread.cuts(),
@@ -78,7 +78,7 @@ impl Running {
         }
     }
 
-    /// Ends a trip that stays, with the next tick.
+    /// Resets a latched safety stop at the next tick.
     pub fn rearm(&self) {
         match self {
             Self::Contact(thread) => thread.rearm(),
@@ -87,13 +87,12 @@ impl Running {
         }
     }
 
-    /// Ends the loop, waits for its end and closes the device.
-    /// `names` are those of several devices.
+    /// Stops the loop, waits for its end and closes the device. `names` are the names of several devices.
     pub fn end(self, names: &[String]) -> Ended {
         match self {
             Self::Contact(thread) => {
                 thread.stop();
-                // What it gives back holds the device, which closes as it goes.
+                // The returned loop owns the device; dropping it closes the device.
                 Ended::of(&thread.join(), names)
             }
             Self::World(thread) => {

@@ -1,4 +1,4 @@
-//! Devices of a loop, opened from what the Python files say of them.
+//! Opens the devices of a loop from the descriptions of the Python files.
 
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
@@ -18,25 +18,25 @@ use super::held::{Held, Telling};
 use crate::names::{refused, wrong_on_bench};
 use crate::scene::PyScene;
 
-/// A device that is ready.
+/// An open device.
 pub struct Opened {
     /// The device.
     pub device: Box<dyn Device>,
     /// Origin and direction of the contact's axis in the device's frame.
     pub axis: AlongAxis<f64, 3>,
-    /// The force that it holds.
+    /// Force that the device holds.
     pub held: Held,
-    /// Why it could not be let go of in the end, if it could not.
+    /// Error of disabling the output at the end, if it failed.
     pub closed: Arc<OnceLock<String>>,
 }
 
-/// Where a hand wants to have its device, set by Python at any time.
+/// Target position of a simulated hand, which Python can set at any time.
 #[pyclass(frozen, name = "Hand", module = "palpate._palpate")]
 pub struct Hand(PointerHand);
 
 #[pymethods]
 impl Hand {
-    /// A hand that holds its device at `target` `[m]`; None: it holds nothing.
+    /// Creates a hand that holds its device at `target` `[m]`; None: a hand that has released the device.
     #[new]
     #[pyo3(signature = (target=None))]
     fn new(target: Option<f64>) -> PyResult<Self> {
@@ -47,7 +47,7 @@ impl Hand {
         Ok(hand)
     }
 
-    /// Wants to be at `target` `[m]`, and takes hold of the device if it had let go.
+    /// Sets the target `[m]` and grasps the device if it was released.
     fn move_to(&self, target: f64) -> PyResult<()> {
         if !target.is_finite() {
             return Err(refused(format!("target is {target} m, but must be finite")));
@@ -56,19 +56,19 @@ impl Hand {
         Ok(())
     }
 
-    /// Lets go of the device.
+    /// Releases the device.
     fn let_go(&self) {
         self.0.let_go();
     }
 
-    /// Where it wants to be `[m]`; None if it holds nothing.
+    /// Target `[m]`; None if the device is released.
     #[getter]
     fn target(&self) -> Option<f64> {
         self.0.target()
     }
 }
 
-/// The device `pointer`.
+/// Arguments of the device `pointer`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 struct Pointer {
@@ -84,7 +84,7 @@ struct Pointer {
     hand_damping: f64,
 }
 
-/// Where the contact's axis lies in a device, as far as somebody says so.
+/// Arguments that locate the contact's axis in a device; None: default.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 struct Placed {
@@ -93,7 +93,7 @@ struct Placed {
     world_axes: Option<Vec<String>>,
 }
 
-/// The device `haply-2diy`.
+/// Arguments of the device `haply-2diy`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct TwoDiyGiven {
@@ -101,18 +101,18 @@ pub struct TwoDiyGiven {
     pub generation: u8,
     pub board: Option<String>,
     pub start_pose: StartPose,
-    /// The command that serves as guardian; None: there is to be none.
+    /// Command of the watchdog process; None: no watchdog process.
     pub guardian: Option<Vec<String>>,
 }
 
-/// Where the arm is while it is opened.
+/// Pose of the arm while it is opened.
 #[derive(FromPyObject)]
 pub enum StartPose {
     Word(String),
     Angles([f32; 2]),
 }
 
-/// The device `inverse3`.
+/// Arguments of the device `inverse3`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Inverse3Given {
@@ -121,7 +121,7 @@ pub struct Inverse3Given {
     device_id: Option<String>,
 }
 
-/// Opens the device that `given` describes, for a loop of `period` that may be silent for `silence`.
+/// Opens the device that `given` describes, for a loop of `period` with at most `silence` between commands.
 pub fn open(
     py: Python<'_>,
     given: &Bound<'_, PyDict>,
@@ -156,7 +156,7 @@ pub fn open(
             let options = own.options(period);
             let device = py.detach(|| Inverse3::open(&options, clock));
             let device = device.map_err(|error| PyOSError::new_err(error.to_string()))?;
-            // Where its cursor is now is where the contact's coordinate is 0.
+            // The current cursor position becomes coordinate 0 of the contact.
             let usual = (device.opened_at(), FIRST_AXIS.1);
             let axis = placed.axis(device.capabilities(), usual)?;
             (Box::new(device), axis)
@@ -196,7 +196,7 @@ impl Pointer {
 }
 
 impl Inverse3Given {
-    /// How the driver is asked to run a loop of that period.
+    /// Returns the driver options for a loop of this period.
     pub fn options(&self, period: Duration) -> Inverse3Options {
         Inverse3Options {
             service: self.service.clone().unwrap_or_else(|| SERVICE.to_owned()),
@@ -238,7 +238,7 @@ fn along((origin, direction): Axis) -> PyResult<AlongAxis<f64, 3>> {
 #[cfg(unix)]
 pub use super::two_diy::two_diy;
 
-/// Says that there is no driver.
+/// Reports that this platform has no driver.
 #[cfg(not(unix))]
 pub fn two_diy(
     _: &TwoDiyGiven,

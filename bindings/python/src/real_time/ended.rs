@@ -1,4 +1,4 @@
-//! What a loop in real time has left behind.
+//! Results of a real-time loop after its end.
 
 use std::sync::{Arc, OnceLock};
 
@@ -6,14 +6,14 @@ use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
 use palpate_rt::{Account, Durations, Ending, LoopEnd, Recorder, Renders};
 
-/// What a device could not do at its end, if it could not let go.
+/// Error of disabling a device's output at its end, if it failed.
 pub type Closed = Arc<OnceLock<String>>;
 
-/// What a loop has left behind.
+/// Results of a loop.
 #[derive(Clone)]
 pub struct Ended {
     ending: Option<Ending>,
-    /// What went wrong, the gravest first.
+    /// Errors, the most severe first.
     failure: Option<String>,
     ticks: u64,
     missed_deadlines: u64,
@@ -22,7 +22,7 @@ pub struct Ended {
     motors_off: u64,
     pub cuts: u64,
     trip: Option<String>,
-    /// Name of the device of several that the trip is of.
+    /// Name of the device that caused the safety stop, if there are several.
     device: Option<String>,
     /// Median, 99 % and longest lateness of a tick `[s]`.
     lateness: [f64; 3],
@@ -31,8 +31,9 @@ pub struct Ended {
     recorded: Option<(u64, u64)>,
 }
 
-/// Ending, failure, trip and the device of several that it is of, ticks, missed deadlines, ticks without a sample, ticks whose
-/// sample was refused, ticks with the motors off, cuts, lateness, duration, and ticks in the recording with those that it lacks.
+/// Ending, failure, safety stop and its device if there are several; ticks, missed deadlines, ticks without a
+/// sample, ticks with a rejected sample, ticks with disabled motors, cuts; lateness, duration; ticks in the
+/// recording and missing ticks.
 pub type ToldEnd = (
     (
         Option<&'static str>,
@@ -46,7 +47,7 @@ pub type ToldEnd = (
 );
 
 impl Ended {
-    /// Of a loop that was never started.
+    /// Returns the result of a loop that was never started.
     pub fn never_ran() -> Self {
         Self {
             ending: None,
@@ -65,7 +66,7 @@ impl Ended {
         }
     }
 
-    /// Of a loop whose thread has ended, on devices with these names; with none where it had one device.
+    /// Returns the result of a loop whose thread has ended. `names` are the device names, or empty for one device.
     pub fn of<R: Renders>(
         end: &LoopEnd<Box<dyn Device>, MonotonicClock, R>,
         names: &[String],
@@ -108,7 +109,7 @@ impl Ended {
         }
     }
 
-    /// Takes down what else went wrong.
+    /// Appends an error.
     pub fn fails(&mut self, why: String) {
         self.failure = Some(match self.failure.take() {
             Some(before) => format!("{before}; {why}"),
@@ -116,7 +117,7 @@ impl Ended {
         });
     }
 
-    /// Takes down what became of the devices and of the recording.
+    /// Adds the results of closing the devices and the recording.
     pub fn closes(&mut self, recorder: Option<Recorder>, closed: &[Closed], names: &[String]) {
         for (number, closed) in closed.iter().enumerate() {
             if let Some(why) = closed.get() {
@@ -140,7 +141,7 @@ impl Ended {
         }
     }
 
-    /// As Python takes it.
+    /// Converts to the tuple for Python.
     pub fn told(self) -> ToldEnd {
         (
             (

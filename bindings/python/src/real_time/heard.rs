@@ -1,4 +1,4 @@
-//! What is heard of a loop: a ring of ticks for Python, and the way to the recording.
+//! Ring buffer of ticks for Python, and forwarding of ticks to the recording.
 
 use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -11,30 +11,30 @@ use palpate_rt::{Listener, Tap, Told};
 use crate::columns::Words;
 use crate::recording::{body, device, word};
 
-/// Most ticks that a ring holds: 4 minutes at 4 kHz, some 500 MB.
+/// Largest capacity of a ring [ticks]: 4 minutes at 4 kHz, about 500 MB.
 pub const LARGEST: usize = 1_000_000;
-/// Events that wait for Python; a recording has all of them.
+/// Largest number of events that wait for Python; a recording has all events.
 const EVENTS_KEPT: usize = 1000;
-/// How long the listener rests when it has heard everything.
+/// Sleep time of the listener when the queue is empty.
 const REST: Duration = Duration::from_millis(1);
-/// Ticks that are taken before others may look.
+/// Largest number of ticks taken before the ring is unlocked.
 const AT_ONCE: usize = 4096;
 
-/// A tick as Python takes it: a row for each contact, one for each body of a world, and one for each of several devices.
+/// Ticks for Python: one row per contact, one per body of a world, and one per device if there are several.
 #[derive(Debug, Default)]
 pub struct Rows {
-    /// Of contacts, or of the tick alone where there is none.
+    /// Rows of contacts, or of the tick alone if there is no contact.
     pub contacts: Words,
-    /// Of bodies.
+    /// Rows of bodies.
     pub bodies: Words,
-    /// Of the devices of a loop that has several.
+    /// Rows of devices, for a loop with several.
     pub devices: Words,
 }
 
-/// Events, each with the number of its tick, its time `[s]`, its kind and its text; and how many are gone.
+/// Events, each with its tick number, time `[s]`, kind and text; and the number of dropped events.
 pub type Events = (Vec<(u64, f64, String, String)>, u64);
 
-/// The newest ticks and events that Python has not read.
+/// Newest ticks and events that Python has not read.
 #[derive(Debug)]
 pub struct Heard {
     ring: Mutex<Ring>,
@@ -45,31 +45,31 @@ pub struct Heard {
 #[derive(Debug, Default)]
 struct Ring {
     rows: VecDeque<Rows>,
-    /// Ticks that were in the ring and made room for newer ones.
+    /// Ticks in the ring that newer ones replaced.
     overwritten: u64,
     events: VecDeque<Event>,
     events_gone: u64,
     last: Option<(Instant, Tick)>,
-    /// Ticks that the loop made, and those of them that came here.
+    /// Number of ticks of the loop, and of those received here.
     made: u64,
     came: u64,
     closed: bool,
 }
 
-/// How the ring stands.
+/// State of the ring.
 pub struct Standing {
-    /// Ticks that the loop made.
+    /// Number of ticks of the loop.
     pub ticks: u64,
-    /// Ticks that no read has given or will give.
+    /// Number of dropped ticks, which no read returns.
     pub lost: u64,
-    /// Time since the last tick came `[s]`; `None` before the first.
+    /// Time since the last tick was received `[s]`; `None` before the first.
     pub silent: Option<f64>,
-    /// Whether a trip kept the motors off at the end of the last tick.
+    /// Whether a safety stop disabled the motors at the end of the last tick.
     pub tripped: bool,
 }
 
 impl Heard {
-    /// A ring of so many ticks.
+    /// Creates a ring for `most` ticks.
     pub fn new(most: usize) -> Self {
         Self {
             ring: Mutex::default(),
@@ -82,7 +82,7 @@ impl Heard {
         self.ring.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes what is there, after waiting up to `wait` for something or for the end.
+    /// Takes all rows, after waiting up to `wait` for the first one or the end.
     pub fn take(&self, wait: Duration) -> Rows {
         let mut ring = self.ring();
         if ring.rows.is_empty() && !ring.closed && wait > Duration::ZERO {
@@ -101,7 +101,7 @@ impl Heard {
         taken
     }
 
-    /// The events that wait, and how many are gone since this was asked last.
+    /// Returns the waiting events and the number of events dropped since the last call.
     pub fn events(&self) -> Events {
         let mut ring = self.ring();
         let gone = std::mem::take(&mut ring.events_gone);
@@ -110,7 +110,7 @@ impl Heard {
         (told.collect(), gone)
     }
 
-    /// How it stands.
+    /// Returns the state of the ring.
     pub fn now(&self) -> Standing {
         let ring = self.ring();
         Standing {
@@ -123,12 +123,12 @@ impl Heard {
         }
     }
 
-    /// Whether nothing more comes.
+    /// Whether the ring is closed.
     pub fn is_closed(&self) -> bool {
         self.ring().closed
     }
 
-    /// Nothing more comes.
+    /// Closes the ring: no more ticks follow.
     pub fn close(&self) {
         self.ring().closed = true;
         self.news.notify_all();
@@ -154,30 +154,30 @@ impl Heard {
             }
             ring.events.push_back(event);
         }
-        // Those on their way here are not lost.
+        // Ticks in transit are not lost.
         ring.made = ring.came + news.lost;
         drop(ring);
         self.news.notify_all();
     }
 }
 
-/// What came since the ring was told last.
+/// Ticks and events received since the last update of the ring.
 #[derive(Default)]
 struct News {
     rows: Vec<Rows>,
     events: Vec<Event>,
     last: Option<Tick>,
-    /// Ticks before the last one that found no room on their way here.
+    /// Number of earlier ticks that were dropped on the way.
     lost: u64,
 }
 
-/// Listens until the loop has ended: fills the ring, and passes on what is to be recorded.
+/// Listens until the loop has ended: fills the ring and forwards ticks to the recording.
 pub fn listen(mut listener: Listener, mut recording: Option<Tap>, heard: &Heard) {
     let mut news = News::default();
     let mut came = 0;
     let mut are_named = false;
     loop {
-        // Asked first: what was told before the loop went is then still to come.
+        // Check before draining: messages sent before the loop closed are still in the queue.
         let is_last = listener.is_closed();
         let mut rested = true;
         for _ in 0..AT_ONCE {
@@ -185,7 +185,7 @@ pub fn listen(mut listener: Listener, mut recording: Option<Tap>, heard: &Heard)
                 break;
             };
             rested = false;
-            // They are told before the first tick.
+            // The loop sends the device names before the first tick.
             if let Some(recording) = recording.as_ref().filter(|_| !are_named) {
                 recording.name_devices(listener.device_names().to_vec());
                 are_named = true;
@@ -198,7 +198,7 @@ pub fn listen(mut listener: Listener, mut recording: Option<Tap>, heard: &Heard)
                     if let Some(recording) = &mut recording {
                         recording.tick_with_devices(&tick, &contacts, &bodies, &devices);
                     }
-                    // As a recording numbers them.
+                    // Number the contacts as a recording does.
                     let numbered = (0..).zip(contacts);
                     let contacts = numbered.map(|(contact, own)| ContactTick { contact, ..own });
                     let contacts: Vec<_> = contacts.collect();

@@ -1,16 +1,17 @@
-//! The force that a device holds, for whoever asks beside the loop.
+//! Force that a device holds, readable outside the loop.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use palpate_device::{Capabilities, Device, DeviceError, Pose, Vector, Wrench, ZeroWriter};
 
-/// The force that a device has said it holds, readable by any thread.
+/// Reported held force of a device, readable by any thread.
 #[derive(Clone, Debug, Default)]
 pub struct Held(Arc<[AtomicU64; 3]>);
 
 impl Held {
-    /// The force `[N]`; NaN where the device did not say whether it took the last one. Its components are of one moment each.
+    /// Returns the force `[N]`; NaN if the device did not confirm the last command. Each component is atomic on its
+    /// own.
     pub fn force(&self) -> Vector {
         [0, 1, 2].map(|axis| f64::from_bits(self.0[axis].load(Ordering::Acquire)))
     }
@@ -22,14 +23,14 @@ impl Held {
     }
 }
 
-/// A device that lets others know what it holds.
+/// A device wrapper that publishes the held force.
 pub struct Telling {
     device: Box<dyn Device>,
     held: Held,
 }
 
 impl Telling {
-    /// `device`, which tells `held`.
+    /// Wraps `device`, which publishes to `held`.
     pub fn new(device: Box<dyn Device>, held: Held) -> Self {
         Self { device, held }
     }

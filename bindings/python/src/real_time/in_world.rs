@@ -1,4 +1,4 @@
-//! A world on its devices: which devices, where they stand in the world, and what is rendered on them.
+//! A world on its devices: their drivers, their frames in the world, and the rendering.
 
 use std::time::Duration;
 
@@ -20,27 +20,27 @@ use super::held::{Held, Telling};
 use crate::names::{refused, wrong_on_bench};
 use crate::world::PyWorld;
 
-/// A device that is ready, and where it stands in the world.
+/// An open device and its frame in the world.
 pub struct OpenedInWorld {
     /// The device.
     pub device: Box<dyn Device>,
-    /// Where it stands.
+    /// Frame of the device in the world.
     pub frame: WorldFrame,
-    /// The force that it holds.
+    /// Force that the device holds.
     pub held: Held,
-    /// Why it could not be let go of in the end, if it could not.
+    /// Error of disabling the output at the end, if it failed.
     pub closed: Closed,
-    /// What tells this device from all others of this machine, if it is a real one.
+    /// Unique identity of a physical device on this machine.
     pub identity: Option<String>,
 }
 
-/// Where a hand wants to have its device in a world, set by Python at any time.
+/// Target pose of a simulated hand in a world, which Python can set at any time.
 #[pyclass(frozen, name = "HandInWorld", module = "palpate._palpate")]
 pub struct HandInWorld(SpatialHand);
 
 #[pymethods]
 impl HandInWorld {
-    /// A hand that holds its device at `target` `[m]`.
+    /// Creates a hand that holds its device at `target` `[m]`.
     #[new]
     fn new(target: Vector) -> PyResult<Self> {
         let hand = Self(SpatialHand::at([0.0; 3]));
@@ -48,7 +48,7 @@ impl HandInWorld {
         Ok(hand)
     }
 
-    /// Wants to be at `target` `[m]`, and takes hold of the device if it had let go.
+    /// Sets the target `[m]` and grasps the device if it was released.
     fn move_to(&self, target: Vector) -> PyResult<()> {
         if let Some(wrong) = target.iter().find(|x| !x.is_finite()) {
             return Err(refused(format!(
@@ -59,12 +59,13 @@ impl HandInWorld {
         Ok(())
     }
 
-    /// Lets go of the device.
+    /// Releases the device.
     fn let_go(&self) {
         self.0.let_go();
     }
 
-    /// Wants a device of six axes to be turned so, a quaternion `[w, x, y, z]` with a direction; None: as it begins.
+    /// Sets the target orientation of a device of six axes, a quaternion `[w, x, y, z]` of any length above 0; None:
+    /// the initial orientation.
     fn turn_to(&self, orientation: Option<[f64; 4]>) -> PyResult<()> {
         let Some(orientation) = orientation else {
             self.0.turn_back();
@@ -84,20 +85,20 @@ impl HandInWorld {
         Ok(())
     }
 
-    /// How it wants the device to be turned; None: as it begins.
+    /// Target orientation; None: the initial orientation.
     #[getter]
     fn orientation(&self) -> Option<[f64; 4]> {
         self.0.orientation()
     }
 
-    /// Where it wants to be `[m]`; None if it holds nothing.
+    /// Target position `[m]`; None if the device is released.
     #[getter]
     fn target(&self) -> Option<Vector> {
         self.0.target()
     }
 }
 
-/// Where a device stands in a world, as far as somebody says so.
+/// Arguments that locate a device in a world; None: default.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 struct Standing {
@@ -106,8 +107,8 @@ struct Standing {
     world_axes: Option<Vec<String>>,
 }
 
-/// Opens the device that `given` describes as the device `own` of a world, which has that name there, for a loop of `period`
-/// that may be silent for `silence`.
+/// Opens the device that `given` describes as the world's device `own` called `name`, for a loop of `period` with at
+/// most `silence` between commands.
 pub fn open(
     py: Python<'_>,
     given: &Bound<'_, PyDict>,
@@ -174,8 +175,8 @@ pub fn open(
     })
 }
 
-/// Device and motors of the world that a simulated device is of: its only one, or the one that is called as `given` says, or
-/// else as the loop's world calls it.
+/// Returns device and actuator of the world that a simulated device belongs to: its only device, or the device named in
+/// `given`, or by default the device called `name`.
 fn own_device(given: &Bound<'_, PyDict>, name: &str) -> PyResult<(WorldDevice, WorldActuator)> {
     let world = given.as_any().get_item("world")?;
     let world = world.cast::<PyWorld>()?.borrow();
@@ -200,7 +201,7 @@ fn own_device(given: &Bound<'_, PyDict>, name: &str) -> PyResult<(WorldDevice, W
     Ok((*own, actuator))
 }
 
-/// What a loop renders of a world, on these devices, which are given no more than their limits let through.
+/// Returns the rendering of a world on these devices, with limits within those of the devices.
 pub fn rendered(world: &PyWorld, on: &[OnDevice]) -> PyResult<RenderedWorld> {
     palpate_session::rendered(world.scene(), &world.method, on).map_err(|error| match error {
         NotRendered::World(faults) => world.wrong(&faults),
@@ -247,7 +248,7 @@ impl Standing {
     }
 }
 
-/// Axes of the world by their letters, with - where the device's axis points the other way.
+/// Parses world axes by their letters, with - if the device's axis points in the opposite direction.
 fn axes(words: &[String]) -> PyResult<Vec<WorldAxis>> {
     let axis = |word: &String| {
         let letter = word.strip_prefix('-').unwrap_or(word);

@@ -1,4 +1,4 @@
-//! `Loop`: the loop of `palpate run` beside Python, which never runs in a tick.
+//! `Loop`: the loop of `palpate run` beside Python. No Python code runs in a tick.
 
 mod control;
 mod devices;
@@ -41,37 +41,37 @@ use held::Held;
 use options::Options;
 use prepared::{Beside, Prepared, prepare_contact, prepare_slow_host, prepare_world};
 
-/// Ticks that may wait for the thread that listens: 4 s at 4 kHz.
+/// Capacity of the queue to the listener thread [ticks]: 4 s at 4 kHz.
 const ROOM: usize = 1 << 14;
-/// How often somebody who waits looks whether Python has a signal to handle.
+/// Polling interval of a waiting caller for pending Python signals.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
-/// A loop in real time on a device, or on several.
+/// A real-time loop on one or several devices.
 #[pyclass(frozen, subclass, name = "Loop", module = "palpate._palpate")]
 pub struct RealTimeLoop {
     stage: Mutex<Stage>,
     parameters: Mutex<Option<Parameters>>,
     in_world: Mutex<Option<InWorld>>,
     heard: Arc<Heard>,
-    /// The force of each device.
+    /// Held force of each device.
     held: Vec<Held>,
-    /// The process that has made it: a process that is forked off has none of its threads.
+    /// Process that created the loop; a forked child has none of its threads.
     process: u32,
-    /// The devices, in words.
+    /// Description of the devices.
     runs_on: String,
-    /// What several devices are called in the world; none of one.
+    /// Names of several devices in the world; empty for one device.
     names: Vec<String>,
     largest_force: f64,
     period: f64,
 }
 
-/// What a loop of a world renders, and on which devices.
+/// World rendering of a loop and its devices.
 struct InWorld {
     worlds: Worlds,
     on: Vec<OnDevice>,
 }
 
-/// What a loop is made of, by how far it has come.
+/// Stage of a loop with its resources.
 enum Stage {
     Made(Box<Made>),
     Runs(Box<Runs>),
@@ -86,7 +86,7 @@ struct Made {
     opened: Vec<Closed>,
 }
 
-/// What the listening thread begins with.
+/// Initial state of the listener thread.
 struct Listening {
     listener: palpate_rt::Listener,
     recording: Option<palpate_rt::Tap>,
@@ -99,11 +99,11 @@ struct Runs {
     closed: Vec<Closed>,
 }
 
-/// Whether it runs, ticks made, ticks that no read can give, time since the last tick was heard `[s]`, cuts, whether a trip
-/// keeps the motors off, and the force of each device `[N]`.
+/// Whether the loop runs, ticks, dropped ticks, time since the last received tick `[s]`, cuts, whether a safety stop
+/// disables the motors, and the force of each device `[N]`.
 type Now = (bool, u64, u64, Option<f64>, u64, bool, Vec<[f64; 3]>);
 
-/// Words of rows of contacts, of bodies, and of several devices.
+/// Words of rows: contacts, bodies, and several devices.
 type Taken<'py> = (
     Bound<'py, PyArray1<u64>>,
     Bound<'py, PyArray1<u64>>,
@@ -112,8 +112,9 @@ type Taken<'py> = (
 
 #[pymethods]
 impl RealTimeLoop {
-    /// Opens the devices and prepares the loop; the Python file has the arguments. `devices` are in the order of the world's;
-    /// `rendered` is a world, a slow host, or method, parameters and settings of a contact.
+    /// Opens the devices and prepares the loop; the Python file documents the arguments. `devices` are in the order
+    /// of the world's devices; `rendered` is a world, a low-rate simulator, or method, parameters and settings of a
+    /// contact.
     #[new]
     fn new(
         py: Python<'_>,
@@ -183,7 +184,7 @@ impl RealTimeLoop {
         })
     }
 
-    /// Starts the loop's thread; says what the machine was asked for, whether it granted that, and in words.
+    /// Starts the loop's thread and returns each real-time request: its name, whether it was granted, and a message.
     fn start(&self, py: Python<'_>) -> PyResult<Vec<(String, bool, String)>> {
         self.check_process()?;
         py.detach(|| {
@@ -224,13 +225,13 @@ impl RealTimeLoop {
         })
     }
 
-    /// Ends the loop, waits until the device was commanded no force and was let go of, and says how it went.
+    /// Stops the loop, waits until zero force is commanded and the outputs are disabled, and returns the result.
     fn stop(&self, py: Python<'_>) -> PyResult<ToldEnd> {
         self.check_process()?;
         Ok(py.detach(|| self.end()).told())
     }
 
-    /// Renders by other parameters from the next tick on, and gives their number.
+    /// Changes the parameters from the next tick on and returns their number.
     fn change(
         &self,
         method: &Bound<'_, PyAny>,
@@ -245,7 +246,7 @@ impl RealTimeLoop {
         }
     }
 
-    /// Renders another world from the next tick on, and gives its number.
+    /// Changes the world from the next tick on and returns its number.
     fn change_world(&self, world: &Bound<'_, PyWorld>) -> PyResult<u32> {
         self.check_process()?;
         let Some(InWorld { worlds, on }) = &mut *lock(&self.in_world) else {
@@ -257,10 +258,10 @@ impl RealTimeLoop {
         worlds.change(described, rendered).map_err(refused)
     }
 
-    /// Ends a trip that stays, with the next tick.
+    /// Resets a latched safety stop at the next tick.
     fn rearm(&self, py: Python<'_>) -> PyResult<()> {
         self.check_process()?;
-        // `stop` keeps this lock until the loop has ended; other threads of Python go on meanwhile.
+        // `stop` holds this lock until the loop has ended, so release the GIL while waiting.
         py.detach(|| match &*lock(&self.stage) {
             Stage::Runs(runs) => {
                 runs.thread.rearm();
@@ -270,8 +271,8 @@ impl RealTimeLoop {
         })
     }
 
-    /// The ticks since the last read; waits up to `wait` `[s]` for the first of them, and ends that wait
-    /// where the loop has ended.
+    /// Returns the ticks since the last read. Waits up to `wait` `[s]` for the first one, and not beyond the end of
+    /// the loop.
     fn take<'py>(&self, py: Python<'py>, wait: f64) -> PyResult<Taken<'py>> {
         self.check_process()?;
         let wait = Duration::try_from_secs_f64(wait).map_err(|_| {
@@ -290,7 +291,7 @@ impl RealTimeLoop {
             let is_over = until.is_some_and(|until| until <= Instant::now());
             let is_empty = rows.contacts.is_empty();
             if !is_empty || is_over || self.heard.is_closed() {
-                // What was told between the two looks is not left behind.
+                // Include ticks that arrived between the two checks.
                 let Rows {
                     contacts,
                     bodies,
@@ -306,13 +307,13 @@ impl RealTimeLoop {
         }
     }
 
-    /// What happened beside the ticks since this was asked last, and how many events of that are gone.
+    /// Returns the events since the last call and the number of dropped events.
     fn events(&self) -> PyResult<Events> {
         self.check_process()?;
         Ok(self.heard.events())
     }
 
-    /// How the loop stands.
+    /// Returns the state of the loop.
     fn now(&self, py: Python<'_>) -> PyResult<Now> {
         self.check_process()?;
         let (runs, cuts) = py.detach(|| match &*lock(&self.stage) {
@@ -332,19 +333,19 @@ impl RealTimeLoop {
         ))
     }
 
-    /// Name of the device; of several each, behind what it is called in the world.
+    /// Name of the device, or of several devices, each after its name in the world.
     #[getter]
     fn device_name(&self) -> &str {
         &self.runs_on
     }
 
-    /// Nominal time from tick to tick `[s]`.
+    /// Nominal period `[s]`.
     #[getter]
     fn period(&self) -> f64 {
         self.period
     }
 
-    /// Largest force that the loop commands `[N]`; of several devices, of the one that is given the most.
+    /// Largest commanded force `[N]`: the maximum over several devices.
     #[getter]
     fn force_limit(&self) -> f64 {
         self.largest_force
@@ -352,7 +353,7 @@ impl RealTimeLoop {
 }
 
 impl RealTimeLoop {
-    /// Refuses a process that has none of the loop's threads.
+    /// Rejects a process that has none of the loop's threads.
     fn check_process(&self) -> PyResult<()> {
         if self.process == std::process::id() {
             return Ok(());
@@ -363,9 +364,9 @@ impl RealTimeLoop {
         )))
     }
 
-    /// Ends the loop, whatever it does. Needs the time of a tick and of the device's last answer.
+    /// Ends the loop in any stage. Takes the time of a tick and of the device's last reply.
     fn end(&self) -> Ended {
-        // Held to the end: whoever else stops it waits for the same end.
+        // Held until the end, so that concurrent callers wait for the same result.
         let mut stage = lock(&self.stage);
         let empty = Stage::Ended(Box::new(Ended::never_ran()));
         let ended = match std::mem::replace(&mut *stage, empty) {
@@ -415,7 +416,7 @@ impl Drop for RealTimeLoop {
             let _ = self.end();
             return;
         }
-        // The threads are another process's, and so is the device: nothing is to be said to it from here.
+        // Threads and device belong to the parent process: do not communicate with the device from here.
         let stage = std::mem::replace(
             self.stage.get_mut().unwrap_or_else(PoisonError::into_inner),
             Stage::Ended(Box::new(Ended::never_ran())),
@@ -432,7 +433,7 @@ fn told_answer(answer: &Answer) -> (String, bool, String) {
     )
 }
 
-/// What a panic has left is still to be stopped.
+/// Locks a mutex and ignores poisoning: a loop must be stoppable after a panic.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

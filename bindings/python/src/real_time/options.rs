@@ -1,4 +1,4 @@
-//! What Python says of a loop beside its device and its renderer.
+//! Options of a loop, in addition to device and renderer.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use super::heard::LARGEST;
 use crate::names::refused;
 
-/// What Python says beside device and renderer.
+/// Options of a loop from Python, in addition to device and renderer.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Options {
@@ -29,10 +29,10 @@ pub struct Options {
 }
 
 impl Options {
-    /// How long the loop stays awake before a deadline.
+    /// Returns the busy-wait time before a deadline.
     ///
     /// # Errors
-    /// An option that is not allowed, by its name.
+    /// An invalid option, by its name.
     pub fn checked_spin(&self) -> PyResult<Duration> {
         if self.ring == 0 || self.ring > LARGEST {
             return Err(refused(format!(
@@ -51,10 +51,10 @@ impl Options {
             .ok_or_else(|| refused(format!("spin is {} s, but must be 0 to 1", self.spin)))
     }
 
-    /// `limits` with the patience that was asked for.
+    /// Returns `limits` with the requested stall limit.
     pub fn patient(&self, limits: SafetyParams) -> SafetyParams {
         match self.stall_after {
-            // These periods, and nothing else.
+            // Exactly these periods, without the tolerated lateness.
             Some(periods) => SafetyParams {
                 stall_after_periods: periods,
                 tolerated_lateness: 0.0,
@@ -64,7 +64,7 @@ impl Options {
         }
     }
 
-    /// The limits between a renderer with these of its own and `device`.
+    /// Returns the limits between a renderer with its own limits and `device`.
     pub fn limits(
         &self,
         device: &Capabilities,
@@ -84,7 +84,7 @@ impl Options {
         limits
     }
 
-    /// What the machine is asked for.
+    /// Returns the real-time requests to the system.
     pub fn request(&self) -> Request {
         Request {
             priority: (self.priority > 0).then_some(self.priority),

@@ -1,4 +1,4 @@
-//! A loop before its start: its devices are open, and what it renders is ready.
+//! A prepared loop before its start: open devices and a ready renderer.
 
 use std::slice;
 use std::time::Duration;
@@ -23,39 +23,39 @@ use crate::names::refused;
 use crate::renderer::rendering;
 use crate::world::PyWorld;
 
-/// A loop that is ready, and what is known of it.
+/// A prepared loop and its properties.
 pub struct Prepared {
     /// The loop.
     pub control: Control,
-    /// Its period `[s]`.
+    /// Period `[s]`.
     pub period: f64,
-    /// What is left beside it of each device.
+    /// Handles of each device outside the loop.
     pub devices: Vec<Beside>,
-    /// The other end of its world, and its devices there.
+    /// Change channel of the world, and its devices.
     pub in_world: Option<InWorld>,
-    /// The host's end of its local world.
+    /// Simulator side of the local model.
     pub slow_host: Option<palpate_rt::SlowHost>,
-    /// What a recording's receipt has of it.
+    /// Metadata for a recording.
     pub receipt: Receipt,
-    /// What the devices are called in the world, where there are several.
+    /// Names of several devices in the world.
     pub names: Vec<String>,
-    /// What the loop runs on, in words.
+    /// Description of the devices.
     pub runs_on: String,
-    /// The most that it commands of any device `[N]`.
+    /// Largest commanded force of any device `[N]`.
     pub largest_force: f64,
 }
 
-/// What is left beside the loop of a device that it runs on.
+/// Handles of a device outside its loop.
 pub struct Beside {
-    /// The force that it holds.
+    /// Force that the device holds.
     pub held: Held,
-    /// Why it could not be let go of in the end, if it could not.
+    /// Error of disabling the output at the end, if it failed.
     pub closed: Closed,
 }
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// A loop of one contact: method, parameters, soft start and settings.
+/// Prepares a loop of one contact: method, parameters, soft start and settings.
 pub fn prepare_contact(
     py: Python<'_>,
     devices: &[Bound<'_, PyDict>],
@@ -105,7 +105,7 @@ pub fn prepare_contact(
     })
 }
 
-/// A loop of a world, with a device for each of its own, in their order.
+/// Prepares a loop of a world, with one device for each of the world's devices, in their order.
 pub fn prepare_world(
     py: Python<'_>,
     devices: &[Bound<'_, PyDict>],
@@ -192,7 +192,7 @@ pub fn prepare_world(
     })
 }
 
-/// A loop of what a slow host publishes, on one device.
+/// Prepares a loop of a low-rate simulator's local model on one device.
 pub fn prepare_slow_host(
     py: Python<'_>,
     devices: &[Bound<'_, PyDict>],
@@ -240,7 +240,7 @@ pub fn prepare_slow_host(
     })
 }
 
-/// What is wrong with one of several devices, with its name before it.
+/// Prefixes an error with the device name if there are several devices.
 fn of_device(py: Python<'_>, error: PyErr, name: &str, devices: usize) -> PyErr {
     if devices == 1 {
         return error;
@@ -255,7 +255,7 @@ fn of_device(py: Python<'_>, error: PyErr, name: &str, devices: usize) -> PyErr 
     }
 }
 
-/// `1 device`, `2 devices`.
+/// Returns `1 device`, `2 devices`.
 fn counted(devices: usize) -> String {
     format!("{devices} device{}", if devices == 1 { "" } else { "s" })
 }

@@ -1,4 +1,4 @@
-//! `SlowHost`: what a slow host publishes to a loop in real time, and how far the loop says that it has come.
+//! `SlowHost`: simulator side of a local model: publishes models to a real-time loop and reads its progress.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -20,7 +20,7 @@ use crate::names::refused;
 use crate::real_time::heard::Heard;
 use crate::renderer::safety_params;
 
-/// The tool, room for models, and the loop, as the Python files hand them over.
+/// Tool, capacities for models, and loop, as passed by the Python files.
 #[derive(Clone, Copy, FromPyObject)]
 #[pyo3(from_item_all)]
 struct Given {
@@ -42,8 +42,8 @@ struct Given {
     soft_start: f64,
 }
 
-/// Numbers of bodies that it is of, of the body whose surface it is, place, normal, curvature; centre and radius of a body's sphere;
-/// stiffness, damping, friction and its stiffness.
+/// Indices of the body with the sphere and of the body with the surface; position, normal, curvature; centre and
+/// radius of a body's sphere; stiffness, damping, friction and its stiffness.
 type GivenContact = (
     (Option<usize>, Option<usize>),
     (Vector, Vector, f64),
@@ -51,23 +51,23 @@ type GivenContact = (
     [f64; 5],
 );
 
-/// Tick and period, whether the contacts fade, the last model's tick and why the last was not taken; position and velocity of the
-/// tool; impulse, its moment, and place of the copy of each body.
+/// Tick and period, whether the contacts fade, tick of the last model and the reason for rejecting the last one;
+/// position and velocity of the tool; impulse, its moment, and position of the copy of each body.
 type ToldProgress = (
     (u64, f64, bool, Option<u64>, Option<&'static str>),
     (Vector, Vector),
     Vec<(Vector, Vector, Vector)>,
 );
 
-/// The end of a local model that Python has.
+/// Simulator side of a local model.
 #[pyclass(frozen, subclass, name = "SlowHost", module = "palpate._palpate")]
 pub struct SlowHost {
     given: Given,
-    /// None before a loop is made with it.
+    /// None before a loop uses it.
     end: Mutex<Option<End>>,
 }
 
-/// The host's end, and what its loop has told.
+/// Simulator side, and the ticks of its loop.
 struct End {
     own: palpate_rt::SlowHost,
     heard: Arc<Heard>,
@@ -75,7 +75,7 @@ struct End {
 
 #[pymethods]
 impl SlowHost {
-    /// A host that is described by a dictionary; the Python file has its keys.
+    /// Creates a simulator side from a dictionary; the Python file documents its keys.
     #[new]
     fn new(given: &Bound<'_, PyDict>) -> PyResult<Self> {
         let given: Given = read(given)?;
@@ -87,7 +87,7 @@ impl SlowHost {
         })
     }
 
-    /// How far the loop has come, as of its last tick.
+    /// Returns the progress of the loop at its last tick.
     fn progress_now(&self) -> PyResult<ToldProgress> {
         let mut end = self.end();
         let progress = taken(&mut end)?.own.progress();
@@ -108,7 +108,7 @@ impl SlowHost {
         ))
     }
 
-    /// Publishes bodies, a row for each, and contacts as of a tick.
+    /// Publishes bodies, one row each, and contacts for a tick.
     fn publish_model(
         &self,
         tick: u64,
@@ -137,7 +137,7 @@ impl SlowHost {
             .map_err(|faults| wrong(&faults))
     }
 
-    /// Time from sample to sample of its loop `[s]`.
+    /// Sampling period of its loop `[s]`.
     #[getter]
     pub fn period(&self) -> f64 {
         self.given.period
@@ -145,10 +145,10 @@ impl SlowHost {
 }
 
 impl SlowHost {
-    /// The name of its tool in messages and recordings.
+    /// Name of its tool in messages and recordings.
     pub const TOOL: &'static str = "tool";
 
-    /// The device as it begins.
+    /// Returns the initial device.
     pub fn device(&self) -> WorldDevice {
         WorldDevice {
             own_axes: None,
@@ -167,20 +167,20 @@ impl SlowHost {
         }
     }
 
-    /// The largest force `[N]`, if there is one, and the soft start `[s]`.
+    /// Returns the largest force `[N]`, if limited, and the soft-start time `[s]`.
     pub fn limits(&self) -> (Option<f64>, f64) {
         (finite(self.given.force_limit), self.given.soft_start)
     }
 
-    /// Both ends of what a loop renders on a device that stands so; the host's is for [`Self::belong`].
+    /// Creates both sides of a local model on a device with this frame; pass the simulator side to [`Self::belong`].
     pub fn ends(&self, frame: WorldFrame) -> PyResult<(palpate_rt::SlowHost, LocalWorld)> {
         free(&self.end())?;
         let axes = [0, 1, 2].map(|axis| frame.has(axis));
         local_world(self.given.renderer(axes)?, frame).map_err(refused)
     }
 
-    /// Gives this host to the loop that has the other end. A loop calls this when nothing else can fail: a loop that could not
-    /// be made leaves the host free.
+    /// Connects this object to the loop with the other side. Call it last, after everything that can fail, so that a
+    /// failed loop leaves it unconnected.
     pub fn belong(&self, own: palpate_rt::SlowHost, heard: Arc<Heard>) -> PyResult<()> {
         let mut end = self.end();
         free(&end)?;

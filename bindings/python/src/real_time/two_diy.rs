@@ -1,4 +1,4 @@
-//! The Haply 2DIY of a loop, with its guardian.
+//! The Haply 2DIY of a loop, with its watchdog process.
 
 use std::process::Command;
 use std::sync::{Arc, OnceLock};
@@ -15,7 +15,7 @@ use pyo3::prelude::*;
 use super::devices::{StartPose, TwoDiyGiven};
 use crate::names::refused;
 
-/// Opens a 2DIY, with the guardian that it is to have; with its usual axis, and which it is.
+/// Opens a 2DIY with the given watchdog process and returns it with its default axis and its identity.
 pub fn two_diy(
     given: &TwoDiyGiven,
     clock: MonotonicClock,
@@ -79,7 +79,7 @@ pub fn two_diy(
         board,
         calibration,
     };
-    // Where there is none, opening it says so.
+    // If there is no port, `open` reports it.
     setup.port = setup.port().ok();
     let identity = setup.port.as_deref().map(identity);
     let device = setup.open(period, clock, guard).map_err(not_opened)?;
@@ -106,7 +106,7 @@ fn not_opened(error: OpenError) -> PyErr {
     }
 }
 
-/// Serves as the guardian of a device that holds its last force; standard input is the loop's socket.
+/// Runs the watchdog process of a device that holds its last force; standard input is the loop's socket.
 #[pyfunction]
 pub fn guard() -> PyResult<()> {
     palpate_rt::guardian::serve().map_err(|error| PyOSError::new_err(error.to_string()))

@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { Pacer } from "../../../../web/pacer.js";
 import { TooSlow } from "../../../../web/slow.js";
 
-/** Turns of 10 ms, in each of which the loop gets at most `mostS` further [s]. */
+/** Turns of 10 ms, in each of which the loop advances by at most `mostS` [s]. */
 function run(pacer, turns, mostS) {
   for (let turn = 1; turn <= turns; turn += 1) {
     const untilS = pacer.until(10 * turn);

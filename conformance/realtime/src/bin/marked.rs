@@ -1,4 +1,4 @@
-//! Puts a system call that nothing else makes before and after each tick, for strace to show.
+//! Makes a unique system call before and after each tick, for strace.
 //!
 //! ```text
 //! marked stepped|monotonic|MISDEED

@@ -1,4 +1,4 @@
-//! Commits one misdeed in its ticks, under the eyes of RealtimeSanitizer.
+//! Commits one misdeed in its ticks, monitored by RealtimeSanitizer.
 
 use palpate_conformance_realtime::misdeeds::commit;
 use palpate_conformance_realtime::rtsan::watched;

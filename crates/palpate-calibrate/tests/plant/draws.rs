@@ -1,8 +1,8 @@
-//! Random plants as desks have them.
+//! Random plants of desktop devices.
 
 use super::PlantParams;
 
-/// What a random plant has beside mass, motor, delay and sensor.
+/// Properties of a random plant besides mass, motor, delay and sensor.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Kind {
     pub friction: bool,

@@ -1,16 +1,16 @@
-//! A virtual device in a sampled loop, integrated in steps far below the period: what calibration is
-//! judged by. It shares no code with the fit.
+//! A virtual device in a sampled loop, integrated in steps far below the period. It is the reference for calibration
+//! tests and shares no code with the fit.
 
 pub mod draws;
 
 use std::f64::consts::TAU;
 
-/// What is put in.
+/// Parameters of the plant.
 #[derive(Clone, Copy, Debug)]
 pub struct PlantParams {
     /// Period `[s]`.
     pub period: f64,
-    /// Mass at the motor `[kg]`; all of it where `second_mass` is 0.
+    /// Mass at the motor `[kg]`; the whole mass if `second_mass` is 0.
     pub mass: f64,
     /// Mass beyond the transmission `[kg]`.
     pub second_mass: f64,
@@ -20,7 +20,7 @@ pub struct PlantParams {
     pub transmission_damping: f64,
     /// Shortest delay of a command `[periods]`.
     pub delay: f64,
-    /// Most that a command is later than that, evenly spread `[periods]`.
+    /// Largest additional delay of a command, uniformly distributed `[periods]`.
     pub jitter: f64,
     /// Time constant of the motor `[s]`.
     pub lag: f64,
@@ -52,12 +52,12 @@ pub struct PlantParams {
     pub noise: f64,
     /// Largest force of the amplifier `[N]`.
     pub saturation: f64,
-    /// Time at which commands begin to be later, and by how much `[s]`, `[periods]`.
+    /// Time `[s]` at which the delay of commands increases, and the increase `[periods]`.
     pub jump: [f64; 2],
 }
 
 impl PlantParams {
-    /// A mass on a motor without anything else.
+    /// Creates a mass on a motor without further effects.
     pub fn bare(period: f64, mass: f64) -> Self {
         Self {
             period,
@@ -86,8 +86,7 @@ impl PlantParams {
         }
     }
 
-    /// Splits the mass: `fraction` of it is beyond a transmission that resonates at `hertz` with nothing
-    /// on either side.
+    /// Splits the mass: `fraction` of it is beyond a transmission with a free-free resonance at `hertz`.
     pub fn flexible(&mut self, hertz: f64, damping_ratio: f64, fraction: f64) {
         let whole = self.mass;
         self.second_mass = fraction * whole;
@@ -98,12 +97,12 @@ impl PlantParams {
         self.transmission_damping = 2.0 * damping_ratio * w * reduced;
     }
 
-    /// Everything that moves `[kg]`.
+    /// Returns the total moving mass `[kg]`.
     pub fn moved_mass(&self) -> f64 {
         self.mass + self.second_mass + self.hand_mass
     }
 
-    /// The resonance with the hand on it `[Hz]`.
+    /// Returns the resonance with the hand attached `[Hz]`.
     pub fn resonance(&self) -> Option<f64> {
         let second = self.second_mass + self.hand_mass;
         (self.second_mass > 0.0).then(|| {
@@ -112,7 +111,7 @@ impl PlantParams {
         })
     }
 
-    /// Mean delay and lag `[periods]`.
+    /// Returns the mean delay plus lag `[periods]`.
     pub fn delay_plus_lag(&self) -> f64 {
         self.delay + self.jitter / 2.0 + self.lag / self.period
     }
@@ -126,12 +125,12 @@ pub struct Plant {
     x: [f64; 2],
     v: [f64; 2],
     motor: f64,
-    /// Command that acts, and the ones that will: instant `[s]` and force `[N]`.
+    /// Acting command, and pending commands: instant `[s]` and force `[N]`.
     acting: f64,
     waiting: std::collections::VecDeque<(f64, f64)>,
     latest: f64,
     ticks: usize,
-    /// Furthest that it has been `[m]`.
+    /// Largest excursion so far `[m]`.
     pub excursion: f64,
 }
 
@@ -171,10 +170,10 @@ impl Plant {
         }
     }
 
-    /// What the sensor says `[m]`.
+    /// Returns the sensor's reading `[m]`.
     pub fn measured(&mut self) -> f64 {
         let PlantParams { noise, quantum, .. } = self.params;
-        // The sum of twelve even numbers is near enough to a normal one.
+        // The sum of twelve uniform numbers approximates a normal distribution.
         let normal = (0..12).map(|_| self.random.f64()).sum::<f64>() - 6.0;
         let x = self.x[0] + noise * normal;
         if quantum > 0.0 {
@@ -191,7 +190,7 @@ impl Plant {
             .sum()
     }
 
-    /// Gives a command `[N]` and moves on by one period.
+    /// Issues a command `[N]` and advances by one period.
     pub fn advance(&mut self, command: f64) {
         let p = self.params;
         let [at, later] = p.jump;
@@ -227,7 +226,7 @@ impl Plant {
         self.ticks += 1;
     }
 
-    /// Mean force of the motor over a step.
+    /// Returns the mean force of the motor over a step.
     fn motor_force(&mut self, t: f64, dt: f64, kept: f64) -> f64 {
         let (mut from, mut sum) = (t, 0.0);
         while let Some(&(begins, force)) = self.waiting.front().filter(|next| next.0 < t + dt) {

@@ -1,4 +1,4 @@
-//! Arguments about files: what becomes of those that are there, and which part of a motion is read.
+//! Arguments for files: overwriting, figures, trace layout and the selected part of a motion.
 
 use std::path::PathBuf;
 
@@ -12,17 +12,16 @@ use palpate_record::unit::{LengthUnit, TimeUnit};
 use crate::failure::Failure;
 use crate::values::{TraceColumns, delimiter, length_unit, number, time_unit, trace_columns};
 
-/// What becomes of files that are there already. The flag `--force` of other programs is the
-/// virtual force here.
+/// Overwriting of existing files. The flag `--force` of other programs is the virtual force here.
 #[derive(Args, Debug, Default, Clone, Copy)]
 pub struct Overwriting {
-    /// Replace files that are there already; without it they are kept, and nothing is done
+    /// Replace existing files; without it they are kept and the command stops
     #[arg(long, action = ArgAction::SetTrue, help_heading = "Results")]
     pub overwrite: bool,
 }
 
 impl Overwriting {
-    /// The files of a command, none yet.
+    /// Creates an empty list of a command's output files.
     pub fn outputs(self) -> Outputs {
         let existing = if self.overwrite {
             Existing::Replace
@@ -36,18 +35,18 @@ impl Overwriting {
     }
 }
 
-/// Where the figure of a command goes.
+/// Figure of a command.
 #[derive(Args, Debug, Default, Clone)]
 pub struct PlotFlags {
     /// Draw a figure into a file, .svg or .pdf (or .png where built with the feature png)
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Results")]
     pub plot: Option<PathBuf>,
-    /// How large it is.
+    /// Size of the figure.
     #[command(flatten)]
     pub size: SizeFlag,
 }
 
-/// How large a figure is.
+/// Size of a figure.
 #[derive(Args, Debug, Default, Clone, Copy)]
 pub struct SizeFlag {
     /// Size of the figure: column (85 mm wide), page (170 mm wide), slide (254x142.9), or width and
@@ -56,10 +55,10 @@ pub struct SizeFlag {
     pub size: Option<Size>,
 }
 
-/// Which part of a figure over time is drawn.
+/// Time range of a figure.
 #[derive(Args, Debug, Default, Clone, Copy)]
 pub struct TimeFlags {
-    /// Draw the figure from this time on [s]; what is computed stays the same [default: its begin]
+    /// Draw the figure from this time on [s]; the computation is unchanged [default: its begin]
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
           help_heading = "Results")]
     pub plot_from: Option<f64>,
@@ -69,34 +68,34 @@ pub struct TimeFlags {
     pub plot_to: Option<f64>,
 }
 
-/// How the table of a recorded motion is laid out.
+/// Layout of the table of a recorded motion.
 #[derive(Args, Debug, Default, Clone)]
 pub struct TraceFlags {
-    /// Unit of the positions in the table: m, cm, mm or um; m also means that a motion too long or too
-    /// fast for a hand is right [default: that of the unit row or the column's name]
+    /// Unit of the positions in the table: m, cm, mm or um; m also disables the plausibility check of the motion's
+    /// length and speed [default: that of the unit row or the column's name]
     #[arg(long, value_name = "UNIT", value_parser = length_unit)]
     pub unit: Option<LengthUnit>,
-    /// Unit of the times: s, ms, us or ns; s also means that samples so far apart are right [default:
-    /// that of the unit row or the column's name]
+    /// Unit of the times: s, ms, us or ns; s also allows samples that are far apart [default: that of the unit row or
+    /// the column's name]
     #[arg(long, value_name = "UNIT", value_parser = time_unit)]
     pub time_unit: Option<TimeUnit>,
-    /// Columns of the table: t=time,x=X (of one contact t, x and force; of a world t, x,
-    /// y, z, qw, qx, qy, qz, of several devices NAME.x); t=#2: the second column
+    /// Columns of the table: t=time,x=X (for one contact t, x and force; for a world t, x, y, z, qw, qx, qy, qz, with
+    /// several devices NAME.x); t=#2: the second column
     #[arg(long, value_name = "QUANTITY=COLUMN,...", value_parser = trace_columns)]
     pub columns: Option<TraceColumns>,
-    /// What separates the columns: comma, semicolon or tab [default: what separates those of the header]
+    /// Column separator: comma, semicolon or tab [default: that of the header]
     #[arg(long, value_name = "NAME", value_parser = delimiter)]
     pub delimiter: Option<Delimiter>,
-    /// Read numbers with a comma in place of the decimal point
+    /// Read numbers with a decimal comma
     #[arg(long)]
     pub decimal_comma: bool,
-    /// Leave out samples without a value: an empty cell, NaN, NA or null; without it they are refused
+    /// Skip samples without a value: an empty cell, NaN, NA or null; without it they are rejected
     #[arg(long)]
     pub skip_missing: bool,
 }
 
 impl TraceFlags {
-    /// Their names, for the list of flags that a command takes.
+    /// Field names, for the list of flags that a command takes.
     pub const NAMES: [&str; 6] = [
         "unit",
         "time_unit",
@@ -106,7 +105,7 @@ impl TraceFlags {
         "skip_missing",
     ];
 
-    /// The layout that they say.
+    /// Returns the layout from the flags.
     pub fn layout(&self) -> Layout {
         let mut layout = Layout::in_unit(self.unit);
         layout.time_unit = self.time_unit;
@@ -121,7 +120,7 @@ impl TraceFlags {
         layout
     }
 
-    /// The first of them that was given.
+    /// Returns the first of these flags on the command line.
     pub fn given(&self) -> Option<&'static str> {
         [
             ("--unit", self.unit.is_some()),
@@ -136,19 +135,19 @@ impl TraceFlags {
     }
 }
 
-/// Which part of a recorded motion is taken.
+/// Selected part of a recorded motion.
 #[derive(Args, Debug, Default, Clone, Copy)]
 pub struct PartFlags {
-    /// Take the recorded motion from this time of its own on [s] [default: its first sample]
+    /// Start time in the recorded motion [s] [default: its first sample]
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
     pub from: Option<f64>,
-    /// Take it up to this time of its own [s]; nothing after it is read [default: its last sample]
+    /// End time in the recorded motion [s]; nothing after it is read [default: its last sample]
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
     pub to: Option<f64>,
 }
 
 impl PartFlags {
-    /// The part, which lasts at most `longest` `[s]`.
+    /// Returns the selected part, which lasts at most `longest` `[s]`.
     pub fn part(self, longest: f64) -> Result<Part, Failure> {
         let part = Part {
             from: self.from.unwrap_or(Part::WHOLE.from),
@@ -164,12 +163,12 @@ impl PartFlags {
         )))
     }
 
-    /// Whether a part was asked for.
+    /// Whether a part was selected.
     pub fn is_given(self) -> bool {
         self.from.is_some() || self.to.is_some()
     }
 
-    /// What a receipt says of the part.
+    /// Returns the metadata entries of the part.
     pub fn receipt(self) -> impl Iterator<Item = (String, String)> {
         let line = |(name, time): (&str, Option<f64>)| {
             time.map(|time| (name.to_owned(), time.to_string()))

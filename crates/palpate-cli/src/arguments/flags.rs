@@ -1,4 +1,4 @@
-//! Flags that several commands share, in SI units.
+//! Flags shared by several commands, in SI units.
 
 use clap::{ArgAction, Args};
 use palpate::Side;
@@ -8,19 +8,18 @@ use super::actuation::ActuationFlags;
 use super::setting_flags::{SettingFlags, method_help};
 use crate::values::{AnyMethods, any_methods, guard, limit, number, period, side, whole};
 
-/// What is not perfect about the loop of a scene.
+/// Timing imperfections of a scene's loop.
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Loop")]
 pub struct TimingFlags {
     /// Fraction of a period, below 1, on top of --delay [default: 0, or the scene's]
     #[arg(long, value_name = "FRACTION", value_parser = number, allow_hyphen_values = true)]
     pub delay_fraction: Option<f64>,
-    /// Samples lie evenly spread within this much of their instant, below half a period [s]
-    /// [default: 0, or the scene's]
+    /// Samples are uniformly distributed within this much of their instant, below half a period [s] [default: 0, or the
+    /// scene's]
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
     pub jitter: Option<f64>,
-    /// Probability, below 1, that a sample is not taken; the force stays held [default: 0, or the
-    /// scene's]
+    /// Probability, below 1, that a sample is lost; the force stays held [default: 0, or the scene's]
     #[arg(long, value_name = "PROBABILITY", value_parser = number, allow_hyphen_values = true)]
     pub drop: Option<f64>,
     /// Seed of the random numbers of --jitter and --drop [default: 0, or the scene's]
@@ -80,7 +79,7 @@ pub struct Flags {
     /// positive, or the scene's]
     #[arg(long, value_name = "SIDE", value_parser = side, help_heading = "Contact")]
     pub side: Option<Side>,
-    /// Never pull: clamp the force where a method would
+    /// Never pull: clamp attractive forces to 0
     #[arg(long, action = ArgAction::SetTrue, help_heading = "Contact")]
     pub unilateral: bool,
 
@@ -103,8 +102,8 @@ pub struct Flags {
         help_heading = "Loop"
     )]
     pub force_limit: Option<f64>,
-    /// Fastest change of the same force [N/s], also in a soft start; a safety stop takes it to 0 at once
-    /// [default: no limit]
+    /// Fastest change of the same force [N/s], also in a soft start; a safety stop sets it to 0 at once [default: no
+    /// limit]
     #[arg(
         long,
         value_name = "N/s",
@@ -113,7 +112,7 @@ pub struct Flags {
         help_heading = "Loop"
     )]
     pub slew_limit: Option<f64>,
-    /// Device speed above which a sample is refused [m/s] [default: 100; no limit in simulate]
+    /// Device speed above which a sample is rejected [m/s] [default: 100; no limit in simulate]
     #[arg(
         long,
         value_name = "m/s",
@@ -131,12 +130,11 @@ pub struct Flags {
         help_heading = "Loop"
     )]
     pub largest_gap: Option<f64>,
-    /// Guard of the energy that held forces give out beyond what is there: off, report, or limit,
-    /// which keeps the force to what no device speed up to --guard-speed can turn into more
-    /// [default: off, or the scene's]
+    /// Passivity guard, against energy that held forces output beyond the available energy: off, report, or limit,
+    /// which limits the force so that no device speed up to --guard-speed exceeds it [default: off, or the scene's]
     #[arg(long, value_name = "MODE", value_parser = guard, help_heading = "Loop")]
     pub guard: Option<GuardMode>,
-    /// Fastest device motion that the guard reckons with [m/s] [default: 1]
+    /// Largest device speed for which the guard is designed [m/s] [default: 1]
     #[arg(
         long,
         value_name = "m/s",
@@ -146,7 +144,7 @@ pub struct Flags {
         help_heading = "Loop"
     )]
     pub guard_speed: Option<f64>,
-    /// Energy that the guard lets out on top [J] [default: 0.001; 0.05 in a world]
+    /// Additional energy allowance of the guard [J] [default: 0.001; 0.05 in a world]
     #[arg(
         long,
         value_name = "J",
@@ -182,8 +180,8 @@ pub struct Flags {
         help_heading = "Device"
     )]
     pub device_mass: Option<f64>,
-    /// Mass of the device as the renderer is told [kg]; simulate and tune only, whose device has a
-    /// mass of its own [default: the effective mass, or the scene's]
+    /// Model value of the device mass [kg]; simulate and tune only, whose device has its own mass [default: the
+    /// effective mass, or the scene's]
     #[arg(
         long,
         value_name = "kg",
@@ -192,8 +190,7 @@ pub struct Flags {
         help_heading = "Device"
     )]
     pub told_device_mass: Option<f64>,
-    /// Quantum of the device's position sensor [m]; simulate measures with it, a recording or a
-    /// pipe brings its own
+    /// Quantum of the device's position sensor [m]; simulate applies it, a recording or a pipe contains it already
     #[arg(
         long,
         value_name = "m",

@@ -1,36 +1,35 @@
-//! Which flags stand on the command line.
+//! Flags present on the command line.
 
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Command, FromArgMatches};
 
 use super::setting_flags;
 
-/// The flags and arguments that stand on the command line, whatever they say.
+/// Names of the flags and arguments present on the command line.
 #[derive(Clone, Debug, Default)]
 pub struct Given(Vec<String>);
 
 impl Given {
-    /// A flag that stands on the command line and is one of `known`, by their fields' names; as it is written.
+    /// Returns a flag on the command line that is one of `known` (field names), as written.
     pub fn one_of(&self, known: &[&str]) -> Option<String> {
         let one = self.0.iter().find(|name| known.contains(&name.as_str()))?;
         Some(as_written(one))
     }
 
-    /// A flag that stands on the command line and is not one of `known`, by their fields' names; as it is
-    /// written.
+    /// Returns a flag on the command line that is not one of `known` (field names), as written.
     pub fn other_than(&self, known: &[&str]) -> Option<String> {
         let other = self.0.iter().find(|name| !known.contains(&name.as_str()))?;
         Some(as_written(other))
     }
 }
 
-/// The flag of a field. That of a method's setting is shorter than the setting's key, which has its unit.
+/// Returns the flag of a field. The flag of a method's setting has no unit, unlike the setting's key.
 fn as_written(field: &str) -> String {
     let long = setting_flags::long_of(field).unwrap_or_else(|| field.replace('_', "-"));
     format!("--{long}")
 }
 
-/// It adds no flag of its own.
+/// Adds no flag.
 impl Args for Given {
     fn augment_args(command: Command) -> Command {
         command
@@ -50,7 +49,7 @@ impl FromArgMatches for Given {
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
         let is_given = |name: &&str| {
-            // Groups of flags are called as their types are.
+            // Groups of flags have the names of their types.
             name.starts_with(char::is_lowercase)
                 && matches.value_source(name) == Some(ValueSource::CommandLine)
         };

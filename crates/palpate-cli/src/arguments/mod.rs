@@ -1,4 +1,4 @@
-//! Arguments that commands share, and those of the commands that need no device.
+//! Arguments shared by commands, and arguments of the commands without a device.
 
 mod actuation;
 mod files;

@@ -1,4 +1,4 @@
-//! Arguments of the commands that run no loop in real time.
+//! Arguments of the commands without a real-time loop.
 
 use std::path::PathBuf;
 
@@ -19,14 +19,15 @@ use crate::values::{
 /// Arguments of `render`.
 #[derive(Args, Debug)]
 pub struct RenderArguments {
-    /// What stands on the command line; first, since the fields are read in their order and taken out.
+    /// Flags on the command line. First field, because clap removes values in the order of the fields.
     #[command(flatten)]
     pub given: Given,
-    /// Recorded motion: CSV with the columns t_s,position_m; - for standard input. With --input the scene file of a
+    /// Recorded motion: CSV with the columns t_s,position_m; - for standard input. With --input: the scene file of a
     /// world
     #[arg(value_name = "TRACE.csv", value_hint = ValueHint::FilePath)]
     pub trace: PathBuf,
-    /// Recorded motion of the devices of a world: CSV with the columns t,x,y,z; x,y,z again for each further device, or --columns
+    /// Recorded motion of the devices of a world: CSV with the columns t,x,y,z; x,y,z again for each further device, or
+    /// --columns
     #[arg(long, value_name = "RECORDING.csv", value_hint = ValueHint::FilePath)]
     pub input: Option<PathBuf>,
     /// Contact, loop, method and device.
@@ -35,13 +36,13 @@ pub struct RenderArguments {
     /// Motion or hand.
     #[command(flatten)]
     pub replay: ReplayFlags,
-    /// How the trace is laid out.
+    /// Layout of the trace.
     #[command(flatten, next_help_heading = "Trace")]
     pub table: TraceFlags,
-    /// Which part of the trace.
+    /// Selected part of the trace.
     #[command(flatten)]
     pub part: PartFlags,
-    /// Where results go.
+    /// Output of the results.
     #[command(flatten)]
     pub results: Results,
 }
@@ -49,7 +50,7 @@ pub struct RenderArguments {
 /// Arguments of `simulate`.
 #[derive(Args, Debug)]
 pub struct SimulateArguments {
-    /// What stands on the command line; first, since the fields are read in their order and taken out.
+    /// Flags on the command line. First field, because clap removes values in the order of the fields.
     #[command(flatten)]
     pub given: Given,
     /// Scene file (TOML); experiments/ has the paper's
@@ -58,19 +59,19 @@ pub struct SimulateArguments {
     /// Contact, loop, method and device.
     #[command(flatten)]
     pub flags: Flags,
-    /// Where the hand's force acts on a pantograph: at its end-point, or in its motors as torques
-    /// held over each period [default: end-point, or the scene's]
+    /// Point of action of the hand's force on a pantograph: at its end-point, or in its motors as torques held over
+    /// each period [default: end-point, or the scene's]
     #[arg(long, value_name = "end-point|motors", value_parser = force_place,
           help_heading = "Device")]
     pub hand_force_at: Option<HandForceAt>,
-    /// What is not perfect about the loop.
+    /// Timing imperfections of the loop.
     #[command(flatten)]
     pub timing: TimingFlags,
-    /// Number of seeds, from --seed on: the report has the median and the range of each value over the seeds
+    /// Number of seeds, starting at --seed: the report has the median and the range of each value over the seeds
     #[arg(long, value_name = "COUNT", default_value_t = 1, help_heading = "Loop",
           value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub seeds: u32,
-    /// Where results go.
+    /// Output of the results.
     #[command(flatten)]
     pub results: Results,
 }
@@ -81,21 +82,21 @@ pub struct SweepArguments {
     /// Scene file (TOML); experiments/ has the paper's
     #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
     pub scene: PathBuf,
-    /// What is varied: friction of the device, as a factor on the scene's; box, the half-width of a
-    /// pantograph's safety box along y [m]; damping, B, b or cap of the methods [N s/m]
+    /// Quantity to vary: friction of the device, as a factor on the scene's; box, the half-width of a pantograph's
+    /// safety box along y [m]; damping, B, b or cap of the methods [N s/m]
     #[arg(long, value_name = "QUANTITY", value_parser = quantity)]
     pub over: Quantity,
     /// Values of the quantity, separated by commas
     #[arg(long, value_name = "NUMBERS", value_parser = numbers, allow_hyphen_values = true)]
     pub values: Numbers,
-    /// Collisions of the ideal over which the methods run [default: the scene's window]
+    /// Number of collisions of the ideal that define the window of the methods [default: the scene's window]
     #[arg(long, value_name = "COUNT", value_parser = whole::<usize>)]
     pub collisions: Option<usize>,
-    /// Look at 21 start heights, too: FRE in the median and at the worst, how many are almost stable, and
-    /// how many leave the box
+    /// Evaluate 21 start heights too: median and worst FRE, and the numbers of runs that are almost stable and that
+    /// leave the box
     #[arg(long)]
     pub heights: bool,
-    /// What is compared.
+    /// Compared methods.
     #[command(flatten)]
     pub compared: Compared,
     /// Print the report as JSON
@@ -114,7 +115,7 @@ pub struct ClaimsArguments {
 /// Arguments of `compare`.
 #[derive(Args, Debug)]
 pub struct CompareArguments {
-    /// Scene files (TOML); experiments/ has the paper's, experiments/users/ what users ask for
+    /// Scene files (TOML); experiments/ has the paper's, experiments/users/ those of typical users
     #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath, required = true)]
     pub scenes: Vec<PathBuf>,
     /// Methods: all, or one or more, separated by commas [default: all]
@@ -126,7 +127,7 @@ pub struct CompareArguments {
     /// The figure of the force errors.
     #[command(flatten)]
     pub picture: PlotFlags,
-    /// Files that are there already.
+    /// Overwriting of existing files.
     #[command(flatten)]
     pub overwriting: Overwriting,
     /// Print the table as JSON
@@ -137,7 +138,7 @@ pub struct CompareArguments {
 /// Arguments of `tune`.
 #[derive(Args, Debug)]
 pub struct TuneArguments {
-    /// What stands on the command line; first, since the fields are read in their order and taken out.
+    /// Flags on the command line. First field, because clap removes values in the order of the fields.
     #[command(flatten)]
     pub given: Given,
     /// Scene file (TOML); experiments/ has the paper's
@@ -146,7 +147,7 @@ pub struct TuneArguments {
     /// Contact, loop, method and device.
     #[command(flatten)]
     pub flags: Flags,
-    /// What is not perfect about the loop.
+    /// Timing imperfections of the loop.
     #[command(flatten)]
     pub timing: TimingFlags,
     /// The curve.
@@ -155,7 +156,7 @@ pub struct TuneArguments {
     /// The figure of the curve.
     #[command(flatten)]
     pub picture: PlotFlags,
-    /// Files that are there already.
+    /// Overwriting of existing files.
     #[command(flatten)]
     pub overwriting: Overwriting,
     /// Print the report, with the whole curve, as JSON
@@ -163,25 +164,25 @@ pub struct TuneArguments {
     pub json: bool,
 }
 
-/// Which values are tried, and for what.
+/// Tried values and objective.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Curve")]
 pub struct CurveArguments {
-    /// Least value [N s/m] [default: 0; for a cap, the first step]
+    /// Smallest value [N s/m] [default: 0; for a cap, the first step]
     #[arg(long, value_name = "N s/m", value_parser = number, allow_hyphen_values = true)]
     pub from: Option<f64>,
     /// Largest value [N s/m] [default: 4 K T for B, K T for b, 8 K T for a cap]
     #[arg(long, value_name = "N s/m", value_parser = number, allow_hyphen_values = true)]
     pub to: Option<f64>,
-    /// Number of values, evenly spaced [default: 400; on a world 25]
+    /// Number of values, evenly spaced [default: 400; in a world 25]
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub steps: Option<u32>,
-    /// What is to be least
+    /// Quantity to minimise
     #[arg(long, value_enum, default_value_t = Least::Error)]
     pub least: Least,
 }
 
-/// What a tuned value makes small.
+/// Objective of the tuning.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Least {
     /// The mean-force error E
@@ -193,11 +194,11 @@ pub enum Least {
 /// Arguments of `suite`.
 #[derive(Args, Debug)]
 pub struct SuiteArguments {
-    /// What stands on the command line; first, since the fields are read in their order and taken out.
+    /// Flags on the command line. First field, because clap removes values in the order of the fields.
     #[command(flatten)]
     pub given: Given,
-    /// Family of plants: paper, desk, real, calibrated or steps; several bodies in space: worlds, held
-    /// by a hand, or worlds-free
+    /// Family of plants: paper, desk, real, calibrated or steps; several bodies in space: worlds, held by a hand, or
+    /// worlds-free
     #[arg(long, value_name = "NAME", default_value = "paper", value_parser = plant_set)]
     pub set: PlantSet,
     /// Number of plants
@@ -207,14 +208,15 @@ pub struct SuiteArguments {
     /// Seed of the random numbers
     #[arg(long, value_name = "SEED", default_value_t = 1, value_parser = whole::<u64>)]
     pub seed: u64,
-    /// Number of seeds, from --seed on, each with so many plants: the report has the median and the range over the seeds
+    /// Number of seeds, starting at --seed, each with that many plants: the report has the median and the range over
+    /// the seeds
     #[arg(long, value_name = "COUNT", default_value_t = 1,
           value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub seeds: u32,
-    /// What is compared.
+    /// Compared methods.
     #[command(flatten)]
     pub compared: Compared,
-    /// Write every plant as a scene file into a folder, which is made if it is missing
+    /// Write every plant as a scene file into a folder, which is created if it is missing
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath, help_heading = "Results")]
     pub write_scenes: Option<PathBuf>,
     /// Write a row for each plant, delay and method to a CSV file
@@ -223,7 +225,7 @@ pub struct SuiteArguments {
     /// The figure of the distribution of the error.
     #[command(flatten)]
     pub picture: PlotFlags,
-    /// Files that are there already.
+    /// Overwriting of existing files.
     #[command(flatten)]
     pub overwriting: Overwriting,
     /// Print the report as JSON
@@ -237,11 +239,11 @@ pub struct HeightsArguments {
     /// Scene files (TOML); experiments/ has the paper's
     #[arg(value_name = "SCENE.toml", required = true, value_hint = ValueHint::FilePath)]
     pub scenes: Vec<PathBuf>,
-    /// Mass of the device that the renderer is told, over the effective one
+    /// Factor on the renderer's model value of the device mass, relative to the effective mass
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = number,
           allow_hyphen_values = true)]
     pub told_mass_factor: f64,
-    /// What is compared.
+    /// Compared methods.
     #[command(flatten)]
     pub compared: Compared,
     /// Print the report as JSON
@@ -249,13 +251,13 @@ pub struct HeightsArguments {
     pub json: bool,
 }
 
-/// The methods that a study compares.
+/// Methods of a study.
 #[derive(Args, Debug)]
 pub struct Compared {
     /// Methods: all, or one or more, separated by commas [default: all]
     #[arg(long, value_name = "NAMES", value_parser = methods)]
     pub method: Option<Methods>,
-    /// Variants of methods, from a TOML file, in place of --method
+    /// Variants of methods, from a TOML file, instead of --method
     #[arg(long, value_name = "FILE.toml", conflicts_with = "method",
           value_hint = ValueHint::FilePath)]
     pub columns: Option<PathBuf>,
@@ -264,20 +266,20 @@ pub struct Compared {
 /// Arguments of `figure`.
 #[derive(Args, Debug)]
 pub struct FigureArguments {
-    /// Which figure
+    /// Name of the figure
     #[arg(value_enum)]
     pub figure: FigureName,
     /// File to draw into, .svg or .pdf (or .png where built with the feature png) [default: its name
     /// with .svg]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub plot: Option<PathBuf>,
-    /// How large it is.
+    /// Size of the figure.
     #[command(flatten)]
     pub size: SizeFlag,
-    /// Which part of it is drawn, of a figure over time.
+    /// Time range of a figure over time.
     #[command(flatten)]
     pub time: TimeFlags,
-    /// Files that are there already.
+    /// Overwriting of existing files.
     #[command(flatten)]
     pub overwriting: Overwriting,
     /// Print the report as JSON
@@ -307,11 +309,11 @@ pub enum FigureName {
 /// Arguments of `demo`.
 #[derive(Args, Debug)]
 pub struct DemoArguments {
-    /// Folder for the figures and the hand trace; made if it is missing. Files there that an earlier
-    /// demo made are replaced, others are kept
+    /// Folder for the figures and the hand trace; created if it is missing. Files of an earlier demo are replaced,
+    /// others are kept
     #[arg(long, value_name = "DIR", default_value = "palpate-demo", value_hint = ValueHint::DirPath)]
     pub out_dir: PathBuf,
-    /// Files that are there already.
+    /// Overwriting of existing files.
     #[command(flatten)]
     pub overwriting: Overwriting,
     /// Print the report as JSON
@@ -327,7 +329,7 @@ pub struct CompletionArguments {
     pub shell: clap_complete::Shell,
 }
 
-/// Where the results of a run go.
+/// Output of the results of a run.
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Results")]
 pub struct Results {
@@ -337,10 +339,10 @@ pub struct Results {
     /// The figure of the runs.
     #[command(flatten)]
     pub picture: PlotFlags,
-    /// Which part of it is drawn.
+    /// Time range of the figure.
     #[command(flatten)]
     pub time: TimeFlags,
-    /// Files that are there already.
+    /// Overwriting of existing files.
     #[command(flatten)]
     pub overwriting: Overwriting,
     /// Print the report as JSON

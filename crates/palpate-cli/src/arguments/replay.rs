@@ -1,4 +1,4 @@
-//! Arguments that say what a recording is: a motion, or a hand.
+//! Arguments that interpret a recording as a motion or as a hand.
 
 use clap::{Args, ValueEnum};
 use palpate_study::recording::StatedHand;
@@ -6,36 +6,36 @@ use palpate_study::recording::StatedHand;
 use crate::failure::Failure;
 use crate::values::number;
 
-/// How a recording is replayed.
+/// Replay of a recording.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Replay")]
 pub struct ReplayFlags {
-    /// What is replayed: the recorded motion, or the hand that made it
+    /// Replay source: the recorded motion, or the hand that produced it
     #[arg(long, value_name = "KIND", value_enum, default_value_t = ReplayKind::Motion)]
     pub replay: ReplayKind,
-    /// Bandwidth of the hand's force [Hz] [default: the one under which the recording is most likely]
+    /// Bandwidth of the hand's force [Hz] [default: the most likely one for the recording]
     #[arg(long, value_name = "Hz", value_parser = number, allow_hyphen_values = true)]
     pub hand_bandwidth: Option<f64>,
-    /// Stiffness with which the hand holds on to its recorded motion [N/m]; 0 and no damping: its force
-    /// stays the recorded one wherever the device goes [default: 60]
+    /// Stiffness of the spring from the hand to its recorded motion [N/m]; with 0 and no damping its force is the
+    /// recorded one regardless of the device's motion [default: 60]
     #[arg(long, value_name = "N/m", value_parser = number, allow_hyphen_values = true)]
     pub hand_stiffness: Option<f64>,
-    /// Damping with which it does [N s/m] [default: 2]
+    /// Damping of that spring [N s/m] [default: 2]
     #[arg(long, value_name = "N s/m", value_parser = number, allow_hyphen_values = true)]
     pub hand_damping: Option<f64>,
 }
 
-/// What is replayed of a recording.
+/// Source of a replay.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReplayKind {
-    /// The motion: the device goes where it went, whatever the force
+    /// The motion: the device follows its recorded motion regardless of the force
     Motion,
     /// The hand: its force is estimated from the motion, and the device moves under the new force
     Hand,
 }
 
 impl ReplayFlags {
-    /// What they state of a hand.
+    /// Returns the parameters of a hand from the flags.
     pub fn stated_hand(&self) -> StatedHand {
         StatedHand {
             bandwidth: self.hand_bandwidth,
@@ -44,7 +44,7 @@ impl ReplayFlags {
         }
     }
 
-    /// Refuses a flag that is for a hand only where a motion is replayed.
+    /// Rejects a flag of the hand if a motion is replayed.
     pub fn check(&self) -> Result<(), Failure> {
         if self.replay == ReplayKind::Hand {
             return Ok(());

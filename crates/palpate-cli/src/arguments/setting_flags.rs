@@ -1,4 +1,4 @@
-//! Flags of the methods' settings, made from what each method's own file says of them.
+//! Flags of the methods' settings, generated from the descriptions in the methods' modules.
 
 use std::fmt::Write as _;
 
@@ -7,11 +7,11 @@ use palpate::{ParameterValue, SettingValues, Unit, all_settings};
 use palpate_scene::method::{MethodName, Setting, SettingKey, Settings};
 use palpate_scene::world::WorldScene;
 
-/// What was given for settings of methods.
+/// Settings of methods from the command line.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SettingFlags(pub Settings);
 
-/// The flag of a setting: its name, without the unit; a switch is switched off.
+/// Returns the flag of a setting: its name without the unit, or a negation for a switch.
 pub fn flag_of_setting(setting: &Setting) -> String {
     format!("--{}", long(setting))
 }
@@ -35,7 +35,7 @@ fn long(setting: &Setting) -> String {
     }
 }
 
-/// The flag, without its dashes, of the setting with this key; none if no method has such a setting.
+/// Returns the flag, without its dashes, of the setting with this key, or `None` if no method has it.
 pub(super) fn long_of(key: &str) -> Option<String> {
     let mut settings = MethodName::ALL
         .into_iter()
@@ -45,7 +45,7 @@ pub(super) fn long_of(key: &str) -> Option<String> {
         .map(long)
 }
 
-/// What each method says of its setting of that key; methods that say the same stand together.
+/// Returns the description of each method for the setting of that key, grouped by equal descriptions.
 fn said(key: SettingKey) -> Vec<(Vec<&'static str>, &'static Setting)> {
     let mut said: Vec<(Vec<_>, &Setting)> = Vec::new();
     for method in MethodName::ALL {
@@ -67,7 +67,7 @@ fn help(setting: &Setting) -> String {
         let between = if text.is_empty() { "" } else { "; " };
         let off = if is_switch { "Switch off in " } else { "" };
         let (methods, help) = (methods.join(", "), setting.help);
-        // A string takes every character.
+        // Writing to a string cannot fail.
         let _ = write!(text, "{between}{off}{methods}: {help}");
         if let SettingValues::Words { words, .. } = setting.values {
             let _ = write!(text, ": {}", words.join(", "));
@@ -82,7 +82,7 @@ fn help(setting: &Setting) -> String {
     text
 }
 
-/// The value of a flag: anything that some method takes under that key.
+/// Parses the value of a flag: any value that some method accepts under that key.
 fn value(key: SettingKey, text: &str) -> Result<ParameterValue<f64>, String> {
     let settings = || {
         MethodName::ALL

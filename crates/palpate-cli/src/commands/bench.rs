@@ -1,4 +1,4 @@
-//! `palpate bench loop`: how the loop keeps time on this machine.
+//! `palpate bench loop`: timing of the loop on this machine.
 
 use clap::{Args, Subcommand};
 use palpate_device::clock::MonotonicClock;
@@ -15,15 +15,15 @@ use crate::values::{duration, number};
 /// Arguments of `bench`.
 #[derive(Args, Debug)]
 pub struct BenchArguments {
-    /// What is measured.
+    /// The benchmark.
     #[command(subcommand)]
     pub what: What,
 }
 
-/// What can be measured.
+/// Benchmarks.
 #[derive(Subcommand, Debug)]
 pub enum What {
-    /// How late the loop wakes, and how long its ticks are, without a device
+    /// Wake-up lateness and tick duration of the loop, without a device
     Loop(LoopArguments),
 }
 
@@ -34,18 +34,18 @@ pub struct LoopArguments {
     #[arg(long, value_name = "Hz", value_delimiter = ',', default_value = "1000,4000",
           value_parser = number)]
     pub rate: Vec<f64>,
-    /// How long each is run [s]
+    /// Duration at each rate [s]
     #[arg(long, value_name = "s", default_value = "5", value_parser = number)]
     pub duration: f64,
     /// Print the report as JSON
     #[arg(long)]
     pub json: bool,
-    /// What the machine is asked for.
+    /// Requests to the machine.
     #[command(flatten)]
     pub realtime: RealtimeArguments,
 }
 
-/// Measures.
+/// Runs the benchmark.
 pub fn run(arguments: &BenchArguments) -> Result<(), Failure> {
     let What::Loop(arguments) = &arguments.what;
     let spin = duration("--spin", arguments.realtime.spin)?;

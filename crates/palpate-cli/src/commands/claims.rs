@@ -1,4 +1,4 @@
-//! `palpate claims`: the numbers that the paper claims, computed anew.
+//! `palpate claims`: recomputes the numbers that the paper claims.
 
 use palpate_scene::{Scene, SceneFile};
 use palpate_study::claims::report::ClaimsReport;
@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::results::print_report;
 
-/// The committed scenes that the claims are about.
+/// The committed scenes of the claims.
 const SCENES: [(&str, &str); 6] = [
     ("fig2", include_str!("../../experiments/fig2.toml")),
     (

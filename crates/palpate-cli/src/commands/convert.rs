@@ -19,15 +19,15 @@ pub struct ConvertArguments {
     /// Recording (MCAP)
     #[arg(value_name = "REC.mcap", value_hint = ValueHint::FilePath)]
     pub recording: PathBuf,
-    /// What kind of table; parquet where built with the feature parquet
+    /// Table format; parquet if built with the feature parquet
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t = Format::Csv)]
     pub to: Format,
-    /// File to write, - for standard output; events go to a CSV file beside it, NAME-events.csv, the bodies of a world
-    /// to NAME-bodies.csv, and each device of a loop with several to NAME-devices.csv
-    /// [default: that of the recording, with .csv or .parquet]
+    /// File to write, - for standard output; events go to NAME-events.csv, the bodies of a world to NAME-bodies.csv,
+    /// and each device of a loop with several to NAME-devices.csv [default: that of the recording, with .csv or
+    /// .parquet]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub out: Option<PathBuf>,
-    /// Files that are there already.
+    /// Overwriting of existing files.
     #[command(flatten)]
     pub overwriting: Overwriting,
 }
@@ -64,7 +64,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
     let recording = open(path)?;
     if recording.ticks == 0 {
         drop(progress);
-        // What is wrong with it may be why.
+        // Damage to the recording can be the reason.
         let _ = whole_or_said(&recording);
         return Err(Failure::input(format_args!(
             "{}: the recording has no tick, so there is no table",
@@ -158,7 +158,7 @@ fn write(recording: &Recording, to: Format, out: &mut dyn Write) -> io::Result<(
     }
 }
 
-/// The name of a table beside its recording: that of an unfinished one is without its `.part`.
+/// Returns the name of a table beside its recording, without the `.part` of an unfinished recording.
 fn beside(recording: &Path, to: Format) -> PathBuf {
     let finished = match recording.extension() {
         Some(extension) if extension == "part" => recording.with_extension(""),
@@ -170,7 +170,7 @@ fn beside(recording: &Path, to: Format) -> PathBuf {
     })
 }
 
-/// The name of another table beside that of ticks.
+/// Returns the name of another table beside that of ticks.
 fn table_beside(out: &Path, of: &str) -> PathBuf {
     let stem = out.file_stem().unwrap_or_default();
     let mut name = stem.to_owned();

@@ -1,4 +1,4 @@
-//! `palpate devices`: what a loop can run on here, and whether a device is wired as it should be.
+//! `palpate devices`: lists the available devices, or checks the wiring of one.
 
 #[cfg(unix)]
 use std::time::Duration;
@@ -16,10 +16,10 @@ use crate::results::print_report;
 /// Arguments of `devices`.
 #[derive(Args, Debug)]
 pub struct DevicesArguments {
-    /// What to do with one; nothing: list them.
+    /// Action; none: list the devices.
     #[command(subcommand)]
     pub what: Option<What>,
-    /// Inverse Service that is asked for its devices
+    /// Inverse Service to query for devices
     #[arg(long, value_name = "URL", default_value = SERVICE)]
     pub service: String,
     /// Print the list as JSON
@@ -27,10 +27,10 @@ pub struct DevicesArguments {
     pub json: bool,
 }
 
-/// What can be done.
+/// Actions.
 #[derive(Subcommand, Debug)]
 pub enum What {
-    /// Look whether each motor turns its own joint, the right way: the arm MOVES
+    /// Check that each motor turns its own joint in the right direction: the arm MOVES
     #[command(long_about = "\
 Look whether each motor turns its own joint, the right way.
 
@@ -47,13 +47,13 @@ pub struct CheckArguments {
     /// Which device
     #[arg(value_enum)]
     pub name: Checkable,
-    /// Yes, the arm may move
+    /// Confirm that the arm may move
     #[arg(long = "move")]
     pub may_move: bool,
     /// Print the report as JSON
     #[arg(long)]
     pub json: bool,
-    /// How it is opened.
+    /// Options for opening the device.
     #[command(flatten)]
     pub device: DeviceArguments,
 }
@@ -66,7 +66,7 @@ pub enum Checkable {
     Haply2diy,
 }
 
-/// Lists, or checks one.
+/// Lists the devices, or checks one.
 pub fn run(arguments: &DevicesArguments) -> Result<(), Failure> {
     match &arguments.what {
         None => list(arguments),
@@ -96,10 +96,10 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
                 .into(),
         ));
     }
-    // Before a torque can be on: a signal that ended the program would leave it on.
+    // Before the motors are on: a signal that ended the program would leave a torque on.
     let stop =
         StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
-    // A slow answer does no harm here.
+    // A slow response is harmless here.
     let period = Duration::from_millis(20);
     let guarding = Guarding::new(2 * period);
     let clock = MonotonicClock::new();

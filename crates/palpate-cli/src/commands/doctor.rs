@@ -1,4 +1,4 @@
-//! `palpate doctor`: what this machine grants a loop.
+//! `palpate doctor`: real-time properties of this machine.
 
 use std::io;
 
@@ -19,17 +19,17 @@ pub struct DoctorArguments {
     /// Print the report as JSON
     #[arg(long)]
     pub json: bool,
-    /// What is asked for.
+    /// Requests to the machine.
     #[command(flatten)]
     pub realtime: RealtimeArguments,
 }
 
-/// Asks the machine, and tries a loop.
+/// Queries the machine, and tries a loop.
 pub fn run(arguments: &DoctorArguments) -> Result<(), Failure> {
     let progress = Progress::new(1);
     progress.begin("asking the machine, trying a loop");
     let request = request(&arguments.realtime);
-    // On a thread of its own: what is granted stays with the thread that asked.
+    // On a separate thread, because granted properties stay with the requesting thread.
     let answers = std::thread::Builder::new()
         .spawn(move || request.ask())
         .and_then(|thread| thread.join().map_err(|_| io::Error::other("it panicked")))

@@ -38,11 +38,11 @@ pub fn scene(name: &str) -> Result<Scene, Failure> {
     Ok(SceneFile::parse(name, text).map_err(Failure::input)?.scene)
 }
 
-/// A figure, and what it has to say beside itself.
+/// A figure with its report.
 enum Drawn {
-    /// Of runs, with a report and what stands below it.
+    /// Figure of runs, with a report and a text below it.
     Runs(Box<Report>, Sheet, String),
-    /// Of no run.
+    /// Drawing without runs.
     Drawing(Drawing),
 }
 

@@ -1,9 +1,9 @@
-//! `palpate guardian`: what takes the force off a device when its loop can not. Started by commands
-//! that run a loop, and by nobody else.
+//! `palpate guardian`: the watchdog process, which disables the output of a device if its loop cannot. Only commands
+//! that run a loop start it.
 
 use crate::failure::Failure;
 
-/// Watches until it is dismissed, or the loop is gone.
+/// Watches until it is dismissed or the loop has ended.
 #[cfg(unix)]
 pub fn run() -> Result<(), Failure> {
     palpate_rt::guardian::serve().map_err(|error| {
@@ -13,7 +13,7 @@ pub fn run() -> Result<(), Failure> {
     })
 }
 
-/// No device here needs one.
+/// No supported device here needs a watchdog process.
 #[cfg(not(unix))]
 pub fn run() -> Result<(), Failure> {
     Err(Failure::System("a guardian needs Linux or macOS".into()))

@@ -1,4 +1,4 @@
-//! The hand of a recording, held against a new force: what flags say of the hand, and what is said of the replay.
+//! Replay of a recorded hand against a new force: its parameters and its messages.
 
 use std::collections::HashMap;
 
@@ -17,20 +17,20 @@ use crate::progress::Progress;
 pub use palpate_study::hand_replay::ReplayRuns;
 use palpate_study::text::digits;
 
-/// What was recorded of a hand.
+/// Recording of a hand.
 pub struct Recorded<'a> {
-    /// What the recording is called in messages.
+    /// Name of the recording in messages.
     pub name: &'a str,
     /// Motion and force.
     pub recording: Recording<'a>,
     /// Mass of the device that the hand moved `[kg]`.
     pub device_mass: f64,
-    /// Whether the loop samples when the recorded one did; else every period.
+    /// Whether the loop samples at the recorded instants; else every period.
     pub at_its_instants: bool,
 }
 
-/// Estimates the hand of a recording, and closes the loop of `setup` by each of `methods`. What cannot
-/// be set up for a method is told by `failure`.
+/// Estimates the hand of a recording, and closes the loop of `setup` by each of `methods`. `failure` reports a failed
+/// setup of a method.
 pub fn close_loop(
     recorded: &Recorded,
     (setup, flags): (&ReplaySetup, &ReplayFlags),
@@ -51,7 +51,7 @@ pub fn close_loop(
     Ok(runs)
 }
 
-/// Shows what a replay is at.
+/// Shows the progress of a replay.
 pub fn tell_step(progress: &Progress) -> impl FnMut(HandReplayStep) {
     |step| match step {
         HandReplayStep::Hand => progress.begin("the hand's force"),
@@ -61,7 +61,7 @@ pub fn tell_step(progress: &Progress) -> impl FnMut(HandReplayStep) {
     }
 }
 
-/// Why the loop could not be closed around the hand of the recording called `name`.
+/// Explains why the loop could not be closed around the hand of the recording called `name`.
 pub fn wrong_hand(
     name: &str,
     error: HandReplayError,
@@ -74,7 +74,7 @@ pub fn wrong_hand(
     }
 }
 
-/// Says which methods let the device go where no hand can follow.
+/// Warns of methods with which the device leaves the reach of a hand.
 pub fn warn_beyond_reach(beyond: &[(MethodName, f64)]) {
     for (method, departure) in beyond {
         tell(format_args!(
@@ -85,7 +85,7 @@ pub fn warn_beyond_reach(beyond: &[(MethodName, f64)]) {
     }
 }
 
-/// Refuses a replay in which even the ideal device goes where no hand can follow.
+/// Rejects a replay in which even the ideal device leaves the reach of a hand.
 fn out_of_reach(name: &str, model: &HandModel, departure: f64) -> Failure {
     Failure::Arguments(format!(
         "{name}: held by a hand of {} N/m and {} N s/m, the device would leave the recorded motion by {} m \
@@ -100,7 +100,7 @@ fn out_of_reach(name: &str, model: &HandModel, departure: f64) -> Failure {
     ))
 }
 
-/// A recording without a hand, or a flag that gave a wrong model of it.
+/// Converts the error of a recording without a hand, or of a flag with a wrong hand model.
 fn in_recording(name: &str, error: HandError) -> Failure {
     match error {
         HandError::Model(InvalidParameter {

@@ -1,4 +1,4 @@
-//! `palpate heights`: how much errors depend on the start height.
+//! `palpate heights`: dependence of errors on the start height.
 
 use palpate_study::heights::report::{HeightsReport, SceneReport};
 use palpate_study::heights::{HeightsError, over_heights};
@@ -10,7 +10,7 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::results::print_report;
 
-/// Judges every column on every scene.
+/// Evaluates every column on every scene.
 pub fn run(arguments: &HeightsArguments) -> Result<(), Failure> {
     let factor = arguments.told_mass_factor;
     if !(factor.is_finite() && factor > 0.0) {

@@ -1,4 +1,4 @@
-//! `palpate info`: what is in a recording, and what is not.
+//! `palpate info`: contents and gaps of a recording.
 
 use std::path::PathBuf;
 
@@ -16,7 +16,7 @@ pub struct InfoArguments {
     /// Recording (MCAP)
     #[arg(value_name = "REC.mcap", value_hint = ValueHint::FilePath)]
     pub recording: PathBuf,
-    /// Print a text of the receipt, such as scene, and nothing else
+    /// Print only this metadata entry, such as scene
     #[arg(long, value_name = "NAME", conflicts_with = "json")]
     pub text: Option<String>,
     /// Print the report as JSON

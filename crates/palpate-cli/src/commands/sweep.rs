@@ -18,7 +18,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     let quantity = arguments.over;
     let compared = &arguments.compared;
     let columns = match (&compared.method, &compared.columns, quantity) {
-        // Without a name, those that have what is varied.
+        // Without a name, all methods with the varied quantity.
         (None, None, Quantity::Damping) => MethodName::ALL
             .into_iter()
             .filter(|method| tunable(*method).is_some())

@@ -1,4 +1,4 @@
-//! Which device, and how the contact lies in it.
+//! Selection of a device, and the contact's axis in its frame.
 
 use std::ffi::OsStr;
 use std::io::IsTerminal;
@@ -12,61 +12,60 @@ use crate::arguments::{PartFlags, TraceFlags};
 use crate::failure::Failure;
 use crate::values::{BoardName, FrameVector, StartPose, WorldAxes, place, start_pose, world_axes};
 
-/// Which device, and how the contact lies in it.
+/// Selection of a device, and the contact's axis in its frame.
 #[derive(Args, Debug, Clone)]
 #[command(next_help_heading = "Device")]
 pub struct DeviceArguments {
-    /// Device; for each device of a world that has several, --device "NAME=DEVICE FLAGS", with its name in the scene and
-    /// the flags of that device in the same quotes
+    /// Device; for each device of a world with several, --device "NAME=DEVICE FLAGS", with its name in the scene and
+    /// its flags in the same quotes
     #[arg(long, value_name = "NAME", value_parser = ChoiceParser, default_value = "simulated")]
     pub device: Vec<Choice>,
     /// Motion of the device `replay`: a recording (.mcap), or CSV with the columns t_s,position_m
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath,
           required_if_eq("device", "replay"))]
     pub motion: Option<PathBuf>,
-    /// How a trace of --motion is laid out.
+    /// Layout of a trace of --motion.
     #[command(flatten)]
     pub table: TraceFlags,
-    /// Which part of the motion.
+    /// Selected part of the motion.
     #[command(flatten)]
     pub part: PartFlags,
-    /// Serial port of the device `haply-2diy` [default: the one that looks like one]
+    /// Serial port of the device `haply-2diy` [default: the only matching port]
     #[arg(long, value_name = "PATH", value_hint = ValueHint::FilePath)]
     pub port: Option<PathBuf>,
     /// Generation of the 2DIY [default: 3]
     #[arg(long, value_name = "1..3", value_parser = clap::value_parser!(u8).range(1..=3))]
     pub generation: Option<u8>,
-    /// Board of the 2DIY [default: found out where its first angles tell]
+    /// Board of the 2DIY [default: inferred from its first angles, if possible]
     #[arg(long, value_name = "NAME", value_enum)]
     pub board: Option<BoardName>,
-    /// Pose of the 2DIY's arm while it is opened: retracted, extended, or two angles [degrees]
-    /// [default: retracted]
+    /// Pose of the 2DIY's arm during opening: retracted, extended, or two angles [degrees] [default: retracted]
     #[arg(long, value_name = "POSE", value_parser = start_pose, allow_hyphen_values = true)]
     pub start_pose: Option<StartPose>,
-    /// Wait for a device that has gone, and go on when it is back; of a 2DIY, when enter has said
-    /// that its arm is in the start pose
+    /// Wait for a lost device and continue when it returns; with a 2DIY, after enter confirms that its arm is in the
+    /// start pose
     #[arg(long)]
     pub reconnect: bool,
-    /// Instead of enter, the promise that a 2DIY that is back has its arm in the start pose within
-    /// 3 s, and still: elsewhere forces point in wrong directions
+    /// Instead of enter: a promise that the arm of a returned 2DIY is at rest in the start pose within 3 s; in any
+    /// other pose forces have wrong directions
     #[arg(long, requires = "reconnect")]
     pub reconnect_in_start_pose: bool,
-    /// A process that takes the force off if this program is killed, stopped or hangs, for a device
-    /// that holds its last force (haply-2diy) [default: on]
+    /// Watchdog process that disables the output if this program is killed, stopped or hangs, for a device that holds
+    /// its last force (haply-2diy) [default: on]
     #[arg(long, value_name = "on|off", value_enum)]
     pub guardian: Option<OnOff>,
     /// Flags of the Inverse3.
     #[command(flatten)]
     pub inverse3: Inverse3Arguments,
-    /// Where the contact's coordinate is 0, in the frame of a device with several axes; of a world: where its tool
-    /// is at position_m [m]
+    /// Origin of the contact's coordinate in the frame of a device with several axes; in a world: the device position
+    /// of its tool's position_m [m]
     #[arg(long, value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]
     pub origin: Option<FrameVector>,
-    /// Direction in which the contact's coordinate grows, in the same frame; of any length
+    /// Direction of the contact's coordinate in the same frame; of any length
     #[arg(long, value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]
     pub normal: Option<FrameVector>,
-    /// Which axis of a world each axis of the device is, with - where it points the other way, such as x,z or x,-y,z
-    /// [default: x,y,z, as many as the device has]
+    /// World axis of each axis of the device, with - for the opposite direction, such as x,z or x,-y,z [default: x,y,z,
+    /// as many as the device has]
     #[arg(long, value_name = "AXES", value_parser = world_axes, allow_hyphen_values = true)]
     pub world_axes: Option<WorldAxes>,
 }
@@ -76,12 +75,11 @@ pub struct DeviceArguments {
 pub enum DeviceName {
     /// Device and hand of the scene
     Simulated,
-    /// A recorded motion, whatever the force
+    /// A recorded motion, independent of the force
     Replay,
-    /// None: at rest at 0
+    /// No device: at rest at 0
     Null,
-    /// The scene's device in a hand that the page of `palpate live` leads; elsewhere it stays where
-    /// it starts
+    /// The scene's device in a hand that the page of `palpate live` moves; in other commands it stays at its start
     Pointer,
     /// Haply 2DIY on a serial port
     #[value(name = "haply-2diy")]
@@ -90,7 +88,7 @@ pub enum DeviceName {
     Inverse3,
 }
 
-/// Whether there is something.
+/// Switch of an option.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OnOff {
     /// Yes
@@ -100,12 +98,12 @@ pub enum OnOff {
 }
 
 impl DeviceArguments {
-    /// Whether a device that holds its last force gets a guardian.
+    /// Whether a device that holds its last force gets a watchdog process.
     pub fn is_guarded(&self) -> bool {
         self.guardian != Some(OnOff::Off)
     }
 
-    /// The device that is named: the first one.
+    /// Returns the kind of the first named device.
     pub fn kind(&self) -> DeviceName {
         self.device
             .first()
@@ -115,7 +113,7 @@ impl DeviceArguments {
             })
     }
 
-    /// Whether each device that holds its last force gets a guardian.
+    /// Whether each device that holds its last force gets a watchdog process.
     pub fn are_guarded(&self) -> bool {
         self.device.iter().all(|choice| match choice {
             Choice::Kind(_) => self.is_guarded(),
@@ -123,7 +121,7 @@ impl DeviceArguments {
         })
     }
 
-    /// Refuses a flag that belongs to another device, and several devices.
+    /// Rejects flags of another device, and several devices.
     pub fn check(&self) -> Result<(), Failure> {
         let [Choice::Kind(device)] = self.device[..] else {
             return Err(Failure::Arguments(
@@ -186,20 +184,19 @@ pub struct Inverse3Arguments {
     /// Inverse Service of the device `inverse3` [default: ws://localhost:10001]
     #[arg(long, value_name = "URL")]
     pub service: Option<String>,
-    /// Its events channel, usually ws://localhost:10020, which tells why a device is gone
-    /// [default: not listened to]
+    /// Its events channel, usually ws://localhost:10020, which reports the reason of a lost device [default: unused]
     #[arg(long, value_name = "URL")]
     pub events: Option<String>,
-    /// Which Inverse3 of the service [default: the only one]
+    /// ID of the Inverse3 at the service [default: the only one]
     #[arg(long, value_name = "ID")]
     pub device_id: Option<String>,
-    /// Priority under SCHED_FIFO of the threads that talk to the service, 0: none [default: 79]
+    /// Priority under SCHED_FIFO of the threads for the service, 0: none [default: 79]
     #[arg(long, value_name = "0..99", value_parser = clap::value_parser!(u8).range(0..=99))]
     pub service_priority: Option<u8>,
 }
 
 impl Inverse3Arguments {
-    /// Refuses a flag that belongs to another device.
+    /// Rejects a flag of another device.
     pub fn check(&self, device: DeviceName) -> Result<(), Failure> {
         let given = [
             ("--service", self.service.is_some()),
@@ -216,7 +213,7 @@ impl Inverse3Arguments {
     }
 }
 
-/// What one `--device` says.
+/// Value of one `--device`.
 #[derive(Clone, Debug)]
 pub enum Choice {
     /// A kind of device.
@@ -225,20 +222,20 @@ pub enum Choice {
     Of {
         /// Name of the device in the scene.
         name: String,
-        /// Which it is, with its flags.
+        /// The device, with its flags.
         arguments: Box<DeviceArguments>,
     },
 }
 
-/// Reads a [`Choice`]: `KIND`, or `NAME=KIND FLAGS` with the flags of a device.
+/// Parser of a [`Choice`]: `KIND`, or `NAME=KIND FLAGS` with the flags of a device.
 #[derive(Clone, Copy, Debug)]
 pub struct ChoiceParser;
 
-/// A device and its flags, as they stand behind a name.
+/// A device and its flags, as written after a name.
 #[derive(Parser, Debug)]
 #[command(no_binary_name = true, disable_help_flag = true)]
 struct Behind {
-    /// They.
+    /// The device and its flags.
     #[command(flatten)]
     arguments: DeviceArguments,
 }

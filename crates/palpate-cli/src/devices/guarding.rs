@@ -1,12 +1,12 @@
-//! The guardian of devices that hold their last force: this program once more.
+//! The watchdog process of devices that hold their last force: this program in another process.
 
 use std::io;
 use std::os::unix::process::CommandExt;
 use std::process::Command;
 
-/// This program once more, as a guardian.
+/// Returns the command that starts this program as a watchdog process.
 pub fn command() -> io::Result<Command> {
-    // On Linux by a name that stays right when the file is replaced by a newer one.
+    // On Linux by a name that stays valid if a newer file replaces the program.
     let program = if cfg!(target_os = "linux") {
         "/proc/self/exe".into()
     } else {

@@ -11,7 +11,7 @@ use super::{DeviceArguments, reconnecting};
 use crate::failure::{Failure, tell};
 use crate::values::duration;
 
-/// Just below that of a loop.
+/// One below the priority of a loop.
 const PRIORITY: u8 = 79;
 
 impl Inverse3Arguments {
@@ -27,7 +27,7 @@ impl Inverse3Arguments {
     }
 }
 
-/// Opens it, for a loop of `period` `[s]`; with where its cursor is now `[m]`, and which it is.
+/// Opens the device for a loop of `period` `[s]`. Returns it with the position of its cursor `[m]` and its identity.
 pub fn open<C: Clock>(
     arguments: &DeviceArguments,
     period: f64,
@@ -41,7 +41,7 @@ pub fn open<C: Clock>(
     let mut options = arguments.inverse3.options();
     options.pace = Pace::for_period(duration("--period", period)?);
     let device = Inverse3::open(&options, clock.clone()).map_err(refused)?;
-    // Only this one is gone on with.
+    // Reconnect only to the same device.
     options.device_id = Some(device.device_id().to_owned());
     let round_trip = device.round_trip().as_secs_f64();
     tell(format_args!(
@@ -75,7 +75,7 @@ fn watched<C: Clock>(device: Inverse3<C>, says_why: bool) -> Box<dyn Device> {
     Box::new(Overheard::new(device, says_why, tell))
 }
 
-/// Of the contact's axis, of length 1; what is no direction is refused where it is placed.
+/// Returns the unit direction of the contact's axis. An invalid direction is rejected where the axis is placed.
 pub fn direction(arguments: &DeviceArguments) -> Vector {
     let Some(&[x, y, z]) = arguments.normal.as_ref().map(|place| &place.0[..]) else {
         return FIRST_AXIS.1;

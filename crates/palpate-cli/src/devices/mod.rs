@@ -1,7 +1,6 @@
-//! Devices that a loop can run on, opened by their name.
+//! Devices for a loop, opened by name.
 //!
-//! A command flattens [`DeviceArguments`] into its own, and calls [`open`] once. What is particular
-//! to a device has a file of its own.
+//! A command flattens [`DeviceArguments`] into its own, and calls [`open`] once. Each device has its own module.
 
 mod arguments;
 #[cfg(unix)]
@@ -35,7 +34,7 @@ use crate::values::duration;
 use palpate_devices::two_diy::{identity, usual_axis};
 use palpate_session::Guarding;
 
-/// A device that is ready, and where the contact's axis lies in it.
+/// An open device with the contact's axis in its frame.
 pub struct Opened {
     /// The device.
     pub device: Box<dyn Device>,
@@ -43,8 +42,8 @@ pub struct Opened {
     pub axis: AlongAxis<f64, 3>,
 }
 
-/// Opens the device that `arguments` name, for the scene that will be rendered on it; with a guardian
-/// if it holds its last force, unless `arguments` say otherwise.
+/// Opens the device in `arguments` for the scene to render, with a watchdog process if it holds its last force, unless
+/// `arguments` disable it.
 pub fn open<C: Clock>(
     arguments: &DeviceArguments,
     scene: &Scene,
@@ -79,7 +78,7 @@ pub fn open<C: Clock>(
         DeviceName::Inverse3 => {
             let (device, mut origin, _) =
                 inverse3::open(arguments, scene.loop_params.period, clock)?;
-            // Where the cursor is now is where the scene has its device at the start.
+            // The present position of the cursor corresponds to the scene's start position of the device.
             let direction = inverse3::direction(arguments);
             for (origin, along) in origin.iter_mut().zip(direction) {
                 *origin -= along * scene.device.position();
@@ -92,18 +91,18 @@ pub fn open<C: Clock>(
     Ok(Opened { device, axis })
 }
 
-/// A device that is ready, and where it stands in a world.
+/// An open device with its frame in a world.
 pub struct OpenedInWorld {
     /// The device.
     pub device: Box<dyn Device>,
-    /// Where it stands.
+    /// Its frame.
     pub frame: WorldFrame,
-    /// What tells this device from all others of this machine, if it is a real one.
+    /// Identity of a real device, unique on this machine.
     identity: Option<String>,
 }
 
-/// Opens the device that `arguments` name as the device `own` of a world, as [`open`] does for one contact, with the hand that
-/// leads the device `pointer`; without one that device stays where it begins.
+/// Opens the device in `arguments` as the device `own` of a world, as [`open`] does for one contact. `hand` moves the
+/// device `pointer`; without a hand that device stays at its start.
 fn open_as<C: Clock>(
     own: &WorldDevice,
     arguments: &DeviceArguments,
@@ -116,7 +115,7 @@ fn open_as<C: Clock>(
     let mut identity = None;
     let period = scene.timing.period;
     let wrong = |error: palpate_testbed::InvalidParameter| Failure::input(error);
-    // The place of the device that is where its tool begins in the world.
+    // The device position that corresponds to its tool's start position in the world.
     let (device, usual): (Box<dyn Device>, Option<Vector>) = match arguments.kind() {
         DeviceName::Simulated => {
             let device = SpatialDevice::new(own, &scene.timing.actuator, clock.clone());
@@ -180,7 +179,7 @@ fn open_two_diy<C: Clock>(
     let period = duration("--period", period_seconds)?;
     let mut setup = two_diy::setup(arguments);
     let axis = usual_axis(setup.generation);
-    // Only this one is gone on with.
+    // Reconnect only to the same device.
     let port = setup.port().map_err(two_diy::no_port)?;
     let identity = identity(&port);
     setup.port = Some(port);
@@ -206,7 +205,7 @@ fn open_two_diy<C: Clock>(
     Ok((reconnecting(device, reopen)?, axis, identity))
 }
 
-/// A device that is waited for when it has gone.
+/// Returns a device that is awaited after its loss.
 fn reconnecting(device: Box<dyn Device>, reopen: Reopen) -> Result<Box<dyn Device>, Failure> {
     Reconnecting::new(device, reopen, |words| tell(words))
         .map(|device| Box::new(device) as Box<dyn Device>)

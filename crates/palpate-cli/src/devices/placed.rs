@@ -1,4 +1,4 @@
-//! Where the flags put a contact in a device, and a device in a world.
+//! Placement of a contact in a device, and of a device in a world, from flags.
 
 use palpate::AlongAxis;
 use palpate_device::{Capabilities, Vector};
@@ -8,7 +8,7 @@ use palpate_rt::WorldFrame;
 use super::DeviceArguments;
 use crate::failure::Failure;
 
-/// The axis that the flags place, or else the `usual` one of the device.
+/// Returns the axis from the flags, or the `usual` one of the device.
 pub fn axis(
     arguments: &DeviceArguments,
     device: &Capabilities,
@@ -19,8 +19,8 @@ pub fn axis(
     palpate_devices::axis(origin, normal, device, usual).map_err(|error| refused(arguments, &error))
 }
 
-/// Where the flags put a device in a world whose tool begins at `place` `[m]`: the `usual` place of the device is there
-/// unless `--origin` names another. `None`: the device's frame is the world's.
+/// Returns the frame of a device in a world whose tool starts at `place` `[m]`. The `usual` position of the device, or
+/// that of `--origin`, is mapped to it. `None`: the device's frame is the world's.
 pub fn frame(
     arguments: &DeviceArguments,
     device: &Capabilities,

@@ -14,7 +14,7 @@ use crate::recorded::trace::read_trace;
 use crate::recorded::{self, open as open_recording};
 use crate::values::duration;
 
-/// The motion of `--motion`, from its first sample.
+/// Opens the motion of `--motion`, from its first sample.
 pub fn open<C: Clock>(arguments: &DeviceArguments, clock: &C) -> Result<Box<dyn Device>, Failure> {
     let path = arguments.motion.as_ref().ok_or_else(|| {
         Failure::Arguments("--device replay needs --motion TRACE.csv or REC.mcap".into())
@@ -32,7 +32,7 @@ pub fn open<C: Clock>(arguments: &DeviceArguments, clock: &C) -> Result<Box<dyn 
     Ok(Box::new(device))
 }
 
-/// Whether the recording whose motion was replayed is whole, if it was one: says what it lacks.
+/// Checks that the replayed recording is complete, if the motion came from one, and reports its gaps.
 pub fn whole_or_said(arguments: &DeviceArguments) -> Result<(), Failure> {
     match &arguments.motion {
         Some(path) if is_recording(path) => recorded::whole_or_said(&open_recording(path)?),
@@ -45,7 +45,7 @@ fn is_recording(path: &Path) -> bool {
         .is_some_and(|extension| extension == "mcap")
 }
 
-/// Times `[s]` and positions `[m]` of a trace, or of a recording where the device was seen.
+/// Reads times `[s]` and positions `[m]` of a trace, or of the valid samples of a recording.
 fn motion(path: &Path, part: &Part, table: &TraceFlags) -> Result<(Vec<f64>, Vec<f64>), Failure> {
     if is_recording(path) {
         if let Some(flag) = table.given() {

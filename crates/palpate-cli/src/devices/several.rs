@@ -1,4 +1,4 @@
-//! The devices of a world, one or several.
+//! The devices of a world.
 
 use palpate_device::clock::Clock;
 use palpate_scene::world::{WorldDevice, WorldScene};
@@ -10,7 +10,7 @@ use super::{DeviceArguments, DeviceName, OpenedInWorld, open_as};
 use crate::arguments::Given;
 use crate::failure::Failure;
 
-/// Flags of one device, by the names of their fields: where several devices are named they stand behind the name of theirs.
+/// Field names of one device's flags. With several named devices they follow the name of their device.
 pub const FLAGS_OF_A_DEVICE: [&str; 13] = [
     "port",
     "generation",
@@ -27,13 +27,13 @@ pub const FLAGS_OF_A_DEVICE: [&str; 13] = [
     "world_axes",
 ];
 
-/// Opens a device for each device of a world, in the order of its file: the one that `arguments` name, or several by the names
-/// that they have in the file. A device `pointer` is in the hand that stands in its place in `hands`; without one it stays
-/// where it begins.
+/// Opens a device for each device of a world, in the order of its file: the one in `arguments`, or several by their
+/// names in the file. A device `pointer` is moved by the hand at its index in `hands`; without a hand it stays at its
+/// start.
 ///
 /// # Errors
-/// A device of the world that is not named or named twice, a name that the world has not, flags that belong behind a name, or
-/// one device for two; as for one device.
+/// A device of the world is not named or is named twice, a name is unknown, a flag belongs after a name, or one device
+/// is used twice; otherwise as for one device.
 pub fn open_for_world<C: Clock>(
     arguments: &DeviceArguments,
     given: &Given,
@@ -66,10 +66,10 @@ pub fn open_for_world<C: Clock>(
     Ok(opened)
 }
 
-/// What each device of the world is, in the order of its file.
+/// Returns the kind of each device of the world, in the order of its file.
 ///
 /// # Errors
-/// As [`open_for_world`], but for what a device itself refuses.
+/// As [`open_for_world`], except for errors of a device itself.
 pub fn kinds(
     arguments: &DeviceArguments,
     given: &Given,
@@ -79,7 +79,7 @@ pub fn kinds(
     Ok(each.iter().map(|(_, of_one)| of_one.kind()).collect())
 }
 
-/// Each device of the world, with the arguments that name what it is.
+/// Returns each device of the world with its arguments.
 fn each<'a>(
     arguments: &'a DeviceArguments,
     given: &Given,
@@ -127,13 +127,13 @@ fn each<'a>(
         .collect())
 }
 
-/// What the devices of a world are called in its file, in their order.
+/// Returns the names of a world's devices in its file, in their order.
 pub fn names(scene: &WorldScene) -> Vec<&str> {
     let tools = scene.world.tools.iter();
     tools.map(|tool| tool.name.as_str()).collect()
 }
 
-/// `left and right`, `a, b and c`.
+/// Formats names as `left and right` or `a, b and c`.
 fn listed(names: &[&str]) -> String {
     match names {
         [] => "none".into(),

@@ -1,4 +1,4 @@
-//! The Haply 2DIY on a serial port: what the flags ask for, and what is said of it.
+//! The Haply 2DIY on a serial port: its setup from flags, and its messages.
 
 use std::io::stdin;
 use std::time::Duration;
@@ -17,7 +17,7 @@ use super::guarding::command;
 use crate::failure::{Failure, tell};
 use crate::values::{BoardName, StartPose};
 
-/// What the flags ask for.
+/// Returns the setup from the flags.
 pub fn setup(arguments: &DeviceArguments) -> Setup {
     Setup {
         port: arguments.port.clone(),
@@ -35,7 +35,7 @@ pub fn setup(arguments: &DeviceArguments) -> Setup {
     }
 }
 
-/// The board that a name stands for.
+/// Returns the board of a name.
 pub fn board(name: BoardName) -> Board {
     match name {
         BoardName::M0 => Board::M0,
@@ -44,7 +44,7 @@ pub fn board(name: BoardName) -> Board {
     }
 }
 
-/// Opens it, for a loop of `period`, with a guardian where one is asked for.
+/// Opens the device for a loop of `period`, with a watchdog process on request.
 pub fn open<C: Clock>(
     setup: &Setup,
     period: Duration,
@@ -75,7 +75,7 @@ fn refused(error: OpenError) -> Failure {
     }
 }
 
-/// No port can be taken for that of a 2DIY.
+/// Explains that no port can be that of a 2DIY.
 pub fn no_port(error: PortError) -> Failure {
     match error {
         PortError::System(_) => Failure::System(error.to_string()),
@@ -84,11 +84,11 @@ pub fn no_port(error: PortError) -> Failure {
     }
 }
 
-/// How long somebody who has promised so has to bring the arm into its start pose.
+/// Time for moving the arm to its start pose after the promise to do so.
 const TO_START_POSE: Duration = Duration::from_secs(3);
 
-/// Opens it anew on the port of `setup`. The board then counts from where the arm is, and cannot
-/// tell where that is; so it is not opened before somebody says that this is its start pose, unless that `is_promised`.
+/// Reopens the device on the port of `setup`. The board then counts from the arm's present pose, which it cannot
+/// measure. Therefore the user must confirm that the arm is in its start pose, unless `is_promised`.
 pub fn reopen<C: Clock>(
     setup: Setup,
     is_promised: bool,
@@ -111,7 +111,7 @@ pub fn reopen<C: Clock>(
             std::thread::sleep(TO_START_POSE);
         } else {
             if !is_asked {
-                // What was typed before says nothing about where the arm is now.
+                // Discard earlier input, which says nothing about the arm's present pose.
                 let _ = tcflush(stdin(), QueueSelector::IFlush);
                 tell(format_args!(
                     "{} is there, and no force: bring the arm into its start pose, hold it still, \
@@ -130,8 +130,8 @@ pub fn reopen<C: Clock>(
     })
 }
 
-/// The same device, telling in the end if its board has not said that it holds no torque; of a port
-/// that has gone `says_gone` or somebody else.
+/// Wraps the device to warn at its end if its board has not confirmed that the torques are off; after the loss of the
+/// port only if `says_gone`.
 pub fn watched<C: Clock>(device: TwoDiy<C>, says_gone: bool) -> Box<dyn Device> {
     Box::new(LetGo::new(device, move |not| {
         if says_gone || !not.was_gone {

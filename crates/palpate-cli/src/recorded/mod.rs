@@ -1,4 +1,4 @@
-//! Recordings, as commands meet them.
+//! Recordings in commands.
 
 pub mod trace;
 
@@ -9,7 +9,7 @@ use palpate_study::recording::shortcomings;
 
 use crate::failure::{Failure, tell};
 
-/// Opens a recording, whole or not.
+/// Opens a recording, complete or incomplete.
 pub fn open(path: &Path) -> Result<Recording, Failure> {
     Recording::open(path).map_err(|error| match error {
         RecordingError::Unreadable { .. } => {
@@ -30,8 +30,8 @@ pub fn open(path: &Path) -> Result<Recording, Failure> {
     })
 }
 
-/// Says on standard error what is not as it should be, if anything is; the command has done what it
-/// could, and ends with an exit code of its own.
+/// Reports defects of a recording on standard error. The command has done all it could, and ends with a separate exit
+/// code.
 pub fn whole_or_said(recording: &Recording) -> Result<(), Failure> {
     for words in shortcomings(recording) {
         tell(format_args!(
@@ -42,7 +42,7 @@ pub fn whole_or_said(recording: &Recording) -> Result<(), Failure> {
     whole_or_code(recording)
 }
 
-/// The exit code alone.
+/// Returns the exit code without a message.
 pub fn whole_or_code(recording: &Recording) -> Result<(), Failure> {
     if recording.is_whole() {
         Ok(())

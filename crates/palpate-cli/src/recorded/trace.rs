@@ -1,4 +1,4 @@
-//! Traces, as commands meet them.
+//! Traces in commands.
 
 use std::fs::File;
 use std::io;
@@ -16,20 +16,20 @@ use crate::arguments::TraceFlags;
 use crate::failure::{Failure, tell};
 use crate::inside;
 
-/// Name that stands for standard input.
+/// Name of standard input.
 pub const STANDARD_INPUT: &str = "-";
 
-/// Where so many periods as fit are less than this `[s]`, the period is wrong, not the trace.
+/// If the largest number of periods lasts less than this `[s]`, the period is wrong, not the trace.
 const SHORTEST_FIT: f64 = 1.0;
 
-/// What to do with a recording that has too many periods.
+/// Returns the remedy for a recording with too many periods.
 pub fn how_to_cut() -> String {
     format!(
         "at most {MOST_PERIODS} fit, so take a part of it with --from and --to [s], or a longer --period"
     )
 }
 
-/// A part of the trace at `path`, with the force that was held, if the table has it.
+/// Reads a part of the trace at `path`, with the held force if the table has it.
 pub fn read_trace(
     path: &Path,
     name: &str,
@@ -57,7 +57,7 @@ pub fn read_trace(
     Ok(held)
 }
 
-/// A part of the table at `path` with the motion of the devices of a world.
+/// Reads a part of the table at `path` with the motion of a world's devices.
 pub fn read_world_trace(
     path: &Path,
     part: &Part,
@@ -96,7 +96,7 @@ fn opened(path: &Path, name: &str) -> Result<File, Failure> {
     Ok(file)
 }
 
-/// Says what is to be said of the text of the table called `name`.
+/// Reports notes about the text of the table called `name`.
 fn tell_notes(name: &str, notes: &ReadNotes) {
     if let Some(number) = &notes.unended {
         tell(format_args!(
@@ -106,7 +106,7 @@ fn tell_notes(name: &str, notes: &ReadNotes) {
     }
 }
 
-/// Says of a gap of the motion called `name` that a straight line bridges it.
+/// Warns of a gap in the motion called `name` that a straight line bridges.
 pub fn tell_gap(name: &str, motion: &RecordedMotion) {
     if let Some(warning) = motion.warning() {
         tell(format_args!("warning: {name}: {warning}"));
@@ -117,7 +117,7 @@ fn wrong_trace(error: TraceError) -> Failure {
     match &error {
         TraceError::Unreadable { .. } => Failure::System(error.to_string()),
         TraceError::Layout { .. } => Failure::Arguments(format!("--columns: {error}")),
-        // The last line that was read is not what is wrong.
+        // The last line that was read is not the cause.
         TraceError::Invalid {
             place,
             fault: TraceFault::TooLong { longest, first },

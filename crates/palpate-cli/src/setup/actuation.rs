@@ -1,4 +1,4 @@
-//! From flags and a device file to the actuation that a scene has and its renderer is told.
+//! Converts flags and a device file to the actuation of a scene and the model values of its renderer.
 
 use palpate::{Actuation, Allowed, LARGEST_DELAY, Parameter, ParameterError, Range, Transmission};
 use palpate_calibrate::Quantity;
@@ -10,7 +10,7 @@ use crate::arguments::ActuationFlags;
 use crate::failure::{Failure, tell};
 
 impl ActuationFlags {
-    /// Refuses what no actuator can have.
+    /// Rejects impossible values of an actuator.
     pub fn check(&self) -> Result<(), Failure> {
         let (positive, not_negative) = (Range::Positive, Range::NotNegative);
         for (flag, parameter, range, value) in [
@@ -63,7 +63,7 @@ impl ActuationFlags {
         self.check_transmission()
     }
 
-    /// Refuses what no transmission can have.
+    /// Rejects impossible values of a transmission.
     fn check_transmission(&self) -> Result<(), Failure> {
         type IsAllowed = fn(f64) -> bool;
         let of: [(Parameter, IsAllowed, Allowed, Option<f64>); 3] = [
@@ -96,15 +96,15 @@ impl ActuationFlags {
         Ok(())
     }
 
-    /// Whether a flag says something of a flexible transmission.
+    /// Whether a flag sets a parameter of a flexible transmission.
     pub fn tell_a_transmission(&self) -> bool {
         self.resonance.is_some()
             || self.resonance_damping_ratio.is_some()
             || self.flexible_mass_fraction.is_some()
     }
 
-    /// The flexible transmission that a renderer is told: what `file` says in place of `before`, and flags in place
-    /// of both. Where a flag says a part of it, the rest must be known.
+    /// Returns the model of the flexible transmission: values of `file` override `before`, and flags override both. If
+    /// a flag sets a part of it, the rest must be known.
     fn transmission(
         &self,
         file: Option<&DeviceFile>,
@@ -151,7 +151,7 @@ impl ActuationFlags {
         }))
     }
 
-    /// Refuses what is told where no actuator is simulated that could have another value.
+    /// Rejects model values if no actuator is simulated that could differ from them.
     pub fn refuse_told(&self, command: &str) -> Result<(), Failure> {
         let given = [
             ("delay", self.told_delay),
@@ -167,7 +167,7 @@ impl ActuationFlags {
         })
     }
 
-    /// Whether any of them changes what is simulated.
+    /// Whether any of these flags changes the simulation.
     pub fn change_a_scene(&self) -> bool {
         self.device_file.is_some()
             || self.tell_a_transmission()
@@ -186,7 +186,7 @@ impl ActuationFlags {
             .any(Option::is_some)
     }
 
-    /// Puts the flags, and what `file` says beside them, in place of the scene's values.
+    /// Replaces the scene's values by the flags and by the remaining values of `file`.
     pub fn change(&self, scene: &mut Scene, file: Option<&DeviceFile>) -> Result<(), Failure> {
         let period = scene.loop_params.period;
         let told = &mut scene.told;
@@ -201,7 +201,7 @@ impl ActuationFlags {
             told.gain_deviation = known.gain_deviation.or(told.gain_deviation);
             told.sensor_noise = known.sensor_noise.or(told.sensor_noise);
         }
-        // What a flag says is so, and is told.
+        // A flag sets the true value and the model value.
         if let Some(periods) = self.delay {
             told.delay = None;
             scene.delay = Delay::told_whole(periods, period);
@@ -231,7 +231,7 @@ impl ActuationFlags {
         Ok(())
     }
 
-    /// What flags and `file` say of an actuator that no scene describes, in a loop of `period` `[s]`.
+    /// Returns the actuation from flags and `file`, without a scene's actuator, in a loop of `period` `[s]`.
     pub fn actuation(
         &self,
         period: f64,
@@ -254,7 +254,7 @@ impl ActuationFlags {
         })
     }
 
-    /// The flag that says a quantity of a device file, if it was given.
+    /// Returns the flag that overrides a quantity of a device file, if it was given.
     pub fn beside(&self, quantity: Quantity) -> Option<&'static str> {
         let first = |flags: &[(&'static str, Option<f64>)]| {
             let given = flags.iter().find(|(_, value)| value.is_some());

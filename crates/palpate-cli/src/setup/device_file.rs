@@ -1,4 +1,4 @@
-//! A calibrated device file: what a renderer is told of a device.
+//! A calibrated device file: model values of a device.
 
 use std::path::{Path, PathBuf};
 
@@ -23,8 +23,8 @@ pub fn read_calibration(path: &Path) -> Result<Calibration, Failure> {
     })
 }
 
-/// Warns of a contact that is stiffer than the first resonance allows which `file` or `flags` say, in a loop of
-/// `period` `[s]`. `device_mass`: where the file has none `[kg]`.
+/// Warns of a contact that is stiffer than the first resonance from `file` or `flags` allows, in a loop of `period`
+/// `[s]`. `device_mass` is used if the file has none `[kg]`.
 pub fn warn_of_resonance(
     file: Option<&DeviceFile>,
     flags: &ActuationFlags,
@@ -62,14 +62,14 @@ pub fn warn_of_resonance(
     ));
 }
 
-/// A device file that was read.
+/// A parsed device file.
 pub struct DeviceFile {
     path: PathBuf,
     calibration: Calibration,
 }
 
 impl DeviceFile {
-    /// Reads the file at `path` for a loop of `period` `[s]`, and says what `flags` leave to it.
+    /// Reads the file at `path` for a loop of `period` `[s]`, and reports the values that `flags` do not override.
     pub fn read(path: &Path, flags: &Flags, period: f64) -> Result<Self, Failure> {
         let name = path.display().to_string();
         let file = Self {
@@ -89,22 +89,23 @@ impl DeviceFile {
         Ok(file)
     }
 
-    /// Mass of the device `[kg]`.
+    /// Returns the mass of the device `[kg]`.
     pub fn device_mass(&self) -> Option<f64> {
         self.calibration.value(Quantity::DeviceMass)
     }
 
-    /// What it says of a `quantity`.
+    /// Returns the value of a `quantity`.
     pub fn value(&self, quantity: Quantity) -> Option<f64> {
         self.calibration.value(quantity)
     }
 
-    /// Quantum of the position sensor `[m]`.
+    /// Returns the quantum of the position sensor `[m]`.
     pub fn sensor_quantum(&self) -> Option<f64> {
         self.calibration.value(Quantity::SensorQuantum)
     }
 
-    /// The quantum that a renderer is told `[m]`: that of the sensor, or of one that errs as much as this one was found to.
+    /// Returns the model value of the quantum `[m]`: the sensor's quantum, or the quantum with the same noise as the
+    /// measured one, whichever is larger.
     pub fn told_quantum(&self) -> Option<f64> {
         let noise = self.calibration.value(Quantity::SensorNoise);
         let quantum = self.sensor_quantum();
@@ -115,14 +116,14 @@ impl DeviceFile {
             .reduce(f64::max)
     }
 
-    /// What it says of delay, lag, gain, sensor and transmission; not what `flags` say beside it.
+    /// Returns delay, lag, gain, sensor and transmission, without quantities that `flags` override.
     pub fn told(&self, flags: &ActuationFlags) -> Told {
         calibrated::told(&self.calibration, |quantity| {
             flags.beside(quantity).is_none()
         })
     }
 
-    /// Says on standard error what is taken from the file, and what flags say in its place.
+    /// Reports on standard error the values from the file and those replaced by flags.
     fn tell(&self, flags: &Flags, period: f64) {
         let name = self.path.display();
         let (mut taken, mut replaced) = (Vec::new(), Vec::new());
@@ -136,7 +137,7 @@ impl DeviceFile {
                 Quantity::DeviceMass => flags.device_mass.map(|_| "--device-mass"),
                 Quantity::SensorQuantum => flags.encoder_quantum.map(|_| "--encoder-quantum"),
                 Quantity::SensorNoise => None,
-                // Only its deviation is.
+                // Only its deviation is used.
                 Quantity::DelayPlusLag if has_delay => continue,
                 Quantity::Delay | Quantity::DelayPlusLag | Quantity::Lag | Quantity::Gain => {
                     flags.actuation.beside(*quantity)

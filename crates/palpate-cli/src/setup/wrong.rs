@@ -1,4 +1,4 @@
-//! Errors of parameters in terms of the flags that give them.
+//! Errors of parameters, in terms of their flags.
 
 use std::borrow::Cow;
 
@@ -19,7 +19,7 @@ fn valued<T>(flag: &'static str, value: Option<T>) -> Option<FlagOf> {
 }
 
 impl TimingFlags {
-    /// The flag that gives a parameter of a scene, if one of these does.
+    /// Returns the flag of a scene's parameter, if one of these sets it.
     fn flag_of(&self, parameter: SceneParameter) -> Option<FlagOf> {
         match parameter {
             SceneParameter::DelayFraction => valued("--delay-fraction", self.delay_fraction),
@@ -30,14 +30,14 @@ impl TimingFlags {
         }
     }
 
-    /// Whether a parameter was given as a flag.
+    /// Whether a flag sets a parameter.
     pub fn gives(&self, parameter: SceneParameter) -> bool {
         self.flag_of(parameter).is_some_and(|(_, given)| given)
     }
 }
 
 impl Flags {
-    /// The flag that gives a parameter of a scene, if one of these does.
+    /// Returns the flag of a scene's parameter, if one of these sets it.
     fn flag_of(&self, parameter: SceneParameter) -> Option<FlagOf> {
         let of = &self.actuation;
         match parameter {
@@ -123,7 +123,7 @@ impl Flags {
                 let is_given = self.settings().has(setting.key);
                 Some((flag_of_setting(setting).into(), is_given))
             }
-            // Nobody gives these by a flag.
+            // No flag sets these.
             Parameter::DerivedDamping
             | Parameter::AxisOrigin
             | Parameter::AxisNormal
@@ -134,13 +134,13 @@ impl Flags {
         }
     }
 
-    /// Whether a parameter was given as a flag.
+    /// Whether a flag sets a parameter.
     pub fn gives(&self, parameter: SceneParameter) -> bool {
         self.flag_of(parameter).is_some_and(|(_, given)| given)
     }
 }
 
-/// A parameter out of range, in terms of the flag that gave it.
+/// Explains a parameter out of range by the flag that set it.
 pub fn wrong_flag(error: &SceneParameterError) -> Failure {
     let parameter = error.parameter;
     let flag = Flags::default().flag_of(parameter);
@@ -151,12 +151,12 @@ pub fn wrong_flag(error: &SceneParameterError) -> Failure {
     })
 }
 
-/// As [`wrong_flag`], of what the core refuses.
+/// Explains an error of the core as [`wrong_flag`] does.
 pub fn wrong_rendered(error: &ParameterError) -> Failure {
     wrong_flag(&error.map(SceneParameter::Rendered))
 }
 
-/// A value that the flag of a parameter cannot have.
+/// Explains a value that the flag of a parameter does not allow.
 pub(super) fn not_allowed(parameter: Parameter, value: f64, allowed: Allowed) -> Failure {
     wrong_rendered(&ParameterError {
         parameter,
@@ -165,12 +165,12 @@ pub(super) fn not_allowed(parameter: Parameter, value: f64, allowed: Allowed) ->
     })
 }
 
-/// As [`not_allowed`], of another flag that gives the same parameter.
+/// Explains an invalid value as [`not_allowed`] does, for another flag that sets the same parameter.
 pub(super) fn not_allowed_by(flag: &'static str, error: ParameterError) -> Failure {
     Failure::Arguments(error.called(flag).to_string())
 }
 
-/// A value that the bench refuses; the scene was checked, so no flag is known that gave it.
+/// Explains a value rejected by the simulation; the scene was checked, so the flag is unknown.
 pub fn wrong_on_bench(error: &InvalidParameter) -> Failure {
     Failure::Arguments(format!(
         "{} is {}, but must be {}",
@@ -178,7 +178,7 @@ pub fn wrong_on_bench(error: &InvalidParameter) -> Failure {
     ))
 }
 
-/// A method that cannot be set up from flags alone.
+/// Explains a method that cannot be set up from flags alone.
 pub fn wrong_setup(error: &SetupError) -> Failure {
     match error {
         SetupError::Parameter(parameter) => wrong_flag(parameter),

@@ -1,7 +1,7 @@
-//! Whatever ends, stops or hangs a loop on a board that holds its last torque, no torque stays on.
+//! No torque stays on after the end, stop or hang of a loop on a board that holds its last torque.
 //!
-//! Board and arm are emulated in the test's own process, so that what the board does is seen with its
-//! time. The limits of time are generous: what is waited for is that the board holds no torque.
+//! Board and arm are emulated in the test's own process, so that the board's behaviour is observed with its timing. The
+//! time limits are generous: the tests wait until the board holds no torque.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::print_stdout)] // tests show what they measured
@@ -22,14 +22,14 @@ use palpate_haply_emulator::two_diy::{Did, Emulator, Fault, Hand, PortSettings, 
 use processes::{children, is_held};
 use signals::{Does, signals};
 
-/// Nobody has to wait for so long but on a machine that does nothing else.
+/// Longest wait; only a fully loaded machine needs that long.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// How often a test tries that needs a machine which does not stand still for a moment. Where the machine
-/// stands still, a loop takes its force off, or gives its board up, before there is anything to see.
+/// Attempts of tests that fail if the machine stalls. On a stalled machine a loop disables its force or gives up its
+/// board before the effect under test occurs.
 const ATTEMPTS: usize = 6;
-/// What a loop says that has given its board up, or has not got it, since the machine stood still. Bytes on
-/// a pseudoterminal are passed on by a worker of the kernel, which beside busy loops may have to wait for
-/// seconds (both ends then stand in `flush_work`); a byte that comes late is read wrong by the board.
+/// Messages of a loop that gave up its board, or did not get it, because the machine stalled. A kernel worker forwards
+/// bytes on a pseudoterminal. Beside busy loops it may wait for seconds (both ends are then in `flush_work`), and the
+/// board misreads late bytes.
 const STOOD_STILL: [&str; 7] = [
     "the device is gone",
     "device-lost",
@@ -44,13 +44,13 @@ const STOOD_STILL: [&str; 7] = [
 const FLAGS: &str = "--device haply-2diy --start-pose 130,50 --origin 0.019,0.11 --normal 0,1 \
                      --stiffness 300 --method basic --duration inf --soft-start 0";
 
-/// A board that is reached over a socket, whose bytes wait for no worker of the kernel.
+/// A board behind a socket, whose bytes wait for no kernel worker.
 fn emulator(folder: &Folder) -> Emulator {
     let path = folder.path("haply");
     emulator_on(PortSettings::Socket { path })
 }
 
-/// A board that is reached as a serial port is.
+/// A board behind a terminal, like a serial port.
 fn emulator_on_a_terminal(_: &Folder) -> Emulator {
     emulator_on(PortSettings::Terminal { link: None })
 }
@@ -84,7 +84,7 @@ fn folder() -> Folder {
     folder
 }
 
-/// A loop on the emulated board, that presses.
+/// Starts a loop on the emulated board that presses into a wall.
 fn pressing(folder: &Folder, emulator: &Emulator, rest: &str) -> Running {
     let port = emulator.path();
     let run = format!("run wall.toml {FLAGS} --port {} {rest}", port.display());
@@ -107,7 +107,7 @@ fn pressing(folder: &Folder, emulator: &Emulator, rest: &str) -> Running {
     panic!("each loop lost its board before it pressed");
 }
 
-/// Waits for a torque; false if the program has ended without one.
+/// Waits for a torque. Returns false if the program has ended without one.
 #[track_caller]
 fn presses(run: &mut Running, emulator: &Emulator) -> bool {
     let mut ended = false;
@@ -118,14 +118,14 @@ fn presses(run: &mut Running, emulator: &Emulator) -> bool {
     !ended
 }
 
-/// When the board held no torque from then on.
+/// Returns the time since which the board has held no torque.
 fn off_since(emulator: &Emulator) -> Option<Instant> {
     let seen = emulator.seen();
     let last_on = seen.iter().rposition(|seen| seen.torques != [0.0; 2])?;
     seen.get(last_on + 1).map(|seen| seen.at)
 }
 
-/// From the last torque to the first command of none behind it.
+/// Returns the time from the last torque to the following zero command.
 fn silence(seen: &[Seen]) -> Duration {
     let commanded: Vec<_> = seen
         .iter()
@@ -136,7 +136,7 @@ fn silence(seen: &[Seen]) -> Duration {
     commanded[last_on + 1].at - commanded[last_on].at
 }
 
-/// The guardian of a loop: the only program that the loop starts.
+/// Returns the watchdog process of a loop: the only program that the loop starts.
 fn guardian(run: &Running) -> u32 {
     let mut found = None;
     wait_for("a guardian", || {
@@ -146,7 +146,7 @@ fn guardian(run: &Running) -> u32 {
     found.unwrap()
 }
 
-/// A loop that is killed leaves no torque, and no guardian that holds the port.
+/// Checks that a killed loop leaves no torque, and no watchdog process that holds the port.
 #[track_caller]
 fn killed_it_leaves_no_torque(mut run: Running, emulator: &Emulator, port: &Path) {
     assert!(signal(9, run.id()));
@@ -162,8 +162,8 @@ fn signal(number: i32, id: u32) -> bool {
     kill.unwrap().success()
 }
 
-/// How long a torque stayed on after a signal, which a command sends that takes its time, and after the
-/// last packet with a torque.
+/// Returns the time that a torque stayed on after a signal, which is sent by a slow command, and after the last packet
+/// with a torque.
 fn strikes(
     number: i32,
     does: Does,
@@ -180,7 +180,7 @@ fn strikes(
     assert!(signal(number, run.id()), "{number}");
     let what = format!("no torque after signal {number}");
     if does == Does::Stops {
-        // The loop may have been in a cut of its supervisor, of a moment.
+        // The supervisor may have cut the loop's force for a moment.
         wait_for(&what, || {
             off_since(&emulator).is_some_and(|since| since.elapsed() > Duration::from_millis(200))
         });
@@ -188,7 +188,7 @@ fn strikes(
         assert!(signal(9, run.id()));
     }
     if matches!(number, 7 | 11) {
-        // The first of these the program's run-time library takes for an overflow of the stack.
+        // The program's run-time library takes the first of these signals for a stack overflow.
         wait_for("the end", || {
             let has_ended = run.try_wait().unwrap().is_some();
             has_ended || !signal(number, run.id())
@@ -201,7 +201,7 @@ fn strikes(
         Does::Stops => assert_eq!(ended.signal(), Some(9)),
     }
     wait_for(&what, || !is_on(&emulator));
-    // The guardian ends as well, and nobody holds the port. Files are closed one after the other.
+    // The watchdog process ends as well and releases the port. Files are closed one after the other.
     wait_for("the end of the guardian", || {
         !is_held(&port) && !Path::new(&format!("/proc/{guardian}/fd/0")).exists()
     });
@@ -243,8 +243,8 @@ fn no_signal_leaves_a_torque_on() {
     }
 }
 
-/// As measured at 1 kHz with the default limits, over a terminal as over a serial port: printed, and not
-/// bounded, for a busy machine bounds nothing.
+/// Measured at 1 kHz with the default limits, over a terminal as over a serial port. The result is printed without a
+/// bound, because a busy machine can exceed any bound.
 #[test]
 fn how_long_a_torque_stays_on_is_measured() {
     const ROUNDS: usize = 10;
@@ -264,26 +264,26 @@ fn how_long_a_torque_stays_on_is_measured() {
     }
 }
 
-/// It was only late: nothing is wrong with it, and its force comes back. What it missed counts by its
-/// time, of which its ticks know nothing.
+/// A loop that was only late recovers its force. The missed periods count by their time, because its ticks do not
+/// record them.
 #[test]
 fn a_loop_that_was_stopped_for_a_while_comes_back() {
     let came_back = (0..ATTEMPTS).any(|_| stopped_for_a_while_it_comes_back());
     assert!(came_back, "each loop lost its board");
 }
 
-/// Whether the loop could be seen to come back: not where it lost its board before it was stopped.
+/// Returns whether the loop recovered, which fails if it lost its board before it was stopped.
 fn stopped_for_a_while_it_comes_back() -> bool {
     let folder = folder();
     let emulator = emulator(&folder);
     let port = emulator.path();
     let begun = Instant::now();
     let mut run = pressing(&folder, &emulator, "--json --priority 0 --stall-after 50");
-    // More ticks than it takes to come back.
+    // More ticks than a recovery takes.
     wait_for("ticks", || {
         emulator.seen().len() > 1000 || run.try_wait().unwrap().is_some()
     });
-    // For most of its time.
+    // Most of the loop's time.
     let quiet = (3 * begun.elapsed()).min(PATIENCE / 2);
     loop {
         wait_for("a torque", || {
@@ -298,7 +298,7 @@ fn stopped_for_a_while_it_comes_back() -> bool {
         wait_for("no torque", || {
             off_since(&emulator).is_some_and(|since| since.elapsed() > quiet)
         });
-        // A loop that had just taken its force off by itself, since the machine was late, left nothing to cut.
+        // If the late loop had just disabled its force itself, the watchdog process had nothing to cut.
         if silence(&emulator.seen()) >= Duration::from_millis(50) {
             break;
         }
@@ -346,8 +346,8 @@ fn a_loop_that_has_lost_its_guardian_gives_no_force_and_says_how() {
             "the guardian is there and does not listen",
         ),
     ] {
-        // Where the machine stands still for a second, the board is given up before the guardian is missed. A process that
-        // was killed ends once the machine runs it: until then it is there and does not listen.
+        // If the machine stalls for a second, the loop gives up the board before it misses the watchdog process. A
+        // killed process ends only once the machine schedules it; until then it exists without listening.
         let (said, report) = (0..ATTEMPTS)
             .map(|_| without_its_guardian(number))
             .find(|(_, report)| {
@@ -362,7 +362,7 @@ fn a_loop_that_has_lost_its_guardian_gives_no_force_and_says_how() {
     }
 }
 
-/// A loop's warnings and report, whose guardian got a signal; no torque stayed on.
+/// Returns the warnings and the report of a loop whose watchdog process got a signal; checks that no torque stayed on.
 fn without_its_guardian(number: i32) -> (String, serde_json::Value) {
     let folder = folder();
     let emulator = emulator(&folder);
@@ -379,7 +379,7 @@ fn without_its_guardian(number: i32) -> (String, serde_json::Value) {
     (String::from_utf8(output.stderr).unwrap(), report)
 }
 
-/// A port that is pulled out is held open by nobody, and the device that comes back is guarded anew.
+/// A removed port is not held open, and the returned device gets a new watchdog process.
 #[test]
 fn a_device_that_comes_back_has_a_guardian_of_its_own() {
     let folder = folder();
@@ -416,7 +416,7 @@ fn a_device_that_comes_back_has_a_guardian_of_its_own() {
     killed_it_leaves_no_torque(run, &emulator, &port);
 }
 
-/// Neither what a terminal sends to a loop, nor any signal that can be caught.
+/// The watchdog process ignores terminal input of the loop and all signals that can be caught.
 #[test]
 fn a_guardian_heeds_no_signal_and_is_in_no_session_of_the_loop() {
     let folder = folder();
@@ -450,8 +450,8 @@ fn without_a_guardian_it_is_said_that_the_board_holds_its_torque() {
     assert!(said.contains("warning: --guardian off"), "{said}");
     let report = String::from_utf8(output.stdout).unwrap();
     assert!(report.contains("guardian: off"), "{report}");
-    // For this is what a guardian is for: the negative control.
-    // A loop that had just taken its force off by itself left nothing to hold.
+    // Negative control: without a watchdog process the torque stays on. A loop that had just disabled its force itself
+    // leaves no torque.
     let stays_on = (0..ATTEMPTS).any(|_| {
         let mut run = pressing(&folder, &emulator, "--guardian off --priority 0");
         assert!(signal(9, run.id()));

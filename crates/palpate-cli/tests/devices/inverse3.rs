@@ -10,7 +10,7 @@ use palpate_haply_emulator::inverse3::{Body, Emulator, EmulatorOptions, Fault, h
 
 const ID: &str = "049D";
 
-/// A device 100 mm along z, that a hand pulls 12 mm further.
+/// A device 100 mm along z, pulled 12 mm further by a hand.
 fn emulator() -> Emulator {
     let mut body = Body {
         start: [0.0, 0.0, 0.1],
@@ -26,7 +26,7 @@ fn emulator() -> Emulator {
 
 fn folder() -> Folder {
     let folder = Folder::new();
-    // The scene's device begins 2 mm before the wall: so does this one, wherever it is.
+    // The scene's device starts 2 mm before the wall, and so does this one.
     folder.write("wall.toml", experiment_text("wall"));
     folder
 }
@@ -54,8 +54,8 @@ fn a_wall_is_felt_2_mm_before_where_the_device_was_opened() {
     assert_eq!(answer.code, 0, "{answer:?}");
     let report = parse(&answer.stdout);
     assert_eq!(report["device"], "Haply Inverse3");
-    // 1000 x = 200 (0.010 - x): 1.67 mm and 1.67 N, and more on the way in; where a busy machine
-    // leaves the force off now and then, as far as the hand swings without.
+    // 1000 x = 200 (0.010 - x): 1.67 mm and 1.67 N, and more during the approach. If a busy machine disables the force
+    // now and then, the hand swings further.
     let (force, depth) = (
         number(&report, "peak_force_n"),
         number(&report, "deepest_penetration_m"),
@@ -198,7 +198,7 @@ fn live(emulator: &Emulator, rest: &str) -> String {
     )
 }
 
-/// Two sessions would command it by turns.
+/// Two sessions would command the device alternately.
 #[test]
 fn a_page_has_it_in_one_loop() {
     let (folder, emulator) = (folder(), emulator());

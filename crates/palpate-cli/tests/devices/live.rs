@@ -14,7 +14,7 @@ use palpate_record::recording::Recording;
 #[test]
 fn it_says_where_the_page_is_and_ends_with_a_report() {
     let folder = Folder::new();
-    // A busy machine is not what is tested here, and a trip for a late tick has an exit code of its own.
+    // This test is not about a busy machine; a safety stop for a late tick has a separate exit code.
     let live = "live --listen 127.0.0.1:0 --priority 0 --stall-after 1000";
     let mut child = Running::start(program(&folder, live).stdout(Stdio::piped()));
     let mut out = BufReader::new(child.stdout.take().unwrap());
@@ -81,7 +81,7 @@ fn it_records_every_lane_from_its_first_tick() {
     for file in ["wall-1-basic.mcap", "wall-2-hfcr.mcap"] {
         let recording = Recording::open(&folder.path(file)).unwrap();
         assert!(recording.is_whole(), "{file}");
-        // Some of them a busy machine misses.
+        // A busy machine misses some of them.
         assert!(
             (100..=500).contains(&recording.ticks),
             "{}",
@@ -102,7 +102,7 @@ fn it_records_every_lane_from_its_first_tick() {
         "{live} --method basic,hfcr --device simulated --record wall.mcap"
     ));
     again.failed("again", 1, &["wall-1-basic.mcap", "there is a file"]);
-    // One lane is what --record names.
+    // With one loop, `--record` names its file.
     let one = folder.palpate(&format!("{live} --method hfcr --record one.mcap"));
     assert_eq!(one.code, 0, "{one:?}");
     assert!(folder.path("one.mcap").exists());
@@ -143,7 +143,7 @@ fn what_cannot_be_is_said_at_once() {
     folder.fail(&format!("{free} --device-mass -1"), 2, &["-1"]);
 }
 
-/// The end of a run that nobody can be told of is an end all the same.
+/// A run whose report cannot be written ends normally.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_standard_output_that_is_full_leaves_no_recording_half_written() {
@@ -167,7 +167,7 @@ fn a_standard_output_that_is_full_leaves_no_recording_half_written() {
     );
 }
 
-/// A disk that is full, as far as this program can tell: its files may not grow.
+/// A full disk, emulated by a limit on the size of the program's files.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_recording_that_cannot_be_written_is_said_at_the_end() {
@@ -188,7 +188,7 @@ fn a_recording_that_cannot_be_written_is_said_at_the_end() {
     assert!(said.contains("wall.mcap"), "{said}");
 }
 
-/// What listens on every address is opened by one that there is: a browser cannot open 0.0.0.0.
+/// A page on all addresses is announced by real addresses: a browser cannot open 0.0.0.0.
 #[test]
 fn a_page_on_every_address_is_said_by_addresses_that_can_be_opened() {
     let folder = Folder::new();

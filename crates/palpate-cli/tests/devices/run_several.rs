@@ -10,7 +10,7 @@ use palpate_record::recording::{Entry, Recording};
 use palpate_testbed::hand::{Hand as LeadingHand, IntendedPath, Intention, Sinusoid};
 
 const ID: &str = "049D";
-/// Nobody has to wait for so long but on a machine that does nothing else.
+/// Longest wait; only a fully loaded machine needs that long.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 fn wait_for(what: &str, mut is_so: impl FnMut() -> bool) {
@@ -66,7 +66,7 @@ fn a_pinch_is_run_recorded_read_back_and_replayed() {
         let Entry::Tick(tick, _, bodies, devices) = entry.unwrap() else {
             continue;
         };
-        // The cube, and the avatars of both tools behind cube and table.
+        // The cube, and the proxies of both tools after cube and table.
         let numbers: Vec<u32> = bodies.iter().map(|body| body.body).collect();
         assert_eq!(numbers, [0, 2, 3]);
         let [left, right] = &devices[..] else {
@@ -175,7 +175,7 @@ fn a_device_that_is_not_named_as_it_must_be_is_refused() {
         told.contains("on the devices `left: simulated, right: simulated`"),
         "{told}"
     );
-    // One contact does not take several.
+    // A scene of one contact rejects several devices.
     folder.write("wall.toml", experiment_text("wall"));
     let (code, _, said) = answer(program(&folder, "run wall.toml --fast", &devices));
     assert!(code == 2 && said.contains("--device: one device"), "{said}");
@@ -186,7 +186,7 @@ fn a_page_has_several_devices_each_by_its_name() {
     let folder = folder();
     let live =
         "live pinch.toml --listen 127.0.0.1:0 --duration 0.2 --stall-after 1000 --priority 0";
-    // 5 where a busy machine kept the motors off for most of the time.
+    // 5 if a busy machine kept the motors off for most of the time.
     for (devices, device) in [
         (&[][..], "`left: pointer, right: pointer`"),
         (
@@ -213,8 +213,9 @@ fn a_page_has_several_devices_each_by_its_name() {
     );
 }
 
-/// Two Inverse3 on services of their own, each led by a hand to and fro: within 2 s 3 mm towards the cube between them, which
-/// gives 0.6 N. It begins slowly, since a hand leads from when its device is opened, and the loop begins when both are.
+/// Two Inverse3 on separate services, each moved to and fro by a hand: within 2 s 3 mm towards the cube between them,
+/// which gives 0.6 N. The motion begins slowly, because each hand starts when its device is opened, and the loop starts
+/// when both are open.
 fn two_fingers() -> [Emulator; 2] {
     [1.0, -1.0].map(|towards| {
         let mut body = Body::default();
@@ -255,7 +256,7 @@ fn on(emulators: &[Emulator; 2]) -> Vec<String> {
 
 const LOOP: &str = "pinch.toml pinch.mcap --priority 0 --stall-after 50 --json";
 
-/// How many ticks of the recording push both fingers back.
+/// Returns the number of ticks in the recording that push both fingers back.
 fn ticks_of_a_pinch(folder: &Folder) -> usize {
     let recording = Recording::open(&folder.path("pinch.mcap")).unwrap();
     assert_eq!(recording.devices, 2);
@@ -272,20 +273,20 @@ fn ticks_of_a_pinch(folder: &Folder) -> usize {
 
 #[test]
 fn two_inverse3_pinch_a_cube() {
-    // A busy machine stops the loop now and then for longer than it is allowed to, and its motors are off then.
+    // A busy machine sometimes stalls the loop beyond its limit, which disables the motors.
     let report = (0..10)
         .map(|_| {
             let (folder, emulators) = (folder(), two_fingers());
             let run = format!("record {LOOP} --duration 2.5");
             let (code, told, said) = answer(program(&folder, &run, &on(&emulators)));
-            // 5 where the motors were off for most of the ticks.
+            // 5 if the motors were off for most of the ticks.
             assert!(matches!(code, 0 | 5), "{code}: {said}");
             for (emulator, sign) in emulators.iter().zip([-1.0, 1.0]) {
                 let received = emulator.received();
                 let forces = received.iter().filter_map(|message| message.force);
                 let forces: Vec<[f64; 3]> = forces.collect();
                 assert_eq!(forces.last(), Some(&[0.0; 3]));
-                // Out of the cube, on the whole: of a long interval between samples `coupled` gives back what was too much.
+                // Outwards on average: `coupled` corrects the excess impulse of a long interval between samples.
                 let impulse: f64 = forces.iter().map(|[x, ..]| sign * x).sum();
                 assert!(impulse > 0.0, "{said}");
             }
@@ -343,7 +344,7 @@ fn what_ends_a_loop_takes_the_force_off_both() {
                 .iter()
                 .all(|emulator| emulator.force(ID) == Some([0.0; 3]))
         });
-        // The one that was not cut off was told so by the loop.
+        // The loop commanded zero force to the connected device.
         for (name, emulator) in ["left", "right"].iter().zip(&emulators) {
             let received = emulator.received();
             let last = received.iter().rev().find_map(|message| message.force);
@@ -352,8 +353,8 @@ fn what_ends_a_loop_takes_the_force_off_both() {
     }
 }
 
-/// Each board holds its last torque, and has a guardian of its own: neither is left with a torque when the program is
-/// killed, and neither holds one for longer than it is stopped.
+/// Each board holds its last torque and has its own watchdog process: no torque stays on after the program is killed,
+/// or beyond the timeout while it is stopped.
 #[cfg(target_os = "linux")]
 #[test]
 fn the_guardian_of_each_board_takes_its_torque_off() {
@@ -389,8 +390,8 @@ fn the_guardian_of_each_board_takes_its_torque_off() {
             });
             (!has_ended).then_some(running)
         };
-        // On a machine that stands still for a moment a loop loses the boards, before the signal or as it comes. It has then taken
-        // the force off itself, and a guardian has nothing to say.
+        // On a stalled machine a loop loses the boards before the signal or with it. It has then disabled the force
+        // itself, and a watchdog process reports nothing.
         let is_seen = (0..10).filter_map(|_| press()).any(|running| {
             running.signal(signal);
             wait_for("no torque", || {
@@ -405,14 +406,14 @@ fn the_guardian_of_each_board_takes_its_torque_off() {
             for board in &emulators {
                 assert_eq!(board.torques(), [0.0; 2], "{said}");
             }
-            // Each says so where the loop is gone for good.
+            // Each watchdog process reports if the loop has ended for good.
             signal == "STOP" || said.matches("the force is off").count() >= 2
         });
         assert!(is_seen, "{signal}: not one of ten loops left two forces on");
     }
 }
 
-/// Two devices, each 7 mm in a wall of its own.
+/// Two devices, each 7 mm in its own wall.
 const TWO_WALLS: &str = r#"
 format = 2
 [loop]

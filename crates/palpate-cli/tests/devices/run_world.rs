@@ -91,7 +91,7 @@ fn a_world_is_run_recorded_and_read_back() {
             continue;
         };
         assert_eq!(tick.contacts as usize, contacts.len());
-        // The ball, and the avatar of the tool behind ball and table.
+        // The ball, and the proxy of the tool after ball and table.
         let numbers: Vec<u32> = bodies.iter().map(|body| body.body).collect();
         assert_eq!(numbers, [0, 2]);
         assert!(bodies[0].position.iter().all(|x| x.is_finite()));
@@ -158,7 +158,7 @@ fn the_pointer_holds_a_world_and_flags_of_one_contact_are_refused() {
     assert_eq!(answer.code, 2, "{answer:?}");
 }
 
-/// A world that pushes back with more than a limit: the limit is the length of the vector.
+/// In a world whose force exceeds a limit, the limit applies to the length of the vector.
 #[test]
 fn a_limit_of_the_force_holds_in_every_direction() {
     let folder = folder();
@@ -184,8 +184,8 @@ fn a_limit_of_the_force_holds_in_every_direction() {
     assert!(limited_aslant > 10, "{limited_aslant} ticks");
 }
 
-/// An Inverse3 whose hand pulls it 9 mm down, to where the ball is: how the program answered, and the
-/// forces that the service was told [N].
+/// Runs an Inverse3 whose hand pulls it 9 mm down, into the ball. Returns the program's answer and the forces that the
+/// service received [N].
 fn a_ball_is_pressed(folder: &Folder) -> (Answer, Vec<[f64; 3]>) {
     // The service's z is up too.
     let mut body = Body {
@@ -210,12 +210,12 @@ fn a_ball_is_pressed(folder: &Folder) -> (Answer, Vec<[f64; 3]>) {
 
 #[test]
 fn an_inverse3_presses_a_ball_on_a_table() {
-    // A busy machine stops the loop now and then for longer than it is allowed to, and its motors are off then.
+    // A busy machine sometimes stalls the loop beyond its limit, which disables the motors.
     let (answer, pushed) = (0..10)
         .map(|_| {
             let (answer, pushed) = a_ball_is_pressed(&folder());
             assert_eq!(pushed.last(), Some(&[0.0; 3]));
-            // 5 where the motors were off for most of the ticks.
+            // 5 if the motors were off for most of the ticks.
             assert!(matches!(answer.code, 0 | 5), "{answer:?}");
             (answer, pushed)
         })
@@ -225,17 +225,17 @@ fn an_inverse3_presses_a_ball_on_a_table() {
         .expect("the loop was stopped in each of ten runs");
     let report = parse(&answer.stdout);
     assert_eq!(report["device"], "Haply Inverse3");
-    // The ball is under the tool, 4 mm beside its middle: it pushes up, and a little to the side.
+    // The ball is under the tool, 4 mm off its middle: it pushes up, and a little to the side.
     assert!(pushed.iter().any(|[_, _, z]| *z > 0.3));
     assert!(pushed.iter().any(|[_, y, _]| y.abs() > 0.005));
 }
 
-/// Records a 2DIY whose hand leads it 32 mm away from its base, into a block before a wall, as `block.mcap`.
+/// Records a 2DIY whose hand moves it 32 mm away from its base, into a block before a wall, as `block.mcap`.
 #[cfg(unix)]
 fn record_the_block(folder: &Folder) -> Answer {
     use palpate_haply::two_diy::{Board, Generation};
     use palpate_haply_emulator::two_diy::{self, Hand, PortSettings, Settings};
-    // It begins where the tool does.
+    // The hand starts at the tool's position.
     let settings = Settings {
         angles: Some([130.0, 50.0]),
         hand: Hand::Holds {
@@ -256,14 +256,14 @@ fn record_the_block(folder: &Folder) -> Answer {
         "record block-at-wall.toml block.mcap --device haply-2diy --port haply --board m0 \
          --origin 0.019,0.1169 --start-pose 130,50 --priority 0 --stall-after 200 --duration 1.2 --json",
     );
-    // 5 where the motors were off for most of the ticks.
+    // 5 if the motors were off for most of the ticks.
     assert!(matches!(answer.code, 0 | 5), "{answer:?}");
     assert_eq!(emulator.torques(), [0.0; 2]);
     answer
 }
 
-/// The report of such a run, the block's places [m], each with the device's force along y [N], and how far the hand had led the
-/// tool when the loop began [m].
+/// Returns the report of such a run, the block's positions [m], each with the device's force along y [N], and the
+/// distance that the hand had moved the tool when the loop began [m].
 #[cfg(unix)]
 fn a_block_is_pushed(folder: &Folder) -> (serde_json::Value, Vec<(f64, f64)>, f64) {
     let answer = record_the_block(folder);
@@ -283,9 +283,9 @@ fn a_block_is_pushed(folder: &Folder) -> (serde_json::Value, Vec<(f64, f64)>, f6
 #[cfg(unix)]
 #[test]
 fn a_2diy_pushes_a_block_against_a_wall() {
-    // A busy machine stops the loop now and then for longer than it is allowed to. The motors are off then,
-    // the hand pushes the tool into the block without a force against it, and the run shows nothing here. Nor does one whose
-    // loop began when the hand had led the tool into the block already.
+    // A busy machine sometimes stalls the loop beyond its limit. Then the motors are off, the hand pushes the tool into
+    // the block without a force against it, and the run shows nothing here. A run whose loop began with the tool
+    // already in the block is unusable too.
     let (report, pushed, _) = (0..10)
         .map(|_| a_block_is_pushed(&folder()))
         .find(|(report, _, led)| number(report, "motors_off_ticks") == 0.0 && led.abs() < 1e-3)
@@ -299,7 +299,8 @@ fn a_2diy_pushes_a_block_against_a_wall() {
     assert!(back > 20, "{back} ticks with a force against the hand");
 }
 
-/// The file says that the device has three axes. The loop renders none along z, says so, and nothing is judged there.
+/// The file gives the device three axes. The loop renders no force along z and reports it, and the z axis is not
+/// evaluated.
 #[cfg(unix)]
 #[test]
 fn a_2diy_lacks_the_third_axis_whatever_its_file_says() {
@@ -387,11 +388,11 @@ fn a_device_of_six_axes_is_run_and_its_turns_and_torques_are_recorded() {
             most.max((avatar - device).abs())
         });
     }
-    // The box tips, and its avatar is near the device, but not in its place.
+    // The box tips, and its proxy is near the device, but not at its position.
     assert!(torque > 0.01 && torque <= 1.0, "{torque} N m");
     assert!(turned > 0.05, "{turned}");
     assert!(avatar > 0.0 && avatar < 0.15, "{avatar}");
-    // Its motion, under another method; the first samples have the same torques.
+    // Replay of its motion by another method; the first samples have the same torques.
     let replayed =
         folder.json_of_a_loop("replay box.mcap --method basic,coupled --out replayed.csv");
     let methods = replayed["methods"].as_array().unwrap();
@@ -405,7 +406,7 @@ fn a_device_of_six_axes_is_run_and_its_turns_and_torques_are_recorded() {
     folder.succeed("convert box.mcap");
     assert!(folder.read("box.csv").contains("delivered_torque_1_n_m"));
 
-    // A pointer's hand holds it as it begins.
+    // The hand of a pointer holds it at its start.
     let report =
         parse(&folder.succeed("run box.toml --device pointer --fast --duration 0.1 --json"));
     assert_eq!(report["trip"], serde_json::Value::Null);
@@ -416,7 +417,7 @@ fn a_device_of_six_axes_is_run_and_its_turns_and_torques_are_recorded() {
     );
 }
 
-/// A stylus in the loop: its turns are recorded, and no torque is there.
+/// A stylus in the loop: its rotation is recorded, without a torque.
 #[test]
 fn a_device_that_gives_no_torque_is_run_and_replayed() {
     let folder = Folder::new();

@@ -29,7 +29,7 @@ fn rows(folder: &Folder, name: &str) -> Vec<Row> {
         .collect()
 }
 
-/// However fast it runs, the disk keeps up: on a clock that stands still it can wait.
+/// In a fast run the recorder keeps up: a simulated clock can wait for the disk.
 #[test]
 fn a_fast_run_loses_nothing_of_its_recording() {
     let folder = folder_with_scenes();
@@ -38,7 +38,7 @@ fn a_fast_run_loses_nothing_of_its_recording() {
     assert_eq!(info["ticks"], 300_000);
 }
 
-/// What ran on the simulated device at once is what the simulator gives.
+/// A fast run on the simulated device equals a simulation.
 #[test]
 fn a_fast_run_is_a_simulation() {
     let folder = folder_with_scenes();
@@ -79,12 +79,12 @@ fn every_fast_run_is_the_same() {
             "run experiment1.toml --fast --duration 5 --record {name}.mcap"
         ));
     }
-    // By their text: the first has no period, and NaN is not NaN.
+    // Compared as text: the first tick has no period, and NaN is not equal to NaN.
     let text = |name| format!("{:?}", rows(&folder, name));
     assert!(text("a.mcap") == text("b.mcap"));
 }
 
-/// A busy machine misses some, and the run is no longer for it.
+/// A busy machine misses some periods, and the run does not get longer.
 #[track_caller]
 fn all_periods(timing: &Value, periods: u64) {
     let of = |name: &str| timing[name].as_u64().unwrap();
@@ -105,7 +105,7 @@ fn a_run_in_real_time_takes_its_time_and_reports() {
     let asked = |index: usize| report["realtime"][index]["asked"].as_str();
     assert_eq!(asked(0), Some("SCHED_FIFO, priority 80"));
     assert_eq!(asked(1), Some("memory locked"));
-    // Where both were refused, once is enough.
+    // If both were denied, one report suffices.
     let supervisor = "supervisor: SCHED_FIFO, priority 81";
     assert!(asked(2).is_none_or(|asked| asked == supervisor));
     let text = folder.succeed("run wall.toml --duration 0.1 --priority 0");
@@ -117,7 +117,7 @@ fn a_run_in_real_time_takes_its_time_and_reports() {
 fn a_recording_of_a_run_is_whole_and_can_be_replayed() {
     let folder = folder_with_scenes();
     let answer = folder.palpate("record experiment1.toml tap.mcap --duration 2 --method coupled");
-    // A machine that stands still lets safety take the force off, and the recording is as whole.
+    // On a stalled machine safety disables the force, and the recording is still complete.
     let stood_still = answer.code == 5 && answer.stdout.contains("trip-stalled");
     assert!(answer.code == 0 || stood_still, "{answer:?}");
     let info = parse(&folder.succeed("info tap.mcap --json"));
@@ -156,11 +156,11 @@ fn a_recorded_motion_is_a_device() {
         "{:?}",
         at(0.15)
     );
-    // Behind its end the device is gone, and so is the force.
+    // After its end the device is gone, and so is the force.
     assert_eq!(ticks.last().unwrap().contact.force_on_device, 0.0);
     let info = folder.succeed("info push.mcap");
     assert!(info.contains("trip-device-lost"), "{info}");
-    // So is one that a loop has recorded: the same motion gives the same forces.
+    // A motion recorded by a loop gives the same forces.
     folder.succeed(
         "record wall.toml again.mcap --fast --device replay --motion push.mcap --method basic",
     );
@@ -170,7 +170,7 @@ fn a_recorded_motion_is_a_device() {
         let off = before.contact.force_on_device - after.contact.force_on_device;
         assert!(off.abs() < 1e-9, "{before:?}, {after:?}");
     }
-    // One that is cut is replayed as far as it goes, and that is said.
+    // A truncated recording is replayed up to its end, with a message.
     let bytes = std::fs::read(folder.path("push.mcap")).unwrap();
     folder.write("cut.mcap", &bytes[..bytes.len() * 9 / 10]);
     let answer =
@@ -182,8 +182,8 @@ fn a_recorded_motion_is_a_device() {
     );
 }
 
-/// The pointer's device is the scene's: its motor gives no more than the scene says, and a delay that
-/// the renderer is told of is the device's too.
+/// The pointer's device is the scene's: its motor is limited as in the scene, and it has the delay that the renderer
+/// models.
 #[test]
 fn a_pointer_leads_the_device_of_the_scene() {
     let folder = folder_with_scenes();
@@ -205,7 +205,7 @@ fn a_pointer_leads_the_device_of_the_scene() {
     assert!(number(&report, "peak_force_n") <= 0.5, "{report}");
 }
 
-/// What the renderer cannot be told of is said.
+/// A delay beyond the renderer's model is reported.
 #[test]
 fn a_delay_beyond_what_a_renderer_knows_is_told() {
     let folder = folder_with_scenes();
@@ -288,7 +288,7 @@ fn started(folder: &Folder, arguments: &str) -> Running {
     Running::start(program.stdout(Stdio::null()).stderr(Stdio::null()))
 }
 
-/// Waits until a recording that is being made has ticks that were flushed.
+/// Waits until a running recording has flushed ticks.
 fn wait_for_ticks(part: &std::path::Path) {
     let begun = Instant::now();
     while Recording::open(part).map_or(0, |recording| recording.ticks) == 0 {
@@ -326,7 +326,7 @@ fn a_signal_ends_a_run_without_force_and_completes_the_recording() {
     }
 }
 
-/// What was asked for was not done to its end.
+/// The run ended before its requested duration.
 #[test]
 fn a_run_that_is_stopped_before_its_time_has_an_exit_code() {
     let folder = folder_with_scenes();
@@ -353,8 +353,8 @@ fn a_run_that_is_stopped_before_its_time_has_an_exit_code() {
     }
 }
 
-/// A wall that trips the safety for good: the motors are off from there on, which the report and the
-/// recording say with the same numbers, and no energy is theirs that passes meanwhile.
+/// A wall triggers the latched safety stop: the motors are off from then on. Report and recording agree on the numbers,
+/// and no energy is recorded afterwards.
 #[test]
 fn a_run_whose_motors_were_off_says_so_and_has_an_exit_code() {
     let folder = folder_with_scenes();
@@ -365,7 +365,7 @@ fn a_run_whose_motors_were_off_says_so_and_has_an_exit_code() {
     let report = parse(&answer.stdout);
     let off = number(&report, "motors_off_ticks");
     assert!((1000.0..2500.0).contains(&off), "{off}");
-    // Of 5 s, the first period is before the first tick; the motors are off from the end of a tick on.
+    // Of 5 s, the first period precedes the first tick; the motors are off from the end of a tick on.
     let off_s = number(&report, "motors_off_s");
     assert!((off_s - 0.002 * (off - 1.0)).abs() < 1e-9, "{off_s} s");
     assert!((number(&report, "lasted_s") - 4.998).abs() < 1e-9);
@@ -377,13 +377,13 @@ fn a_run_whose_motors_were_off_says_so_and_has_an_exit_code() {
     ] {
         assert!(answer.stderr.contains(part), "{part}: {}", answer.stderr);
     }
-    // All of it was created before the trip: 50 mJ and one period more of a stiff wall.
+    // All of it was generated before the safety stop: 50 mJ plus one period of a stiff wall.
     let created = number(&report, "leak_held_j");
     assert!((0.05..0.5).contains(&created), "{created} J");
     assert!(number(&report, "outside_work_j") != 0.0);
     let last = *rows(&folder, "off.mcap").last().unwrap();
     assert_eq!(last.contact.held_leak, created);
-    // The recording itself is complete, by the same numbers.
+    // The recording itself is complete, with the same numbers.
     assert_eq!(report["recording"]["complete"], true);
     let info = folder.json("info off.mcap");
     for key in ["motors_off_ticks", "motors_off_s", "lasted_s"] {
@@ -411,7 +411,7 @@ fn a_run_whose_motors_were_off_says_so_and_has_an_exit_code() {
     );
 }
 
-/// Stopped for some 30 ms, gone on for some 60 ms, and so on: each time its force would be on its way back.
+/// Repeatedly stopped for some 30 ms and continued for some 60 ms: each time the force would be ramping up.
 #[test]
 fn a_loop_that_is_frozen_again_and_again_ends_with_its_motors_off() {
     let folder = folder_with_scenes();
@@ -432,7 +432,7 @@ fn a_loop_that_is_frozen_again_and_again_ends_with_its_motors_off() {
     assert_eq!(report["trip"], "too-many-recoveries", "{report}");
 }
 
-/// As on a disk that is full: the loop is not ended by it, and nobody plays on for nothing.
+/// As with a full disk: the loop continues, and the user is warned at once.
 #[test]
 fn a_recording_that_cannot_grow_is_told_at_once_and_the_loop_goes_on() {
     let folder = folder_with_scenes();
@@ -459,18 +459,18 @@ fn a_recording_that_cannot_grow_is_told_at_once_and_the_loop_goes_on() {
     let output = run.output();
     assert_eq!(output.status.code(), Some(1));
     let report = parse(&String::from_utf8(output.stdout).unwrap());
-    // The rest of it was listened to all the same.
+    // The remaining ticks were still received.
     assert!(number(&report, "peak_force_n") > 0.0, "{report}");
     let events = report["events"].as_array().unwrap();
     assert_eq!(events.last().unwrap()["kind"], "ended", "{report}");
     assert!(report["recording"].is_null());
 }
 
-/// Killed in the middle, at fifty instants: what was flushed is there, tick by tick.
+/// Killed at fifty instants: all flushed ticks are readable.
 #[test]
 fn a_run_that_is_killed_leaves_a_recording_up_to_its_last_flush() {
     let folder = folder_with_scenes();
-    // From the first flush on, spread over a second and over the flushes every quarter of it.
+    // From the first flush on, spread over a second and over the flushes, which occur every quarter of it.
     let instants = (0..50_u64).map(|i| Duration::from_millis((i * 619) % 1000));
     let (mut fewest, mut with_gaps) = (u64::MAX, 0);
     for (batch, instants) in instants.collect::<Vec<_>>().chunks(5).enumerate() {
@@ -491,7 +491,7 @@ fn a_run_that_is_killed_leaves_a_recording_up_to_its_last_flush() {
             child.wait().unwrap();
             let recording = Recording::open(&folder.path(&format!("{file}.part"))).unwrap();
             assert!(!recording.finished);
-            // Where the disk stands still for seconds, the loop goes on and the ring is full: what it drops is a gap.
+            // If the disk stalls for seconds, the loop continues and the ring is full: dropped ticks form a gap.
             with_gaps += u32::from(!recording.missing.is_empty());
             assert!(recording.damage.is_empty(), "{:?}", recording.damage);
             fewest = fewest.min(recording.ticks);

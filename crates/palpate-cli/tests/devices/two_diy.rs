@@ -1,8 +1,7 @@
 //! The program on an emulated Haply 2DIY.
 //!
-//! Its port is a Unix socket: a worker of the kernel hands over the bytes of a terminal, and beside
-//! busy loops that worker may come a second late (`docs/realtime.md`). The driver's own tests use a
-//! terminal.
+//! Its port is a Unix socket: a kernel worker forwards the bytes of a terminal, and beside busy loops that worker may
+//! be a second late (`docs/realtime.md`). The driver's own tests use a terminal.
 
 #![cfg(unix)]
 
@@ -33,7 +32,7 @@ fn started(folder: &Folder, arguments: &str) -> Running {
     Running::start(program.stdout(Stdio::null()).stderr(Stdio::piped()))
 }
 
-/// Longer than any wait here takes, on a busy machine too.
+/// Longer than any wait here, on a busy machine too.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 fn wait_for(what: &str, mut is_so: impl FnMut() -> bool) {
@@ -44,7 +43,7 @@ fn wait_for(what: &str, mut is_so: impl FnMut() -> bool) {
     }
 }
 
-/// Whether a recording that is being made has such an entry among those that were flushed.
+/// Whether a running recording has flushed such an entry.
 fn has_recorded(folder: &Folder, part: &str, is_it: impl Fn(&Entry) -> bool) -> bool {
     Recording::open(&folder.path(part)).is_ok_and(|recording| {
         let mut entries = recording.entries().unwrap();
@@ -60,7 +59,7 @@ impl Emulated {
         Self { child, said }
     }
 
-    /// Ends it; what it said.
+    /// Ends the emulator. Returns its output.
     fn end(mut self) -> String {
         self.child.signal("INT");
         assert!(self.child.wait().unwrap().success());
@@ -70,7 +69,7 @@ impl Emulated {
     }
 }
 
-/// An emulator in this program, which suffers faults when it is told to.
+/// An emulator in this program, for injecting faults.
 fn emulator(folder: &Folder) -> Emulator {
     let settings = Settings {
         angles: Some([130.0, 50.0]),
@@ -88,11 +87,11 @@ fn presses(emulator: &Emulator) {
     wait_for("no torque", || emulator.torques() != [0.0; 2]);
 }
 
-/// A program whose lines are read as it says them.
+/// A program whose messages are read as they appear.
 struct Told {
     child: Running,
     lines: std::io::Lines<BufReader<ChildStderr>>,
-    /// What it said so far.
+    /// Its messages so far.
     said: String,
 }
 
@@ -108,12 +107,12 @@ impl Told {
         }
     }
 
-    /// Waits until it says `words`.
+    /// Waits for the message `words`.
     fn hear(&mut self, words: &str) {
         self.hear_before(words, None);
     }
 
-    /// Waits until it says `words`, which have to come before `later`.
+    /// Waits for the message `words`, which has to precede `later`.
     fn hear_before(&mut self, words: &str, later: Option<&str>) {
         loop {
             let line = self.lines.next();
@@ -128,10 +127,10 @@ impl Told {
         }
     }
 
-    /// Waits for its end: code, standard output, and all that it said.
+    /// Waits for its end. Returns code, standard output, and all messages.
     fn end(mut self) -> (Option<i32>, String, String) {
-        // Beside standard error: the report of a loop that was often late does not fit into a pipe, and the
-        // program would wait for its reader.
+        // Read standard output concurrently: the report of a loop that was often late exceeds the buffer of a pipe, and
+        // the program would block.
         let mut stdout: ChildStdout = self.child.stdout.take().unwrap();
         let report = std::thread::spawn(move || {
             let mut output = String::new();
@@ -148,7 +147,7 @@ impl Told {
 
 const DEVICE: &str = "--device haply-2diy --port haply --start-pose 130,50 --priority 0";
 const RECONNECT: &str = "--reconnect --reconnect-in-start-pose";
-/// At the middle of the workspace, going into a wall 8 mm before it and out again.
+/// At the middle of the workspace; moves into a wall 8 mm away and out again.
 const HAND: &str = " --angles 130,50 --hold 0.019,0.1169 --sway 0,0.012 --sway-period 0.4";
 const WALL: &str =
     "--origin 0.019,0.11 --normal 0,1 --stiffness 300 --method basic --stall-after 50";
@@ -171,7 +170,7 @@ fn a_wall_is_felt_recorded_and_read_back() {
     let info = parse(&folder.succeed("info tap.mcap --json"));
     let rows = table.lines().count() - 1;
     assert!(rows > 0 && number(&info, "ticks") == rows as f64, "{info}");
-    // A busy machine misses deadlines, and the run has those periods all the same.
+    // A busy machine misses deadlines, and the run includes those periods.
     let periods = |name: &str| number(&report["timing"], name);
     let whole = periods("ticks") + periods("missed_deadlines");
     assert!(whole >= 1500.0, "{report}");
@@ -200,7 +199,7 @@ fn a_run_that_is_terminated_leaves_no_torque() {
     assert!(!said.contains("up to 0.000"), "{said}");
 }
 
-/// It holds its torque, and nobody else can know.
+/// The board holds its torque, which only this warning reveals.
 #[test]
 fn a_board_that_has_not_said_that_it_holds_no_torque_is_told_of() {
     let folder = folder();
@@ -254,7 +253,7 @@ fn a_cable_that_is_pulled_is_waited_for() {
     wait_for("it does not recover", || has_recovered(&folder));
     run.child.signal("TERM");
     let (code, output, said) = run.end();
-    // 5 where the motors were off for most of the time, which hangs on how long was waited here.
+    // 5 if the motors were off for most of the time, which depends on the wait here.
     assert!(matches!(code, Some(0 | 5)), "{code:?}: {said}");
     assert!(!said.contains("could not be let go"), "{said}");
     let report = parse(&output);
@@ -264,10 +263,11 @@ fn a_cable_that_is_pulled_is_waited_for() {
     );
 }
 
-/// A board that is silent for less than half of a run, but at its end: a trip that passes by itself, and has not passed.
+/// A board that is silent for less than half of a run, but at its end: a self-clearing safety stop that has not
+/// cleared.
 ///
-/// Such a trip lasts for a second at most: then the board is gone, which ends a run otherwise. A run that was ended
-/// too early or too late for it is made again.
+/// Such a stop lasts for a second at most: then the board is lost, which ends a run differently. A run that was ended
+/// too early or too late is repeated.
 #[test]
 fn a_run_that_ends_beside_a_silent_board_has_the_exit_code_of_motors_that_are_off() {
     let begun = Instant::now();
@@ -278,7 +278,7 @@ fn a_run_that_ends_beside_a_silent_board_has_the_exit_code_of_motors_that_are_of
     }
 }
 
-/// The exit code of a run that is ended when its board has been silent for half a second or longer.
+/// Returns the exit code of a run that is ended when its board has been silent for half a second or longer.
 fn ends_beside_a_silent_board() -> Option<i32> {
     let folder = folder();
     let emulator = emulator(&folder);
@@ -310,7 +310,7 @@ fn ends_beside_a_silent_board() -> Option<i32> {
     code
 }
 
-/// Whether the recording `back.mcap` that is being made has the event.
+/// Whether the running recording `back.mcap` has the event.
 fn has_recovered(folder: &Folder) -> bool {
     has_recorded(
         folder,
@@ -319,7 +319,8 @@ fn has_recovered(folder: &Folder) -> bool {
     )
 }
 
-/// How many sockets a program has open: its port and its guardian's ear, and none without a device.
+/// Returns the number of open sockets of a program: its port and that of its watchdog process, and none without a
+/// device.
 #[cfg(target_os = "linux")]
 fn sockets(child: &Running) -> usize {
     std::fs::read_dir(format!("/proc/{}/fd", child.id()))
@@ -332,8 +333,8 @@ fn sockets(child: &Running) -> usize {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_port_that_is_gone_is_not_held_open_while_it_is_waited_for() {
-    // Pulled out, or there and silent: then it can be opened only after it was closed.
-    // A silent board stays silent for as long as it is looked at, so that what is looked for comes again.
+    // Unplugged, or silent: a silent board can be opened only after it was closed. It stays silent as long as it is
+    // probed, so the expected state recurs.
     let long = Duration::from_secs(600);
     for (fault, is_there) in [(Fault::Unplug(long), false), (Fault::Stall(long), true)] {
         let folder = folder();
@@ -363,13 +364,13 @@ fn a_port_that_is_gone_is_not_held_open_while_it_is_waited_for() {
             wait_for("it is not opened anew", || sockets(&run) > 0);
         }
         run.signal("TERM");
-        // 5 where the motors were off for most of the ticks, which hangs on how long was waited here.
+        // 5 if the motors were off for most of the ticks, which depends on the wait here.
         let code = run.wait().unwrap().code();
         assert!(matches!(code, Some(0 | 5)), "{code:?}");
     }
 }
 
-/// A terminal as a program's input, and where it is typed.
+/// Returns a terminal as a program's input, and its keyboard end.
 fn terminal() -> (std::fs::File, std::os::fd::OwnedFd) {
     use rustix::fs::{Mode, OFlags};
     use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
@@ -391,7 +392,7 @@ fn no_force_comes_back_before_enter_has_said_that_the_arm_is_in_its_start_pose()
         format!("record wall.toml back.mcap {DEVICE} {WALL} --duration inf --reconnect --json");
     let mut run = Told::start(program(&folder, &run).stdin(input));
     presses(&emulator);
-    // What is typed before says nothing.
+    // Earlier input is ignored.
     keys.write_all(b"\n").unwrap();
     emulator.suffer(Fault::Unplug(Duration::from_millis(300)));
     let back = "the device is back";
@@ -440,8 +441,8 @@ fn motors_are_checked_when_the_arm_may_move() {
 
 #[test]
 fn a_check_that_is_terminated_leaves_no_torque() {
-    // Rests of 250 ms and pulses of 80 ms take turns, and nobody tells which is on: later and later
-    // until a signal has struck in a pulse or after one.
+    // Rests of 250 ms and pulses of 80 ms alternate, without a visible sign. The signal comes later in each try until
+    // it has hit a pulse or its end.
     let names = ["TERM", "HUP", "INT"];
     for (tries, name) in names.iter().cycle().enumerate() {
         assert!(tries < 60, "every signal came before the first pulse");
@@ -546,8 +547,8 @@ fn what_does_not_belong_to_the_2diy_or_to_another_device_is_named() {
     assert!(devices["serial_ports"].is_array());
 }
 
-/// Driver, port, guardian and emulator in real time. A machine that is too busy for that makes the command
-/// decline, and say so; what it finds otherwise stands in the tests in simulated time.
+/// Driver, port, watchdog process and emulator in real time. On a machine that is too busy the command declines with a
+/// reason. Tests in simulated time check the results.
 #[test]
 fn a_calibration_goes_the_whole_way_or_says_what_was_missing() {
     let folder = folder();
@@ -556,7 +557,7 @@ fn a_calibration_goes_the_whole_way_or_says_what_was_missing() {
         "calibrate --device haply-2diy --port haply --wait 0 --seconds 3 --out device.toml --json",
     );
     let said = emulated.end();
-    // Whatever came of it, no torque is left.
+    // In any case no torque is left.
     assert!(said.contains("in the end 0 and 0"), "{said}");
     assert!(answer.stderr.contains("bring the device"), "{answer:?}");
     let is_there = folder.path("device.toml").exists();

@@ -30,7 +30,7 @@ fn error(report: &Value, method: &str) -> f64 {
     number(of_method(report, method), "mean_force_error_percent")
 }
 
-/// What a command has said on standard error.
+/// Checks the words that a command wrote to standard error.
 fn told(answer: &Answer, words: &[&str]) {
     assert_eq!(answer.code, 0, "{answer:?}");
     for word in words {
@@ -41,7 +41,7 @@ fn told(answer: &Answer, words: &[&str]) {
 const PIPE: &str = "pipe --stiffness 400 --mass 0.1 --period 0.001 --device-mass 0.2 \
                     --object-position 0.005 --soft-start 0 --force-limit inf";
 
-/// The forces of a press of 50 mm/s.
+/// Returns the forces of a press of 50 mm/s.
 fn piped(folder: &Folder, flags: &str) -> Vec<f64> {
     let lines: String = (0..120)
         .map(|i| format!("{}\n", 5e-5 * f64::from(i)))
@@ -52,7 +52,7 @@ fn piped(folder: &Folder, flags: &str) -> Vec<f64> {
     forces.collect()
 }
 
-/// A sensor that was found to err more than its steps do is told as one whose steps err as much.
+/// A sensor whose noise exceeds that of its steps has a model value with steps of that noise.
 #[test]
 fn the_noise_of_a_calibrated_sensor_is_told() {
     let folder = folder();
@@ -85,7 +85,7 @@ fn a_pipe_commands_what_the_actuator_is_to_get() {
         assert_ne!(&all, other, "{flags}");
     }
     assert!(all.iter().all(|force| force.is_finite()));
-    // A force that comes late begins before the device touches.
+    // A delayed force has to begin before the device touches.
     let begins = |forces: &[f64]| forces.iter().position(|force| *force < -1e-6);
     assert!(begins(&all) < begins(&at_once), "{all:?} {at_once:?}");
 }
@@ -115,7 +115,7 @@ fn a_recording_is_rendered_with_the_actuator_that_is_told() {
     let (none, whole) = (error(""), error("--delay 1"));
     let half = error("--delay 0.5");
     assert!(none < half && half < whole, "{none} {half} {whole}");
-    // The gain is made good; a lag is not by this method.
+    // This method compensates the gain, but not a lag.
     assert!((error("--gain 0.7") / none - 1.0).abs() < 1e-9);
     assert!(error("--lag 0.003") > none);
     let shown = folder.palpate(&format!("{render} --delay 0.5"));
@@ -144,7 +144,7 @@ fn a_device_file_says_what_flags_would() {
             "--gain stands in place of gain",
         ],
     );
-    // Delay and lag of one fit err against each other: their sum is known better than each.
+    // Delay and lag of one fit have opposite errors: their sum is more accurate than each.
     let sum = "delay_plus_lag_s = 0.007\n\n[standard_deviation]\ndelay_plus_lag_s = 0.0001\n\
                lag_s = 0.001\n";
     folder.write(
@@ -179,7 +179,7 @@ fn a_flag_stands_in_place_of_the_value_of_a_device_file() {
     let beside = error(&format!("--device-file device.toml {own}"));
     assert_eq!(beside, error(own));
     assert_ne!(beside, error("--device-file device.toml"));
-    // What is not taken is not judged: by itself that delay would be too long.
+    // Unused values are not checked: by itself that delay would be too long.
     let fast =
         "pipe --stiffness 400 --mass 0.1 --period 0.0005 --device-file device.toml --delay 1";
     let answer = folder.palpate_reading("0\n", fast);
@@ -264,7 +264,7 @@ fn a_recording_says_what_the_renderer_was_told_and_is_replayed_with_it() {
     let line =
         "the renderer was told: device 0.100 kg, delay 5.00 ± 0.100 ms, lag 2.00 ms, gain 0.900\n";
     assert!(shown.contains(line), "{shown}");
-    // The same motion, rendered by what is told: as it was recorded, and with a method that does not look at it.
+    // The same motion, rendered with the model values: as it was recorded, and with a method that ignores them.
     let replayed = |flags: &str| {
         let report = folder.json(&format!("replay rec.mcap --method basic {flags}"));
         (error(&report, "basic"), report["actuator"].clone())
@@ -273,7 +273,7 @@ fn a_recording_says_what_the_renderer_was_told_and_is_replayed_with_it() {
     assert_eq!(number(&told, "told_lag_s"), 0.002);
     assert_eq!(replayed(actuator).0, recorded);
     assert_ne!(replayed("--delay 0 --lag 0 --gain 1").0, recorded);
-    // A perfect loop says so, too.
+    // A perfect loop is reported too.
     folder.succeed("record scene.toml perfect.mcap --method coupled --fast --duration 0.1");
     let info = folder.json("info perfect.mcap");
     assert_eq!(
@@ -295,8 +295,8 @@ resonance_hz = 100.0
 flexible_mass_fraction = 0.5
 ";
 
-/// A resonance of 10 Hz allows 4 Hz: 63 N/m with the 0.1 kg of the motor's side and a wall. All times are ten
-/// times those of `FLEXIBLE`, so that the bounces of an advice take fewer ticks.
+/// A resonance of 10 Hz allows 4 Hz: 63 N/m with the 0.1 kg of the motor's side and a wall. All times are ten times
+/// those of `FLEXIBLE`, so that the bounces of an advice take fewer ticks.
 #[test]
 fn a_contact_beyond_the_resonance_of_a_device_file_is_warned_of_once_and_not_advised() {
     let folder = folder();
@@ -354,7 +354,7 @@ fn a_map_takes_fractions_of_delay_and_a_lag() {
     folder.fail("map --delay 1025 --out x.csv", 2, &["a number of periods"]);
 }
 
-/// What a calibration says of a flexible transmission, in a loop in which `coupled` uses it.
+/// Flags of a flexible transmission, in a loop in which `coupled` uses it.
 const TRANSMISSION: &str =
     "--resonance 100 --resonance-damping-ratio 0.03 --flexible-mass-fraction 0.5";
 
@@ -384,7 +384,7 @@ fn flags_tell_a_transmission_as_a_scene_and_a_device_file_do() {
     let by_flags = methods(&format!("{simulate} {TRANSMISSION}"));
     assert_eq!(methods("simulate told.toml --method coupled"), by_flags);
     assert_ne!(methods(simulate), by_flags);
-    // One flag stands in place of one key, of a scene and of a file.
+    // One flag overrides one key of a scene and of a file.
     let softer = format!("{simulate} {TRANSMISSION}").replace("100", "80");
     assert_eq!(
         methods("simulate told.toml --method coupled --resonance 80"),
@@ -408,7 +408,7 @@ fn flags_tell_a_transmission_as_a_scene_and_a_device_file_do() {
             "--resonance stands in place of resonance_hz",
         ],
     );
-    // A flag says what the file leaves open.
+    // A flag completes the file.
     let completed = "--device-file part.toml --resonance-damping-ratio 0.03";
     assert_eq!(
         methods(&format!("{simulate} {completed}")),
@@ -440,7 +440,8 @@ fn a_pipe_is_told_of_a_transmission_and_warns_of_what_it_cannot_render() {
     let folder = flexible_folder();
     let plain = piped(&folder, "");
     assert_ne!(piped(&folder, TRANSMISSION), plain);
-    // Where a period of the resonance has twenty samples, one mass is rendered, told or not.
+    // If a period of the resonance has twenty samples, one mass is rendered, with or without a model of the
+    // transmission.
     assert_eq!(piped(&folder, &TRANSMISSION.replace("100", "40")), plain);
     // 40 Hz with the 0.1 kg of the motor's side.
     for (stiffness, is_beyond) in [(6000, false), (7000, true)] {
@@ -500,7 +501,8 @@ fn a_resonance_by_flag_bounds_what_is_advised() {
     }
 }
 
-/// A wall that a hand presses, in a loop with half a period of delay that nobody tells, but for a deviation.
+/// A wall pressed by a hand, in a loop with an unmodelled delay of half a period; only its standard deviation is
+/// modelled.
 const LATE: &str = "\
 scene_format = 1
 title = \"A pressed wall with an untold delay\"

@@ -1,4 +1,4 @@
-//! Help, completions, and what the program says of arguments it does not know.
+//! Help, completions, and messages for unknown arguments.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -74,8 +74,8 @@ fn every_command_explains_itself_with_examples() {
     );
 }
 
-/// What the examples of a command read, and nothing else: what one has written stands in the way of
-/// another.
+/// Returns a folder with exactly the files that the examples of a command read: the output of one command would
+/// obstruct another.
 fn with_what_examples_read(command: &str) -> Folder {
     let folder = Folder::new();
     std::fs::create_dir(folder.path("experiments")).unwrap();
@@ -110,7 +110,7 @@ fn with_what_examples_read(command: &str) -> Folder {
         crate::common::experiment_text("wall"),
     );
     std::fs::create_dir(folder.path("figures")).unwrap();
-    // A table of tap.mcap would be called as this trace is.
+    // A table of tap.mcap would have the same name as this trace.
     if command != "convert" {
         folder.write("tap.csv", trace_text(&taps(0.001, 0.5)));
     }
@@ -120,7 +120,7 @@ fn with_what_examples_read(command: &str) -> Folder {
     folder
 }
 
-/// An example of a help text: the command that it belongs to, what to run, and what to give it.
+/// An example of a help text: its command, arguments and input.
 struct Example {
     command: &'static str,
     arguments: String,
@@ -128,7 +128,7 @@ struct Example {
 }
 
 impl Example {
-    /// Whether safety watches a loop in real time, in which a deadline that the machine misses counts.
+    /// Whether safety watches a real-time loop, in which a missed deadline of the machine counts.
     fn is_in_real_time(&self) -> bool {
         ["run", "record", "live"].contains(&self.command) && !self.arguments.contains("--fast")
     }
@@ -139,7 +139,7 @@ impl Example {
     }
 }
 
-/// The examples in the help of a command, or of the program.
+/// Returns the examples in the help of a command, or of the program.
 fn examples_of(command: &'static str) -> Vec<Example> {
     let taps = trace_text(&taps(0.001, 0.5));
     let help = Folder::new().succeed(&format!("{command} --help"));
@@ -147,13 +147,13 @@ fn examples_of(command: &'static str) -> Vec<Example> {
     let lines = examples.lines().filter(|line| line.contains("palpate "));
     let examples = lines.map(|line| {
         let example = line.split("palpate ").nth(1).unwrap();
-        // A remark stands behind a wide gap.
+        // A wide gap precedes a remark.
         let arguments = example.split("   ").next().unwrap();
         let arguments = arguments.split(" > ").next().unwrap();
         // A shell would find this file.
         let mut arguments = arguments.replace("users/*.toml", "users/wall.toml");
         if command == "live" {
-            // Until ctrl-C, and where another test may listen.
+            // Until ctrl-C, and on a port that no other test uses.
             arguments += " --listen 127.0.0.1:0";
             if !arguments.contains("--duration") {
                 arguments += " --duration 0.2";
@@ -175,8 +175,8 @@ fn examples_of(command: &'static str) -> Vec<Example> {
 
 #[test]
 fn the_examples_of_the_help_are_understood() {
-    // A calibration needs a device in a loop, and a page about a device what a calibration has written. `claims` has a
-    // test of its own, and takes seconds.
+    // A calibration needs a device in a loop, and a page about a device needs a calibration. `claims` has a separate
+    // test, and takes seconds.
     let not_tried = ["completions", "calibrate", "report", "claims"];
     let commands = COMMANDS.iter().filter(|name| !not_tried.contains(name));
     let examples: Vec<Example> = commands
@@ -194,11 +194,11 @@ fn the_examples_of_the_help_are_understood() {
             assert_eq!(answer.code, 0, "palpate {}: {answer:?}", example.arguments);
         }
     };
-    // What needs its deadlines runs alone.
+    // Examples with deadlines run alone.
     assert!(real_time.len() >= 8, "{} in real time", real_time.len());
     for example in real_time {
         let answer = example.answer();
-        // Safety may end a loop that a busy machine has kept from its deadlines; that says nothing about the arguments.
+        // Safety may end a loop that missed its deadlines on a busy machine; this does not concern the arguments.
         let tripped_late = answer.code == 5 && answer.stdout.contains("missed-deadline");
         let arguments = &example.arguments;
         assert!(

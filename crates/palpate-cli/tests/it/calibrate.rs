@@ -5,7 +5,7 @@ use std::process::{Child, Command, Stdio};
 
 use crate::common::{Folder, parse, schema};
 
-/// Half a period of delay `[s]`, and the mass `[kg]`, of a device that moves exactly as its force says.
+/// Half a period of delay `[s]`, and the mass `[kg]`, of an ideal device.
 const DELAY: f64 = 0.5e-3;
 const PERIOD: f64 = 1e-3;
 const MASS: f64 = 0.2;
@@ -22,7 +22,7 @@ fn child(folder: &Folder, arguments: &str) -> Child {
         .unwrap()
 }
 
-/// Moves a device by what `child` answers, for at most `most` samples; the answers.
+/// Moves a device by the answers of `child`, for at most `most` samples. Returns the answers.
 fn moved(child: &mut Child, most: usize) -> Vec<f64> {
     let mut input = child.stdin.take().unwrap();
     let mut output = BufReader::new(child.stdout.take().unwrap());
@@ -228,7 +228,7 @@ fn a_simulated_device_is_found_as_its_scene_has_it() {
 fn a_last_line_without_a_newline_is_no_sample_of_a_calibration() {
     let folder = Folder::new();
     let mut child = child(&folder, "--gain 1");
-    // What is left of 0.0123.
+    // The rest of 0.0123.
     child.stdin.take().unwrap().write_all(b"0\n0.01").unwrap();
     let output = child.wait_with_output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr);

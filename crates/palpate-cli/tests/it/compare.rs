@@ -53,7 +53,7 @@ fn every_figure_is_that_of_the_simulation() {
             assert!((peak / expected - 1.0).abs() < 1e-12, "{name} {method}");
         }
     }
-    // The paper's peak, and that of the basic model, which is half as much again.
+    // The paper's peak; that of the basic model is half as much again.
     assert!((number(&comparison["scenes"][0], "ideal_peak_force_n") - 5.52).abs() < 0.01);
 }
 
@@ -86,14 +86,14 @@ fn the_table_marks_the_best_and_the_broken() {
         marked(second, "!"),
         ["basic", "seh", "virtual-damper", "popc-ref", "hfcr-mod"]
     );
-    // The damper has a lower error than some that held together, but it diverged.
+    // The damper has a lower error than some stable methods, but it diverged.
     assert_eq!(marked(second, "*"), ["hfcr"]);
 }
 
 #[test]
 fn a_method_that_cannot_be_set_up_says_why_and_the_others_run() {
     let folder = folder();
-    // Of so soft a contact 3 K T is 0, and no cap for a passivity controller.
+    // For such a soft contact 3 K T is 0, which is not a valid cap of a passivity controller.
     let text = experiment_text("wall")
         .replace("stiffness_n_per_m = 1000", "stiffness_n_per_m = 5e-324")
         .replace("collisions = 3", "duration_s = 0.2");

@@ -1,4 +1,4 @@
-//! What studies print fits a terminal of 80 columns, and says below the tables what their columns are.
+//! The output of studies fits a terminal of 80 columns, and a legend below the tables explains their columns.
 
 use crate::common::Folder;
 
@@ -8,7 +8,7 @@ fn too_long(text: &str) -> Vec<&str> {
     text.lines().filter(long).collect()
 }
 
-/// Fails unless the text fits, and explains each of these once.
+/// Checks that the text fits, and that it explains each of these terms once.
 fn assert_fits(text: &str, explained: &[&str]) {
     assert_eq!(too_long(text), [""; 0], "in:\n{text}");
     let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -43,7 +43,7 @@ fn compare() {
     let folder = Folder::new();
     let text = folder.succeed(&format!("compare {}", scenes(&["", "/users"]).join(" ")));
     assert_fits(&text, &[E, FRE, LEAK]);
-    // Some of what is said of a method has no room beside its numbers.
+    // Some notes on a method do not fit beside its numbers.
     assert!(
         text.lines()
             .any(|line| line.starts_with("     ") && line.contains("left the safety box")),
@@ -59,7 +59,7 @@ fn demo() {
 #[test]
 fn simulate() {
     let folder = Folder::new();
-    // A table whose last column has no room beside the others, and devices that leave their box.
+    // A table whose last column does not fit beside the others, and devices that leave their box.
     for (scene, flags) in [
         ("fig2", "--method all"),
         ("fig5_box", "--method all"),
@@ -79,7 +79,7 @@ fn a_loop_and_its_machine() {
     assert_fits(&folder.succeed("devices"), &[]);
     assert_fits(&folder.palpate("doctor").stdout, &["What a loop asks for"]);
     let ran = folder.palpate(&format!("run {scene} --duration 0.2 --fast"));
-    // A machine that others keep busy misses ticks.
+    // A loaded machine misses ticks.
     assert!([0, 4].contains(&ran.code), "{ran:?}");
     assert_fits(&ran.stdout, &[]);
     assert!(!ran.stdout.is_empty());

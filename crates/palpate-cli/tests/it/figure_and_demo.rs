@@ -222,7 +222,7 @@ fn where_to_go_next_is_a_way() {
     let arguments = &arguments[..arguments.find("run.svg").unwrap() + "run.svg".len()];
     folder.succeed(arguments);
     assert_eq!(folder.names(), ["first", "run.csv", "run.svg"]);
-    // The hand in the file is the hand of the demonstration.
+    // The file contains the hand of the demonstration.
     let report = folder.json(&format!("{arguments} --overwrite"));
     let demo = folder.json("demo --out-dir first");
     let error = |report| {
@@ -254,7 +254,7 @@ fn the_demo_reports_both_parts_as_json() {
         assert_eq!(part["format"], "palpate report 1");
         assert_eq!(part["methods"].as_array().unwrap().len(), methods);
     }
-    // What the demonstration is about: on the same motion, HFCR leaks next to nothing.
+    // Main point of the demonstration: on the same motion, HFCR generates almost no energy.
     let leak = |method| number(of_method(&report["hand"], method), "absolute_leak_held_j");
     assert!(
         leak("hfcr") < 0.05 * leak("basic"),
@@ -262,7 +262,7 @@ fn the_demo_reports_both_parts_as_json() {
         leak("hfcr"),
         leak("basic")
     );
-    // In closed loop and on the hand alike, coupled rendering is at the floor.
+    // In closed loop and with the hand alike, coupled rendering is at the zero-order-hold bound.
     for part in ["simulation", "hand"] {
         let error = |method| {
             let entry = of_method(&report[part], method);

@@ -4,7 +4,7 @@ use crate::common::{
     Answer, Folder, METHODS, experiment_text, number, of_method, parse, taps, trace_text,
 };
 
-/// Each flag, a value that is not allowed, and what is said of it.
+/// Each flag, an invalid value, and its message.
 const WRONG: [(&str, &str, &str); 69] = [
     ("--stiffness", "0", "0 N/m"),
     ("--stiffness", "-400", "-400 N/m"),
@@ -85,7 +85,7 @@ const WRONG: [(&str, &str, &str); 69] = [
     ("--encoder-quantum", "nan", "NaN m"),
 ];
 
-/// A command that takes the flags, with `flags` in place of its own where it has them.
+/// Returns commands that take the flags; `flags` override their own.
 fn commands(flags: &[(&str, &str)]) -> [String; 3] {
     let mut own = vec![
         ("--stiffness", "400"),
@@ -114,7 +114,7 @@ fn folder() -> Folder {
     folder
 }
 
-/// A method that can use `flag`.
+/// Returns a method that can use `flag`.
 fn method_for(flag: &str) -> Option<&'static str> {
     match flag {
         "--damping-cap" | "--speed-threshold" | "--initial-energy" => Some("popc"),
@@ -324,7 +324,7 @@ fn negative_and_infinite_numbers_stand_as_arguments_of_their_own() {
         [("--mass", "inf"), ("--object-position", "-0.001")],
     ] {
         for command in commands(&[flags[0], flags[1], ("--device-mass", "0.2")]) {
-            // A window of so many collisions may be too short for another scene.
+            // A window of that many collisions may be too short for another scene.
             let Answer { code, stderr, .. } = folder.palpate(&command);
             assert!(
                 code == 0 || stderr.contains("window"),
@@ -340,7 +340,7 @@ fn negative_and_infinite_numbers_stand_as_arguments_of_their_own() {
 #[test]
 fn every_flag_of_a_recording_changes_its_run() {
     let folder = folder();
-    // A weight brings the object back to the device again and again.
+    // A weight brings the object back to the device repeatedly.
     let run = |flags: &[(&str, &str)]| {
         let mut flags = flags.to_vec();
         if flags.iter().all(|(flag, _)| *flag != "--force") {

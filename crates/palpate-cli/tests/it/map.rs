@@ -21,12 +21,11 @@ fn a_small_map_says_what_each_method_can_render_and_draws_it() {
             .find(|entry| entry["plant"] == plant && entry["method"] == method);
         number(entry.unwrap(), field)
     };
-    // The order of what is known: more is stable with smooth transitions than without, and the
-    // plain spring is stable nowhere that matters.
+    // Known order: smooth transitions increase stability, and the plain spring is stable nowhere relevant.
     let stable = |method| of("undamped", method, "stable_percent");
     assert!(stable("hfcr") > stable("hfcr-mod") && stable("hfcr-mod") > stable("basic"));
     assert!(of("damped", "hfcr", "faithful_percent") > 20.0);
-    // A damper brings more to rest than the plain spring does.
+    // A damper brings more cells to rest than the plain spring.
     let stays = |method: &str, field: &str| {
         let is_asked =
             |entry: &&serde_json::Value| entry["plant"] == "damped" && entry["method"] == method;
@@ -74,7 +73,7 @@ fn three_parts_one_of_them_killed_and_run_again_are_the_whole_map() {
     let arguments = "map --cells 17 --method hfcr,basic --threads 1";
     folder.succeed(&format!("{arguments} --out whole.csv"));
 
-    // The loop of docs/map.md; part 2 is killed as soon as it has done something.
+    // The loop of docs/map.md; part 2 is killed after its first cells.
     let journal = folder.path("map-2-of-3.csv.journal");
     let mut child = Command::new(assert_cmd::cargo::cargo_bin("palpate"))
         .current_dir(folder.path("."))
@@ -94,13 +93,13 @@ fn three_parts_one_of_them_killed_and_run_again_are_the_whole_map() {
     assert!(!folder.path("map-2-of-3.csv").exists(), "killed too late");
     let kept = std::fs::read_to_string(&journal).unwrap().lines().count();
     assert!(kept > 1, "nothing was kept");
-    // Without --resume nothing is thrown away.
+    // Without --resume nothing is discarded.
     folder.fail(
         &format!("{arguments} --shard 2/3"),
         3,
         &["map-2-of-3.csv.journal", "--resume"],
     );
-    // With it, but for another map, neither.
+    // Nor with it for another map.
     folder.fail(
         &format!("{arguments} --shard 2/3 --resume --delay 1"),
         3,
@@ -111,7 +110,7 @@ fn three_parts_one_of_them_killed_and_run_again_are_the_whole_map() {
         folder.succeed(&format!("{arguments} --shard {part}/3 --resume"));
     }
     assert!(!journal.exists());
-    // A part that is complete is complete.
+    // A complete part is not computed again.
     let again = folder.succeed(&format!("{arguments} --shard 2/3 --resume"));
     assert!(!again.contains("ticks"), "{again}");
     let parts = "map-3-of-3.csv map-1-of-3.csv map-2-of-3.csv";
@@ -208,7 +207,7 @@ fn a_full_disk_is_named_and_leaves_no_half_map() {
         "{said}"
     );
     assert_eq!(folder.names(), ["full.csv.journal"]);
-    // With room again it goes on, past the line that was torn.
+    // With free space again the map resumes after the torn line.
     let resumed = "map --cells 9 --method hfcr --threads 1 --out full.csv --resume";
     folder.succeed(resumed);
     folder.succeed("map --cells 9 --method hfcr --threads 2 --out plain.csv");
@@ -227,7 +226,7 @@ fn what_is_told_wrong_and_delays_stand_in_the_map() {
         "told period x 1.1",
         "0.5 N s/m",
     ] {
-        // A line may end within them.
+        // The message may wrap within them.
         assert!(text.replace('\n', " ").contains(word), "{word}: {text}");
     }
     let table = folder.read("map.csv");
@@ -282,7 +281,7 @@ fn parquet_is_a_feature() {
 fn an_advice_answers_in_words_first() {
     let folder = Folder::new();
     let device = "advise --device-mass 0.3 --period 0.01 --encoder-quantum 1e-5";
-    // Without a quantum: one of 10 um shakes so light an object.
+    // Without a quantum: a quantum of 10 um makes such a light object vibrate.
     let asked = "advise --device-mass 0.3 --period 0.01 --stiffness 80 --mass 0.05";
     let text = folder.succeed(&format!("{asked} --method coupled"));
     assert!(
@@ -293,7 +292,7 @@ fn an_advice_answers_in_words_first() {
     let report = folder.json(asked);
     assert_eq!(report["format"], "palpate advise 2");
     assert_eq!(report["verdict"]["answer"], "yes");
-    // Without tuning, and its limits are beside those of the others.
+    // Without tuning; its limits are beside those of the others.
     assert_eq!(report["verdict"]["method"], "coupled");
     assert_eq!(
         report["verdict"]["damping_n_s_per_m"],
@@ -316,7 +315,8 @@ fn an_advice_answers_in_words_first() {
         "{device} --stiffness 3e6 --mass 0.05 --method hfcr"
     ));
     assert!(hard.starts_with("No: 3000000 N/m"), "{hard}");
-    // What bounces well and then swings for ever is no yes, nor is what every hold does badly.
+    // A contact that bounces well and then oscillates forever gets no yes. Neither does a contact with large errors of
+    // every hold.
     let light = "advise --device-mass 0.25 --stiffness 10000 --mass 0.1 --period 0.01";
     let swings = folder.json(&format!(
         "{light} --delay 1 --method virtual-damper,hfcr,coupled"
@@ -352,7 +352,7 @@ fn an_advice_answers_in_words_first() {
     }
 }
 
-/// A map that a version before contacts that stay wrote, in two parts.
+/// A map in two parts by a version before resting contacts were included.
 const OLDER: [&str; 2] = [
     include_str!("maps/format-1-part-1-of-2.csv"),
     include_str!("maps/format-1-part-2-of-2.csv"),
@@ -383,7 +383,7 @@ fn an_older_map_is_read_and_says_nothing_of_contacts_that_stay() {
     );
     assert!(!folder.path("resting.svg").exists());
 
-    // It is neither joined with a newer part, nor gone on with.
+    // It is neither joined with a newer part, nor resumed.
     let scene = "map --cells 2 --method basic,coupled";
     folder.succeed(&format!("{scene} --shard 2/2 --out new-2.csv"));
     folder.fail(
@@ -401,7 +401,7 @@ fn an_older_map_is_read_and_says_nothing_of_contacts_that_stay() {
         &["old.csv is by an older version", "--overwrite"],
     );
     assert_eq!(folder.read("old.csv"), joined);
-    // What both have agrees to the bit, for the method that has not changed since.
+    // The common values agree to the bit, for the method that is unchanged.
     let bounces = |table: &str| -> Vec<String> {
         let lines = table.lines().skip(1);
         lines
@@ -504,7 +504,7 @@ fn a_cell_of_the_map_and_an_advice_agree_on_what_stays() {
                 let (Some(advised), Some(mapped)) = (advised, mapped) else {
                     continue;
                 };
-                // The reader of JSON is off by the last bit now and then.
+                // The JSON reader is sometimes off by the last bit.
                 assert!(
                     (advised - mapped).abs() <= 1e-15 * mapped,
                     "{asked}: {line}"

@@ -1,4 +1,4 @@
-//! Several `palpate map` on one file, and those that are killed.
+//! Concurrent `palpate map` runs on one file, and killed ones.
 #![cfg(unix)]
 
 use std::fs;
@@ -10,7 +10,7 @@ use rustix::process::{Pid, Signal, kill_process};
 
 const MAP: &str = "map --cells 17 --method hfcr,basic --threads 1";
 
-/// The map in the background, resumed.
+/// Starts the map in the background, resumed.
 fn begin(folder: &Folder, out: &str) -> Child {
     Command::new(assert_cmd::cargo::cargo_bin("palpate"))
         .current_dir(folder.path("."))
@@ -36,7 +36,7 @@ fn stop_amid(folder: &Folder, child: &Child, journal: &str) -> Vec<u8> {
         std::thread::sleep(Duration::from_millis(1));
     }
     send(child, Signal::STOP);
-    // A write that was under way is done when the process shows as stopped.
+    // A pending write is complete when the process is shown as stopped.
     let state = format!("/proc/{}/stat", child.id());
     let is_stopped = || {
         let stat = fs::read_to_string(&state).unwrap_or_default();
@@ -78,7 +78,7 @@ fn a_second_map_is_told_who_computes_it_and_harms_nothing() {
         if attempt % 2 == 0 {
             send(&first, Signal::CONT);
         } else {
-            // As kill -9 does, in the middle of a line; what it held is free.
+            // As by kill -9, in the middle of a line; its locks are released.
             first.kill().unwrap();
             first.wait().unwrap();
             let mut torn = before.clone();
@@ -97,7 +97,7 @@ fn a_second_map_is_told_who_computes_it_and_harms_nothing() {
     }
 }
 
-/// As `stop_amid`, when the journal is longer than `length`.
+/// As `stop_amid`, once the journal is longer than `length`.
 fn stop_amid_at_once(folder: &Folder, child: &Child, journal: &str, length: usize) -> Vec<u8> {
     let path = folder.path(journal);
     let begun = Instant::now();
@@ -147,14 +147,14 @@ fn a_map_that_is_complete_is_not_made_again() {
     let again = folder.succeed(&format!("{map} --resume"));
     assert!(again.contains("kept map.svg, which was there"), "{again}");
     assert_eq!(folder.read("map.svg"), "mine");
-    // A figure that was never drawn is.
+    // A missing figure is drawn.
     fs::remove_file(folder.path("map.svg")).unwrap();
     folder.succeed(&format!("{map} --resume"));
     assert_eq!(folder.read("map.svg"), figure);
     folder.write("map.svg", "mine");
     folder.succeed(&format!("{map} --resume --overwrite"));
     assert_eq!(folder.read("map.svg"), figure);
-    // Another one is not gone on with.
+    // A different map is not resumed.
     folder.fail(
         "map --cells 3 --method basic --resume",
         3,

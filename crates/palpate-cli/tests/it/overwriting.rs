@@ -1,10 +1,10 @@
-//! Files that are there: kept without `--overwrite`, and looked for before any work is done.
+//! Existing files are kept without `--overwrite`, and checked before any work.
 
 use crate::common::{Folder, experiment, taps, trace_text};
 
 const CONTACT: &str = "--stiffness 400 --mass 0.1 --period 0.01";
 
-/// Every command that writes tables and figures, with the files it writes; each is done in a moment.
+/// Returns every command that writes tables and figures, with the files it writes; each is fast.
 fn commands() -> Vec<(String, &'static [&'static str])> {
     let fig2 = experiment("fig2").display().to_string();
     let wall = experiment("wall").display().to_string();
@@ -69,7 +69,7 @@ fn no_file_is_overwritten_unless_that_is_asked_for() {
         folder.succeed(&command);
         let written: Vec<String> = files.iter().map(|file| folder.read(file)).collect();
         for kept in files {
-            // One of them is enough to keep all of them.
+            // One existing file is enough to keep all of them.
             for file in files {
                 let _ = std::fs::remove_file(folder.path(file));
             }
@@ -138,7 +138,7 @@ fn what_cannot_be_written_is_said_before_the_work() {
             assert_eq!(folder.names(), before, "{command} {flag} {place}");
         }
     }
-    // Neither is there a journal where there is no file.
+    // No journal is left without its file.
     if cfg!(unix) {
         folder.fail(
             "map --cells 1000 --out /dev/null",
@@ -227,7 +227,7 @@ fn a_demonstration_replaces_what_it_has_made_and_nothing_else() {
     let folder = Folder::new();
     folder.succeed("demo");
     let figure = folder.read("palpate-demo/fig2.svg");
-    // One that was made by another version.
+    // A file made by another version.
     let list = folder.read("palpate-demo/made-by-palpate-demo.txt");
     assert_eq!(list.lines().count(), 4, "{list}");
     folder.succeed("demo");
@@ -279,7 +279,7 @@ stiffness_n_per_m = 2000.0
 duration_s = 0.1
 "#;
 
-/// Files that are read by a name that stands in another file or in a flag, and recordings, which may be read or not.
+/// Input files named in another file or in a flag, and recordings, whether read or not.
 #[test]
 fn what_a_scene_or_a_flag_names_and_every_recording_is_kept() {
     let folder = with_inputs();
@@ -337,7 +337,7 @@ fn what_a_scene_or_a_flag_names_and_every_recording_is_kept() {
         } else {
             format!("--out would overwrite the input {kept}")
         };
-        // What a mesh is like is said before it.
+        // Notes on a mesh precede the error.
         let answer = folder.palpate(&format!("{command} --overwrite"));
         assert_eq!(answer.code, 2, "{command}: {answer:?}");
         assert!(answer.stderr.contains(&words), "{command}: {answer:?}");
@@ -347,7 +347,7 @@ fn what_a_scene_or_a_flag_names_and_every_recording_is_kept() {
             "{command}"
         );
     }
-    // Before the device is driven, and where a shell gives the file.
+    // Before the device moves, also for a file given by a shell.
     for command in [
         "calibrate --device simulated --scene fig2.toml --seconds 3 --out fig2.toml",
         "calibrate --device simulated --before device.toml --added-mass 0.1 --seconds 3 --out device.toml",
@@ -367,7 +367,7 @@ fn what_a_scene_or_a_flag_names_and_every_recording_is_kept() {
         );
         assert_eq!(folder.names(), names, "{command}");
     }
-    // Each works with a name of its own.
+    // Each works with a separate name.
     for command in [
         "compare block.toml --out table.csv",
         "render block.toml --input motion.csv --out forces.csv",

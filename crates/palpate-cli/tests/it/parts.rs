@@ -58,7 +58,7 @@ fn the_force_that_was_held_is_that_of_the_part() {
     );
 }
 
-/// What the program answers to a trace on standard input that never ends, 1 kHz.
+/// Returns the answer of the program to an endless trace on standard input, at 1 kHz.
 fn of_endless_input(arguments: &str) -> Output {
     let mut child = Command::new(assert_cmd::cargo::cargo_bin("palpate"))
         .args(arguments.split_whitespace())
@@ -75,7 +75,7 @@ fn of_endless_input(arguments: &str) -> Output {
             let phase = (sample % 500) as f64 / 500.0;
             lines.push_str(&format!("{},{}\n", sample as f64 / 1000.0, 0.02 * phase));
             if sample % 1000 == 999 {
-                // Until nobody reads any more.
+                // Until the reader exits.
                 input.write_all(lines.as_bytes())?;
                 lines.clear();
             }

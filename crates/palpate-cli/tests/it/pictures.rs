@@ -1,5 +1,4 @@
-//! What figures show: a finding in the title, what is marked, how many methods there are, and how large the
-//! page is.
+//! Contents of figures: a finding in the title, marks, the number of methods, and the page size.
 
 use crate::common::{Folder, METHODS, experiment, number, of_method};
 
@@ -16,12 +15,12 @@ fn words(folder: &Folder, name: &str) -> Vec<String> {
     words.map(str::to_owned).collect()
 }
 
-/// How often some words stand in a file by themselves.
+/// Returns the number of occurrences of a text element.
 fn count(words: &[String], what: &str) -> usize {
     words.iter().filter(|word| *word == what).count()
 }
 
-/// The words of a title, whatever its lines.
+/// Returns the words of a title, joined across its lines.
 fn title(words: &[String]) -> String {
     words.join(" ")
 }
@@ -254,7 +253,7 @@ fn compared_scenes_are_panels_with_the_hold_floor() {
         "an axis for each of two panels"
     );
     assert!(title(&shown).contains("coupled has the least force error on 2 of 2 scenes"));
-    // A dot for each method of each scene, besides the ring of the legend where there is one.
+    // A dot for each method of each scene, besides the ring of the legend, if there is one.
     let text = folder.read("dots.svg");
     let document = roxmltree::Document::parse(&text).unwrap();
     let dots = (document.descendants())

@@ -10,9 +10,8 @@ use palpate::{AnyRenderer, Contact, LoopParams, ObjectState, Renderer, Sample};
 
 const WALL: &str = "pipe --stiffness 1000 --mass inf --period 0.001 --device-mass 0.2";
 
-/// Forces and messages of a pipe without limits that is given a whole input at once, and its summary.
-/// The last line, which takes the force off, is no answer; that the device starts inside the object
-/// is meant here.
+/// Returns forces and messages of a pipe without limits for a whole input, and its summary. The last line, which sets
+/// the force to 0, is not an answer. The device starts inside the object on purpose.
 fn answers(arguments: &str, input: impl AsRef<[u8]>) -> (Vec<f64>, Vec<String>, String) {
     let answer = Folder::new().palpate_reading(input, &unlimited(arguments));
     assert_eq!(answer.code, 0, "{answer:?}");
@@ -38,7 +37,7 @@ fn forces(arguments: &str, input: impl AsRef<[u8]>) -> Vec<f64> {
     forces
 }
 
-/// Forces on the device that the library gives, for samples of elapsed time and position.
+/// Returns the forces on the device from the library, for samples of elapsed time and position.
 fn by_library(method: &str, mass: f64, samples: &[(Option<f64>, f64)]) -> Vec<f64> {
     let renderer: AnyRenderer<f64> = Renderer::new(
         Contact::object(400.0, mass),
@@ -60,7 +59,7 @@ fn by_library(method: &str, mass: f64, samples: &[(Option<f64>, f64)]) -> Vec<f6
         .collect()
 }
 
-/// A pipe that is talked to line by line.
+/// An interactive pipe.
 struct Dialogue {
     child: Child,
     input: Option<ChildStdin>,
@@ -201,7 +200,7 @@ fn a_line_that_is_no_sample_gets_no_force_and_the_pipe_lives_on() {
         let what = String::from_utf8_lossy(&bad[..bad.len().min(20)]);
         let input = [b"0.001\n0.002\n", bad, b"\n0.002\n0.0025\n"].concat();
         let (forces, messages, summary) = answers(&format!("{WALL} --method basic"), input);
-        // The first sample after the gap is taken as it is.
+        // The first sample after the gap is used unchanged.
         assert_eq!(forces, [-1.0, -2.0, 0.0, -2.0, -2.5], "{what}");
         assert_eq!(messages.len(), 1, "{what}: {messages:?}");
         assert!(messages[0].starts_with("line 3: "), "{what}: {messages:?}");
@@ -215,7 +214,7 @@ fn a_line_that_is_no_sample_gets_no_force_and_the_pipe_lives_on() {
     }
 }
 
-/// Whoever looks at nothing but the exit code has to know that there never was a force.
+/// A caller that checks only the exit code has to learn that no force was rendered.
 #[test]
 fn a_pipe_that_refused_every_line_does_not_end_well() {
     for (input, code) in [("x\nnan\n", 5), ("x\n0.001\n", 0), ("", 0)] {
@@ -309,7 +308,7 @@ fn a_header_of_other_columns_is_not_guessed_at() {
         assert_eq!(answer.stdout, "", "{header}");
         assert!(answer.stderr.contains("names other columns"), "{answer:?}");
     }
-    // Blanks around the names are no other columns.
+    // Blanks around the names are allowed.
     assert_eq!(forces(WALL, "t_s, position_m\n0,0\n"), [0.0]);
 }
 
@@ -322,7 +321,7 @@ fn lines_may_end_as_on_windows() {
     assert_eq!(forces(WALL, ""), [0.0; 0]);
 }
 
-/// The end of a pipe to a device of 0.2 kg under 0.5 N that feels each force half a period later than modelled.
+/// Returns the end of a pipe to a device of 0.2 kg under 0.5 N that feels each force half a period later than modelled.
 fn end_of_a_late_device(flags: &str) -> String {
     const PERIOD: f64 = 1e-3;
     let mut pipe = Dialogue::start(&format!(
@@ -368,7 +367,8 @@ fn the_end_is_summed_up() {
     assert_eq!(json["format"], "palpate pipe 1");
     let counts = ["samples", "refused", "limited"].map(|field| number(&json, field));
     assert_eq!(counts, [5.0, 1.0, 2.0]);
-    // A millimetre into a wall leaks K d^2 / 2; one at the limit leaks nothing: the wall yields with that force.
+    // A millimetre into a wall leaks K d^2 / 2; at the force limit there is no leak, because the wall yields with that
+    // force.
     for field in ["leak_original_j", "leak_held_j"] {
         assert!((number(&json, field) - 0.0005).abs() < 1e-12, "{json}");
     }
@@ -385,7 +385,7 @@ fn a_delay_changes_the_books_but_not_the_forces() {
     let late = answers(&format!("{delayed} --json"), input);
     assert_eq!(now.0, late.0);
     let leaks = [now.2, late.2].map(|json| number(&parse(&json), "leak_held_j"));
-    // A force of 1 N less over the two millimetres, and K d^2 / 2 for each.
+    // 1 N less over the two millimetres, and K d^2 / 2 for each.
     assert!(
         (leaks[0] - 0.001).abs() < 1e-12 && (leaks[1] - 0.003).abs() < 1e-12,
         "{leaks:?}"
@@ -421,7 +421,7 @@ fn a_reader_that_leaves_ends_the_pipe_in_peace() {
     } = pipe;
     drop(lines);
     let mut input = input.unwrap();
-    // Its thread drops the other end with the next answer.
+    // Its thread drops the other end at the next answer.
     while input.write_all(b"0.001\n").is_ok() {
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -540,7 +540,7 @@ fn a_scene_says_what_flags_would() {
     );
     assert_ne!(block, told);
     same("pipe --scene told.toml", "--device-mass 0.3 --method hfcr");
-    // Flags change what the scene says.
+    // Flags override the scene.
     same(
         "pipe --scene told.toml --method coupled --device-mass 0.2",
         "--device-mass 0.2",

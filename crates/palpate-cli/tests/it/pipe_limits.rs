@@ -1,4 +1,4 @@
-//! `palpate pipe`: the force that is let through, and how it is taken off in the end.
+//! `palpate pipe`: limits of the force, and the final line that sets it to 0.
 
 use std::io::{BufRead, BufReader, Write};
 use std::process::Stdio;
@@ -12,7 +12,7 @@ fn pipe(arguments: &str, input: &str) -> Answer {
     Folder::new().palpate_reading(input, arguments)
 }
 
-/// Numbers of the lines but the last one, which is to take the force off.
+/// Returns the numbers of all lines except the last one, which sets the force to 0.
 fn forces(answer: &Answer) -> Vec<f64> {
     let mut forces: Vec<f64> = answer
         .stdout
@@ -77,7 +77,7 @@ fn a_refused_line_brings_the_force_back_softly() {
     let input = "0.001\n".repeat(250) + "what\n" + &"0.001\n".repeat(30);
     let found = forces(&pipe(&format!("{WALL} --method basic"), &input));
     assert_eq!(found[249..251], [-1.0, 0.0]);
-    // Ten times as long as the force was away, as in `run`.
+    // Ten times as long as the force was off, as in `run`.
     assert_eq!(found[251], 0.0);
     assert!(found[252] < 0.0 && found[252] > -0.2, "{}", found[252]);
     assert_eq!(found[270], -1.0);
@@ -148,7 +148,7 @@ fn a_device_inside_the_object_at_the_start_is_told_with_what_to_change() {
 #[test]
 fn what_is_refused_ends_with_the_force_off() {
     let basic = format!("{} --method basic", unlimited(WALL));
-    // A decimal comma is no time and a position.
+    // A decimal comma is not a time and a position.
     let comma = pipe(&basic, "0,001\n");
     assert_eq!((comma.code, comma.stdout.as_str()), (3, ""), "{comma:?}");
     for word in ["error: ", "line 1", "`0,001`", "a point", "--time"] {
@@ -185,7 +185,7 @@ fn what_is_refused_ends_with_the_force_off() {
 fn the_end_of_the_input_takes_the_force_off_once() {
     let basic = format!("{} --method basic", unlimited(WALL));
     assert_eq!(pipe(&basic, "0.001\n0.002\n").stdout, "-1\n-2\n0\n");
-    // Nothing to take off, where nothing was answered.
+    // Without an answer there is no force to set to 0.
     assert_eq!(pipe(&basic, "").stdout, "");
     assert_eq!(pipe(&basic, "position_m\n").stdout, "");
 }
@@ -211,7 +211,7 @@ mod signals {
             input.write_all(b"0.001\n").unwrap();
             output.read_line(&mut line).unwrap();
             assert_eq!(line, "-1,contact\n");
-            // The input stays open: a device that has stopped, or a person who thinks.
+            // The input stays open, as with a stopped device or a waiting person.
             child.signal(name);
             let rest: Vec<String> = output.lines().map(Result::unwrap).collect();
             assert_eq!(rest, ["0,ended"], "{name}");
@@ -225,7 +225,7 @@ mod signals {
 
     #[test]
     fn a_signal_ends_a_pipe_whose_answers_nobody_reads() {
-        // What the system keeps for a reader, and it is full.
+        // A full pipe buffer of the system.
         let (unread, mut full) = std::io::pipe().unwrap();
         full.write_all(&vec![b'\n'; 1 << 16]).unwrap();
         let folder = Folder::new();
@@ -238,7 +238,7 @@ mod signals {
         let mut input = child.stdin.take().unwrap();
         input.write_all(b"0.001\n").unwrap();
         let mut said = BufReader::new(child.stderr.take().unwrap()).lines();
-        // This is told before the answer, which cannot be written.
+        // This message precedes the answer, which cannot be written.
         let rendered = said.find(|line| line.as_ref().unwrap().contains("inside the object"));
         assert!(rendered.is_some());
         child.signal("TERM");
@@ -252,7 +252,7 @@ mod signals {
 
 #[test]
 fn created_energy_stops_a_pipe_as_it_stops_run() {
-    // Held while the device leaves by 2 mm, 2 N create 4 mJ in each second period.
+    // Held while the device leaves by 2 mm, 2 N generate 4 mJ in every second period.
     let shaken = "0.002\n0\n".repeat(50);
     let answer = pipe(&format!("{WALL} --method basic --soft-start 0"), &shaken);
     assert_eq!(answer.code, 5, "{answer:?}");

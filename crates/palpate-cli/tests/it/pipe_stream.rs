@@ -1,4 +1,4 @@
-//! `palpate pipe`: what comes in and what goes out, line by line.
+//! `palpate pipe`: input and output, line by line.
 
 use std::io::{BufRead, BufReader, Write};
 use std::process::Stdio;
@@ -76,7 +76,7 @@ fn every_column_has_a_name_with_its_unit_and_a_value() {
         .map(|column| lines[2][column].parse().unwrap())
         .to_vec();
     let stored: f64 = lines[0][9].parse().unwrap();
-    // The books balance.
+    // The energy ledger balances.
     assert!((last[0] - stored - last[1..].iter().sum::<f64>()).abs() < 1e-12);
 }
 
@@ -112,7 +112,7 @@ fn a_change_comes_in_over_a_tenth_of_a_second_and_is_booked() {
     let rows = rows(&answer);
     assert_eq!(rows.len(), 160, "a change is no sample");
     assert_eq!(rows[9][0], -0.1);
-    // By equal ratios: half of the way from 100 to 10000 is 1000, half of the time of 100 samples.
+    // In equal ratios: the midpoint from 100 to 10000 is 1000, after half of the 100 samples.
     let force = |at: usize| -rows[9 + at][0];
     assert!((force(50) - 1.0).abs() < 1e-9, "{}", force(50));
     assert!((force(100) - 10.0).abs() < 1e-9, "{}", force(100));
@@ -120,7 +120,7 @@ fn a_change_comes_in_over_a_tenth_of_a_second_and_is_booked() {
         .map(|at| force(at) / force(at - 1))
         .fold(0.0, f64::max);
     assert!(largest < 1.05, "no step: {largest}");
-    // K d^2 / 2 more, and nobody moved.
+    // K d^2 / 2 more, without motion.
     let (outside, port) = (rows[159][1], rows[159][2]);
     assert!((outside - 0.00495).abs() < 1e-9, "{outside}");
     assert_eq!(port, 0.0);
@@ -190,11 +190,11 @@ fn a_standard_error_that_nobody_reads_does_not_stop_the_forces() {
     let (sender, answers) = std::sync::mpsc::channel();
     let reader = std::thread::spawn(move || {
         for line in output.lines() {
-            // Nobody waits for the last line.
+            // The last line may have no receiver.
             let _ = sender.send(line.unwrap());
         }
     });
-    // What the system keeps for a reader is 64 KiB; these are some 300.
+    // The pipe buffer of the system is 64 KiB; this output is some 300 KiB.
     for _ in 0..5000 {
         input.write_all(b"set virtual_force_n=1\n0.001\n").unwrap();
         let answer = answers.recv_timeout(std::time::Duration::from_secs(20));
@@ -233,7 +233,7 @@ fn positions_come_in_the_unit_that_is_said() {
 
 #[test]
 fn a_motion_that_no_hand_makes_ends_the_pipe_unless_it_is_meant() {
-    // 3 mm to and fro in half a second, as metres.
+    // 3 mm to and fro in half a second, taken as metres.
     let input: String = (0..3000)
         .map(|i| format!("{}\n", 3.0 * (f64::from(i) * 0.0126).sin()))
         .collect();
@@ -255,7 +255,7 @@ fn a_motion_that_no_hand_makes_ends_the_pipe_unless_it_is_meant() {
         answer.stdout.lines().count()
     };
     assert_eq!(answered(&format!("{limited} --unit mm")), 3001);
-    // Out of reach of the wall: a contact at 38 m/s is stopped for the energy that it creates.
+    // Out of reach of the wall: the energy check stops a contact at 38 m/s.
     let out_of_reach = format!("{limited} --unit m --object-position 4");
     assert_eq!(answered(&out_of_reach), 3001);
 }
@@ -306,7 +306,7 @@ fn the_summary_counts_changes() {
 
 #[test]
 fn a_last_line_without_a_newline_is_no_sample() {
-    // What is left of 0.0015 would ask for another force.
+    // The rest of 0.0015 would command another force.
     let answer = pipe(&format!("{WALL} --columns force,fault"), "0.001\n0.001");
     assert_eq!(answer.code, 0, "{answer:?}");
     assert_eq!(answer.stdout, "-1,\n0,unreadable\n0,\n", "{answer:?}");

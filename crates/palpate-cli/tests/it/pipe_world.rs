@@ -35,7 +35,7 @@ stiffness_n_per_m = 4000.0
 method = "basic"
 "#;
 
-/// A thumb that presses the ball from beside its top, and a finger that reaches the floor.
+/// A thumb that presses the ball beside its top, and a finger that reaches the floor.
 fn motion() -> Vec<[Vector; 2]> {
     let positions = (0..200).map(|tick| {
         let down = 1e-5 * f64::from(tick);
@@ -83,7 +83,7 @@ fn a_line_of_all_positions_is_answered_by_the_forces_of_the_library() {
         expected.push(text.join(","));
     }
     assert_eq!(pressed, [true; 2], "both tools touch something");
-    // The last line takes the forces off.
+    // The last line sets the forces to 0.
     expected.push("0,0,0,0,0,0".into());
     assert_eq!(answer.stdout.lines().collect::<Vec<_>>(), expected);
 }
@@ -167,7 +167,7 @@ fn a_line_that_cannot_be_read_takes_the_forces_off_and_the_next_one_is_answered(
     assert!(said.contains("4 samples, 2 refused"), "{said}");
 }
 
-/// Two balls that overlap by 5 mm at 10 kN/m, far from the tool, store 125 mJ: nobody made them.
+/// Two balls that overlap by 5 mm at 10 kN/m, far from the tool, store 125 mJ that no work created.
 #[test]
 fn what_bodies_store_from_the_start_is_no_leak() {
     let folder = Folder::new();
@@ -204,8 +204,8 @@ stiffness_n_per_m = 10000.0
     assert!(leak.abs() < 1.0, "{answer:?}");
 }
 
-/// A device that is held by 2 N while it leaves a floor by 2 mm gets 4 mJ in each second period: the pipe stops. One that is pressed
-/// through the force limit gets nothing.
+/// A device that is held by 2 N while it leaves a floor by 2 mm gets 4 mJ in every second period: the pipe stops. A
+/// device that is pressed through the force limit gets none.
 #[test]
 fn created_energy_stops_a_pipe_with_a_world_and_a_limited_force_does_not() {
     let folder = Folder::new();
@@ -368,7 +368,7 @@ fn a_device_of_six_axes_is_read_with_its_orientation_and_answered_with_a_torque(
     let answers: Vec<Vec<f64>> = answers.map(numbers).collect();
     assert_eq!(answers, expected);
 
-    // A torque has a limit of its own.
+    // A torque has a separate limit.
     let limited = BOX.to_owned() + "[render]\ntorque_limit_n_m = 0.01\n";
     folder.write("box.toml", &limited);
     let answer = folder.palpate_reading(&lines, "pipe box.toml --force-limit inf --soft-start 0");
@@ -379,7 +379,7 @@ fn a_device_of_six_axes_is_read_with_its_orientation_and_answered_with_a_torque(
     let most = sizes.fold(0.0, f64::max);
     assert!((most - 0.01).abs() < 1e-9, "{most}");
 
-    // An orientation of no length takes all forces off.
+    // An orientation of length 0 sets all forces to 0.
     folder.write("box.toml", BOX);
     let lost = lines.lines().take(40).collect::<Vec<_>>().join("\n") + "\n0,0,0.0181,0,0,0,0\n";
     let answer = folder.palpate_reading(&lost, "pipe box.toml --soft-start 0");
@@ -436,7 +436,7 @@ fn a_guard_holds_back_in_a_pipe_and_says_so() {
     assert!(guarded(&limiting) > 20 && limiting.stdout != open.stdout);
 }
 
-/// A pen that its hand turns: poses come in, forces alone go out.
+/// A pen turned by its hand: poses in, forces without torques out.
 #[test]
 fn a_device_that_gives_no_torque_is_read_with_its_orientation_and_answered_with_a_force() {
     let folder = Folder::new();
@@ -458,7 +458,7 @@ fn a_device_that_gives_no_torque_is_read_with_its_orientation_and_answered_with_
         .collect();
     assert_eq!(forces.len(), 61);
     assert!(forces.iter().all(|force| force.len() == 3));
-    // The turn alone presses it deeper.
+    // The rotation alone presses it deeper.
     assert!(forces[1][2] < 0.5 * forces[59][2], "{forces:?}");
     let without = folder.palpate_reading("0,0,0.0178\n", "pipe stylus.toml");
     assert_eq!(without.code, 3, "{without:?}");

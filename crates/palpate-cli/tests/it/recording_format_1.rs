@@ -1,5 +1,5 @@
-//! A recording of format 1, which the program itself wrote before format 2 came: `palpate record
-//! experiment1.toml format-1.mcap --duration 1.5 --fast`, and what `palpate convert` made of it.
+//! A recording of format 1, written by the program before format 2: `palpate record experiment1.toml format-1.mcap
+//! --duration 1.5 --fast`, and the output of `palpate convert`.
 
 use crate::common::{Folder, parse};
 use palpate_record::recording::{Entry, Recording, RecordingWriter};
@@ -25,7 +25,7 @@ fn its_table_is_what_it_was_byte_for_byte() {
     );
 }
 
-/// Written again, in format 2: the columns of format 1 have the same values, in the same order.
+/// Rewritten in format 2, the columns of format 1 have the same values, in the same order.
 #[test]
 fn what_it_holds_has_the_same_table_and_the_same_replay_in_format_2() {
     let folder = folder();

@@ -24,7 +24,7 @@ fn both_sides() -> [String; 2] {
     [text, mirrored]
 }
 
-/// Records a run after `change` has had its way with every row.
+/// Records a run after `change` has edited every row.
 fn write_changed(folder: &Folder, text: &str, run: &Run, change: impl Fn(usize, &mut Row)) {
     let receipt = Receipt::new("0.1.0").with("scene", text);
     let mut writer = RecordingWriter::create(&folder.path("tap.mcap"), &receipt).unwrap();
@@ -36,7 +36,7 @@ fn write_changed(folder: &Folder, text: &str, run: &Run, change: impl Fn(usize, 
     writer.finish().unwrap();
 }
 
-/// How far the run that a replay by hfcr wrote is from the one that was recorded: motion `[m]`, force `[N]`.
+/// Returns the difference between the run that a replay by hfcr wrote and the recorded one: motion `[m]`, force `[N]`.
 fn apart(folder: &Folder, run: &Run) -> (f64, f64) {
     let table = folder.run_file("r.csv");
     let column = |name: &str| table.numbers(name).unwrap();
@@ -148,7 +148,7 @@ fn a_device_that_did_not_answer_was_not_where_it_was_before() {
     let text = &both_sides()[0];
     let run = loop_in(text, MethodName::Hfcr);
     let is_missing = |at: usize| at % 10 == 3;
-    // A loop puts down its last sample again.
+    // A loop repeats its last sample.
     write_changed(&folder, text, &run, |at, row| {
         if is_missing(at) {
             let before = &run.ticks[at - 1];
@@ -164,8 +164,8 @@ fn a_device_that_did_not_answer_was_not_where_it_was_before() {
     let report = folder.json("replay tap.mcap --replay hand");
     assert_eq!(report["replay"]["bridged_samples"], missing);
     assert_eq!(report["samples"], run.ticks.len());
-    // One that says when it was is bridged to the motion that was, by the force that was sent there;
-    // so is a glitch that the renderer refused.
+    // A lost sample with its time is bridged by the motion under the force that was sent; so is a glitch that the
+    // renderer rejected.
     write_again(&folder, text, &run, |at, row| {
         if at % 20 == 3 {
             row.contact.device_position = f64::NAN;
@@ -200,7 +200,7 @@ fn what_was_sent_acts_after_the_delay_of_the_recorded_loop() {
     let (moved, pushed) = apart(&folder, &run);
     assert!(moved < 1e-5, "{moved} m");
     assert!(pushed < 1e-3 * run.force.peak_force, "{pushed} N");
-    // Another delay is another loop, of the same hand.
+    // Another delay gives another loop of the same hand.
     let force = |arguments: &str| {
         let report = folder.json(&format!("replay tap.mcap --replay hand {arguments}"));
         let departure = report["replay"]["largest_departure_m"][0].as_f64().unwrap();
@@ -209,7 +209,7 @@ fn what_was_sent_acts_after_the_delay_of_the_recorded_loop() {
     let ((as_was, near), (faster, far)) = (force(""), force("--delay 0"));
     assert_eq!(as_was, faster);
     assert!(far > 10.0 * near, "{far} and {near}");
-    // A fraction is in time: nearly two periods are nearly as it was, and half of the rest half as far.
+    // A fraction is in time: nearly two periods are nearly unchanged, and half of the rest half as far.
     let (nearly, between) = (force("--delay 1.999").1, force("--delay 1").1);
     let half = force("--delay 1.5").1;
     assert!(nearly < between / 10.0, "{nearly} and {between}");
@@ -235,7 +235,7 @@ fn the_device_has_the_mass_of_its_scene_or_of_a_flag() {
             number(parameters, "device_mass_kg"),
         ]
     };
-    // What the renderer was told is the renderer's affair.
+    // The model value of the renderer does not affect the true mass.
     assert_eq!(masses(""), [0.25, 0.4]);
     assert_eq!(masses("--device-mass 0.3"), [0.3, 0.4]);
     assert_eq!(masses("--told-device-mass 0.5"), [0.25, 0.5]);

@@ -45,7 +45,7 @@ fn every_tick_of_every_method_is_the_library_s_bit_for_bit() {
         let renderer: AnyRenderer<f64> = Renderer::new(
             Contact::object(STIFFNESS, 0.1),
             LoopParams::new(PERIOD),
-            // No force moves a recorded device.
+            // Forces do not move a recorded device.
             default_params(method, STIFFNESS, PERIOD, f64::INFINITY),
         )
         .unwrap();
@@ -81,8 +81,8 @@ fn every_tick_of_every_method_is_the_library_s_bit_for_bit() {
 
 #[test]
 fn the_leaks_are_those_of_the_intervals_before_the_sample() {
-    // Into a wall at 10 mm per sample, a force held from the sample before is K d too small at
-    // the end of the interval, so each interval leaks K d^2 / 2, and the first sample none.
+    // Into a wall at 10 mm per sample, a force held from the previous sample is K d too small at the end of the
+    // interval, so each interval leaks K d^2 / 2, and the first sample leaks nothing.
     let folder = Folder::new();
     folder.write(
         "ramp.csv",
@@ -140,7 +140,7 @@ fn all_methods_stand_in_table_json_run_file_and_figure() {
     let errors: std::collections::BTreeSet<String> = METHODS
         .map(|method| of_method(&report, method)["leak_held_j"].to_string())
         .into();
-    // Without leak dissipation hfcr is hfcr-mod-st.
+    // Without leak dissipation hfcr equals hfcr-mod-st.
     assert_eq!(errors.len(), 8, "{errors:?}");
 }
 
@@ -376,8 +376,8 @@ fn limits_act_and_are_counted() {
     );
 }
 
-/// The default method corrects with a small force after contact has ended. Each collision is compared
-/// with its own ideal one for all that, and a method that has another number of them is said to have.
+/// The default method corrects with a small force after contact has ended. Each collision is still compared with its
+/// own ideal, and a method with another number of collisions is reported.
 #[test]
 fn collisions_of_the_default_method_are_told_apart() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! `palpate render` where something is wrong: with the trace, the flags, or the place to write to.
+//! `palpate render` with errors in the trace, the flags, or the output path.
 
 use crate::common::{Folder, taps, trace_text};
 

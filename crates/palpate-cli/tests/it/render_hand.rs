@@ -11,7 +11,7 @@ fn with_taps() -> Folder {
     folder
 }
 
-/// The taps with a column of the force that was held, before the others.
+/// Returns the taps with a column of the held force before the others.
 fn with_force(force: impl Fn(usize) -> String) -> String {
     let mut text = String::from("# a note\nforce_on_device_n,t_s,position_m\n");
     for (i, (t, x)) in taps(0.001, 1.5).into_iter().enumerate() {
@@ -97,7 +97,7 @@ fn the_recorded_force_is_no_force_of_the_hand() {
         force(&pushed) > 1.2 * force(&none),
         "the hand held against the motor"
     );
-    // A motion is what it was, whatever made it.
+    // A replayed motion does not depend on its origin.
     let motion = |trace: &str| folder.json(&format!("render {trace} {CONTACT}"))["methods"].clone();
     assert_eq!(motion("pushed.csv"), motion("tap.csv"));
 }
@@ -203,7 +203,7 @@ fn a_hand_comes_from_standard_input_too() {
     );
 }
 
-/// A hand of which nothing is stated holds on as hands do; nothing is carried away.
+/// Without parameters, a hand has the default stiffness; nothing is carried away.
 #[test]
 fn a_hand_of_which_nothing_is_said_holds_on_to_its_motion() {
     let folder = with_taps();
@@ -227,8 +227,7 @@ fn a_hand_of_which_nothing_is_said_holds_on_to_its_motion() {
     assert_eq!(stated["methods"], report["methods"]);
 }
 
-/// The weight of the block carries a hand away that holds on to nothing: nonsense is refused, and not
-/// in the middle of a report.
+/// The weight of the block carries away a hand without stiffness: such results are rejected before the report.
 #[test]
 fn what_no_hand_can_follow_is_refused() {
     let folder = with_taps();
@@ -243,7 +242,7 @@ fn what_no_hand_can_follow_is_refused() {
             "--hand-stiffness 60 --hand-damping 2",
         ],
     );
-    // A wall of so light a touch carries nothing away, and is replayed as before.
+    // A wall of such a light touch carries nothing away, and is replayed as before.
     let light = "--stiffness 10 --mass inf --period 0.01 --object-position 1";
     let report = folder.json(&format!("render long.csv {light} {free}"));
     assert_eq!(report["replay"]["hand_stiffness_n_per_m"], 0.0);

@@ -44,7 +44,7 @@ fn record(folder: &Folder, name: &str) {
     assert_eq!(answer.code, 0, "{answer:?}");
 }
 
-/// Nothing in the page lies elsewhere, runs, or is named twice.
+/// Checks that the page has no external resources, no scripts, and no duplicate identifiers.
 fn assert_self_contained(page: &str) {
     for elsewhere in [
         "http", "//", "src=", "href=", "<script", "<link", "<img", "<iframe", "@import", "onload",
@@ -98,7 +98,7 @@ fn a_page_of_a_device_file_says_what_its_json_says() {
     ] {
         assert!(page.contains(text), "{text}");
     }
-    // What the map was computed with is what the file says.
+    // The map was computed with the values of the file.
     let reach = &report["reach"];
     for (field, value) in [
         ("device_mass_kg", 0.25),
@@ -123,7 +123,7 @@ fn a_page_of_a_device_file_says_what_its_json_says() {
     let squared = |field| number(contact, field).powi(2);
     let sum = squared("mean_force_error_percent") + squared("hold_floor_percent");
     assert!((sum - squared("force_rendering_error_percent")).abs() < 1e-6 * sum.max(1.0));
-    // A deviation of 0.15 periods is too much; a recording is not there to be checked.
+    // A deviation of 0.15 periods is too large; there is no recording to check.
     assert_eq!(checks(&report, "calibration")["outcome"], "warning");
     assert_eq!(checks(&report, "lost samples")["outcome"], "not-checked");
     assert!(page.contains("calibrate again with a larger --largest-force"));
@@ -155,7 +155,7 @@ fn a_page_of_a_recording_has_its_timing_and_its_contact() {
     let contact = &report["contact"];
     assert_eq!(contact["is_recorded"], true);
     assert_eq!(contact["method"], "hfcr-mod-st");
-    // The motion is the one that this method made, so that the strongest force is what was sent.
+    // This method generated the motion, so it reproduces the strongest force that was sent.
     let sent = number(contact, "recorded_peak_force_n");
     assert!((number(contact, "peak_force_n") / sent - 1.0).abs() < 0.05);
     let floor = number(contact, "hold_floor_percent");
@@ -178,12 +178,12 @@ fn a_session_is_recorded_beside_the_page() {
     assert_eq!(report["timing"][0]["recording"], "page.mcap");
     assert_eq!(report["timing"][0]["ticks"], 200);
     assert_eq!(report["contact"]["is_recorded"], true);
-    // The loop was told what the file says, at another period.
+    // The loop used the file's model values, at another period.
     let told = folder.json("info page.mcap");
     assert_eq!(told["told"]["delay_s"], 0.004);
     assert_eq!(checks(&report, "delay told")["outcome"], "in-order");
     assert_eq!(checks(&report, "calibrated period")["outcome"], "warning");
-    // A second one would replace a recording, which nothing does.
+    // A second recording would replace the first, which is never done.
     let again = folder.palpate(&format!("{arguments} --overwrite"));
     assert_eq!(again.code, 1, "{again:?}");
     assert!(

@@ -1,4 +1,4 @@
-//! What every command prints with `--json` is as its schema in `docs/schema` says.
+//! The `--json` output of every command conforms to its schema in `docs/schema`.
 
 use std::collections::BTreeSet;
 
@@ -68,7 +68,7 @@ fn every_report_is_as_its_schema_says() {
     met.insert(schema::check(&parse(pipe.stderr.lines().last().unwrap())));
     let pipe = folder.palpate_reading("0,0,0\n", "pipe world.toml --json");
     met.insert(schema::check(&parse(pipe.stderr.lines().last().unwrap())));
-    // These take long or need a device: tests/sweep_and_claims.rs and tests/two_diy.rs check them.
+    // These take long or need a device; tests/sweep_and_claims.rs and tests/two_diy.rs check them.
     met.extend(["claims", "devices-check"].map(String::from));
     let all = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/schema")).unwrap();
     let all: BTreeSet<String> = all

@@ -1,4 +1,4 @@
-//! `palpate simulate`: a scene in closed loop, its metrics, and flags in place of its values.
+//! `palpate simulate`: a scene in closed loop, its metrics, and flags that override its values.
 
 use crate::common::{Folder, METHODS, experiment, experiment_text, number, of_method};
 use palpate_scene::SceneFile;
@@ -56,7 +56,7 @@ fn the_basic_model_fails_the_experiments_as_published() {
 fn a_method_that_diverges_is_marked_in_the_table() {
     let scene = experiment("experiment2");
     let table = Folder::new().succeed(&format!("simulate {} --method basic,hfcr", scene.display()));
-    // Below the table, which has no room for it.
+    // Below the table, which is too narrow for it.
     assert!(table.contains("\n basic: diverged\n"), "{table}");
     assert_eq!(table.matches("diverged").count(), 1, "{table}");
 }
@@ -141,7 +141,7 @@ fn all_methods_stand_in_table_json_run_file_and_figure() {
             number(entry, "energy_drift_percent").is_finite(),
             "{method}"
         );
-        // The renderer's books against the bench's own integral.
+        // The renderer's energy ledger against the integral of the simulation.
         let booked = number(entry, "port_work_j") - number(entry, "bench_port_work_j");
         assert!(booked.abs() < 1e-12, "{method}: {booked}");
     }
@@ -215,7 +215,7 @@ fn a_flag_does_what_an_edit_of_the_scene_does() {
         folder.write("edited.toml", text.replace(old, new));
         let mut by_flag = folder.json(&format!("simulate plain.toml {flags}"));
         let mut by_edit = folder.json("simulate edited.toml");
-        // A title that names a value of the file is followed by the value of the flag.
+        // A title that contains a value of the file is followed by the value of the flag.
         let title = by_flag["title"].take().as_str().unwrap().to_owned();
         let own = by_edit["title"].take().as_str().unwrap().to_owned();
         if flags.starts_with("--stiffness") {
@@ -312,7 +312,7 @@ fn an_imperfect_loop_by_flags_is_that_of_the_scene_file() {
     );
     let samples = number(&by_file, "samples");
     assert!(samples > 55.0 && samples < 76.0, "{samples}");
-    // The delay that a flag says is the whole of it, and a time has no fraction of a period on top.
+    // The delay of a flag replaces the whole delay, and a delay in seconds has no additional fraction of a period.
     let whole = folder.json("simulate imperfect.toml --delay 1");
     assert_eq!(whole["delay_samples"], 1);
     assert_eq!(whole["timing"].get("delay_fraction"), None);
@@ -324,7 +324,7 @@ fn an_imperfect_loop_by_flags_is_that_of_the_scene_file() {
     let perfect = folder.json("simulate scene.toml");
     assert_eq!(perfect.get("timing"), None);
     assert_eq!(number(&perfect, "samples"), 76.0);
-    // The run file says when each answer reached the motor, and the text what is wrong.
+    // The run file contains the time at which each command reached the motor, and the text names the imperfection.
     let told = folder.succeed("simulate imperfect.toml --out run.csv --plot run.svg");
     assert!(
         told.contains("jitter up to 2.00 ms, 10 % of samples dropped"),
@@ -407,7 +407,7 @@ fn random_parts_state_their_seed_and_several_seeds_give_their_range() {
         one.contains("one draw of seed 3") && one.contains("--seeds 20"),
         "{one}"
     );
-    // Noise of the sensor is random in a loop that is perfect.
+    // Sensor noise is random in a perfect loop too.
     let text = folder
         .read("scene.toml")
         .replace("[device]\n", "[device]\nnoise_m = 1e-6\n");
@@ -418,7 +418,7 @@ fn random_parts_state_their_seed_and_several_seeds_give_their_range() {
         let text = folder.succeed(command);
         assert!(text.contains("one draw of seed 0"), "{command}: {text}");
     }
-    // Where nothing is random, there is nothing to repeat.
+    // Without randomness there are no repetitions.
     let perfect = folder.json("simulate scene.toml");
     assert!(perfect.get("seed").is_none());
     folder.fail(

@@ -1,8 +1,8 @@
-//! `palpate simulate` where something is wrong with the scene.
+//! `palpate simulate` with errors in the scene.
 
 use crate::common::{Folder, experiment, experiment_text};
 
-/// Edits of the scene of Fig. 2, the place of the fault, and what is said of it.
+/// Edits of the scene of Fig. 2, the position of the error, and its message.
 const FAULTS: [(&str, &str, &str, &[&str]); 24] = [
     (
         "stiffness_n_per_m = 100",

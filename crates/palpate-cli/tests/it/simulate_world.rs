@@ -52,13 +52,13 @@ fn coupled_renders_a_world_at_the_floor_of_its_loop_where_the_spring_force_does_
     let (basic, coupled) = (error(&report, "basic"), error(&report, "coupled"));
     println!("E: basic {basic} %, coupled {coupled} %, told one and a half times the mass");
     assert!(basic > 5.0 && coupled < 0.3, "{basic} {coupled}");
-    // The judge agrees with itself, and the whole window was judged.
+    // The reference solution has converged, and the whole window was evaluated.
     assert!(report["ideal_error_percent"].as_f64().unwrap() < 0.01);
     assert_eq!(report["chaotic_from_s"], Value::Null);
     assert_eq!(report["samples"], 300);
 }
 
-/// The floor in the axes of a body that stands 2 mm higher, and is turned so that its -x points up.
+/// The floor in the axes of a body that is 2 mm higher, and rotated so that its -x points up.
 #[test]
 fn a_half_space_of_a_body_that_is_placed_and_turned_is_judged_where_it_is_rendered() {
     let folder = Folder::new();
@@ -103,8 +103,8 @@ fn a_setting_with_which_samples_are_refused_is_not_the_best_for_its_missing_leak
     assert!(text.contains(" refused"), "{text}");
 }
 
-/// At 10 ms a contact of 400 N/mm on a device of 50 g is held by soft couplings only, and by no damper; at 100 MN/m the
-/// renderer refuses samples with every setting.
+/// At 10 ms a contact of 400 N/mm on a device of 50 g is stable with soft couplings only, and with no damper; at 100
+/// MN/m the renderer rejects samples with every setting.
 #[test]
 fn where_every_setting_runs_away_softer_ones_are_tried_or_none_is_found() {
     let folder = Folder::new();
@@ -147,7 +147,8 @@ fn where_every_setting_runs_away_softer_ones_are_tried_or_none_is_found() {
     assert!(text.contains("no setting found"), "{text}");
 }
 
-/// With a contact of 10 GN/m a tick of 1 ms overflows: the report says when the first sample was refused, and why.
+/// With a contact of 10 GN/m a tick of 1 ms overflows: the report contains the time and the reason of the first
+/// rejected sample.
 #[test]
 fn a_world_with_a_contact_that_is_too_fast_says_why_its_samples_are_refused() {
     let folder = Folder::new();
@@ -353,7 +354,7 @@ fn compare_takes_the_best_setting_where_the_scene_has_none_and_the_scenes_where_
         assert_eq!(e(method), error(&simulated, method));
         assert_eq!(row(&compared, method)["tuned"], Value::Null);
     }
-    // The least of those tried is what tune finds, and a damping of 0 is among them.
+    // The smallest tried value is the result of tune, and a damping of 0 is among them.
     for method in ["virtual-damper", "virtual-coupling", "god-object"] {
         let tuned = folder.json(&format!("tune ball.toml --method {method}"));
         assert_eq!(schema::check(&tuned), "world-tune");
@@ -397,7 +398,7 @@ fn tune_tries_the_dampings_that_are_named_and_refuses_what_has_nothing_to_tune()
         .collect();
     assert_eq!(dampings, [1.0, 1.5, 2.0]);
     assert!(folder.read("curve.svg").contains("virtual-damper with B"));
-    // 0.4 N s/m leak the least: of fewer dampings the largest is the best one.
+    // 0.4 N s/m leak the least: with fewer dampings the largest is the best one.
     let damper = "tune ball.toml --method virtual-damper --least leak --steps 3 --from 0 --to";
     let words = "has the largest damping that was tried";
     let flat = |asked: String| {
@@ -463,7 +464,7 @@ fn what_the_damper_of_a_joint_takes_is_dissipated() {
     folder.write("slides.toml", slides);
     let taken = |report: &Value| report["dissipated_j"].as_f64().unwrap();
     let report = folder.json("simulate slides.toml");
-    // The damper takes P = F v of the weight, and the ball is at its speed F/B after some 50 ms.
+    // The damper dissipates P = F v of the weight, and the ball reaches its speed F/B after some 50 ms.
     let (weight, damping, time): (f64, f64, f64) = (0.981, 2.0, 0.3);
     let late = 0.1 / damping;
     let slowed = late * (-time / late).exp_m1();
@@ -481,7 +482,7 @@ fn what_the_damper_of_a_joint_takes_is_dissipated() {
     assert!((piped / expected - 1.0).abs() < 0.02, "{piped} {expected}");
 }
 
-/// A finger falls on a plate of 10 g at 50 Hz: no sample is refused, but E is some 30 %.
+/// A finger falls on a plate of 10 g at 50 Hz: no sample is rejected, but E is some 30 %.
 #[test]
 fn a_contact_that_swings_within_a_few_periods_is_said() {
     let folder = Folder::new();
@@ -522,7 +523,7 @@ fn a_guard_is_asked_for_by_flags_or_the_file_and_what_it_holds_back_is_counted()
         let report = folder.json(arguments);
         assert_eq!(schema::check(&report), "world");
         let count = |key: &str| report["methods"][0][key].as_u64().unwrap();
-        // Nothing else limits a force here, and a guard that reports changes none.
+        // No other limit applies here, and a guard that reports changes no force.
         let changed = if arguments.contains("report") {
             0
         } else {
@@ -540,7 +541,7 @@ fn a_guard_is_asked_for_by_flags_or_the_file_and_what_it_holds_back_is_counted()
     assert!(said.contains(&words), "{said}");
     let (acted, error) = guarded("simulate ball.toml --guard limit --guard-allowance 1e-5");
     assert!(acted > 4 && error > 10.0 * open.1, "{acted} {error}");
-    // The file's own, of which a flag changes the speed.
+    // The guard of the file, with its speed changed by a flag.
     let guard = "[render]\nguard = { mode = \"limit\", allowance_j = 1e-5 }";
     folder.write("guarded.toml", BALL.replace("[render]", guard));
     assert_eq!(guarded("simulate guarded.toml"), (acted, error));

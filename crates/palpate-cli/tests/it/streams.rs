@@ -1,4 +1,4 @@
-//! Standard input and output in place of files.
+//! Standard input and output instead of files.
 
 use crate::common::{Folder, parse, taps, trace_text};
 

@@ -11,11 +11,11 @@ fn column<'a>(report: &'a Value, name: &str) -> &'a Value {
         .unwrap_or_else(|| panic!("no {name} in {report}"))
 }
 
-/// The rows of a table as maps from its header.
+/// Returns the rows of a table as maps from its header.
 fn rows(text: &str) -> Vec<std::collections::HashMap<&str, &str>> {
     let mut lines = text.lines();
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
-    // The receipt stands last and may hold commas.
+    // The metadata is the last column and may contain commas.
     lines
         .map(|line| {
             header
@@ -109,7 +109,7 @@ fn every_method_is_judged_with_both_delays() {
         rows[0]["palpate_run_1"].contains("\"\"seed\"\":\"\"1\"\""),
         "{rows:?}"
     );
-    // It is a run file, so what reads those reads this.
+    // The rows form a run file that other readers accept.
     assert_eq!(folder.run_file("rows.csv").len(), rows.len());
     let svg = folder.read("spread.svg");
     roxmltree::Document::parse(&svg).unwrap();
@@ -148,7 +148,7 @@ fn each_row_is_a_scene_and_a_command() {
             "hold_floor_percent",
             "ideal_error",
         ] {
-            // As text: the reader of JSON is off by a bit now and then.
+            // As text: the JSON reader is sometimes off by a bit.
             let same = format!("\"{name}\": {},\n", row[name]);
             assert!(text.contains(&same), "no {same} in {text}");
         }
@@ -239,7 +239,7 @@ fn several_seeds_give_medians_with_their_range() {
     );
     folder.fail("suite --seeds 0", 2, &["--seeds"]);
 
-    // Of worlds, too.
+    // Also with worlds.
     let of = |arguments: &str| folder.json(&format!("suite --set worlds --plants 1 {arguments}"));
     let basic = |report: &Value| report["loops"][0]["methods"][0].clone();
     let [first, second] = [1, 2].map(|seed| {
@@ -327,7 +327,7 @@ fn a_column_may_choose_its_damping_and_says_which() {
         "mean_force_error_percent",
     );
     assert!((own - error).abs() < 1e-9 * own);
-    // Where nothing is chosen, nothing is said of it.
+    // Without a choice, nothing is printed about it.
     let plain = folder.succeed("heights fig2.toml --method hfcr");
     assert!(!plain.contains("best B"), "{plain}");
 }

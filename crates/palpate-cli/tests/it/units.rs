@@ -1,4 +1,4 @@
-//! Units of recorded positions: from the column or a flag, and questioned if the motion is unusual for a hand.
+//! Units of recorded positions: from the column or a flag, with a plausibility check of the motion.
 
 use crate::common::{Folder, number, of_method, taps};
 
@@ -85,7 +85,7 @@ fn a_recorded_device_takes_the_unit_of_its_motion() {
     );
 }
 
-/// A table as a recorder writes it: milliseconds and millimetres, semicolons, decimal commas, further columns.
+/// A table of a recorder: milliseconds and millimetres, semicolons, decimal commas, additional columns.
 #[test]
 fn a_recorders_table_is_read_as_flags_say_and_never_guessed() {
     let folder = folder();
@@ -183,7 +183,7 @@ fn gaps_samples_without_a_value_and_a_number_that_may_be_cut_off_are_said() {
     folder.write("gap.csv", &cut[..cut.len() - 3]);
     let answer = folder.palpate(&render);
     assert!(answer.stderr.contains("may be cut off"), "{answer:?}");
-    // A scene takes no unit, and refuses it.
+    // A scene rejects a unit.
     folder.write(
         "hand.toml",
         crate::common::experiment_text("wall").replace(
@@ -216,7 +216,7 @@ fn an_intention_that_no_hand_has_is_doubted() {
             ),
         );
         let answer = folder.palpate("run scene.toml --fast --duration 0.05");
-        // A device that moves by metres trips the largest speed: the motors are off for most of the run.
+        // A device that moves by metres exceeds the speed limit: the motors are off for most of the run.
         let code = if is_doubted { 5 } else { 0 };
         assert_eq!(answer.code, code, "{answer:?}");
         let said =

@@ -1,7 +1,7 @@
-//! Time as the loop sees it: a clock that says what time it is and sleeps until a given time.
+//! Clocks of a loop: the [`Clock`] trait returns the current time and sleeps until a deadline.
 //!
-//! Times are [`Duration`]s since the clock's origin. The loop takes its clock as a type parameter,
-//! so that the whole of it runs on a clock that a test moves by hand.
+//! Times are [`Duration`]s since the clock's origin. The clock is a type parameter of the loop, so tests can run the
+//! whole loop on a manually stepped clock.
 
 mod monotonic;
 mod stepped;
@@ -11,15 +11,15 @@ use std::time::Duration;
 pub use monotonic::MonotonicClock;
 pub use stepped::SteppedClock;
 
-/// A clock that never runs backwards. Clones show the same time.
+/// A monotonic clock. Clones show the same time.
 pub trait Clock: Clone + Send + 'static {
-    /// Whether time passes by itself. Where it passes only for whoever sleeps, nobody is late, and
-    /// nobody else may sleep on the clock of a loop.
+    /// Whether time advances by itself. If it advances only in [`sleep_until`](Self::sleep_until), a loop is never
+    /// late, and only the loop may sleep on its clock.
     const RUNS: bool;
 
-    /// Time since the origin.
+    /// Returns the time since the origin.
     fn now(&self) -> Duration;
 
-    /// Returns at `deadline` or later; at once if that has passed.
+    /// Sleeps until `deadline` or later; returns immediately if it has passed.
     fn sleep_until(&self, deadline: Duration);
 }

@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use super::Clock;
 
-/// The machine's monotonic clock, with its origin where it was made. It sleeps until an absolute
-/// time, so that what a tick took is not added to the period, and it can spend the last stretch
-/// awake: a processor that waits for a timer wakes up some tens of microseconds late.
+/// The machine's monotonic clock; its origin is the time of construction. It sleeps until an absolute deadline, so
+/// the computing time of a tick does not lengthen the period. It can busy-wait before each deadline, because a
+/// processor wakes from a timer some tens of microseconds late.
 #[derive(Clone, Copy, Debug)]
 pub struct MonotonicClock {
     origin: Duration,
@@ -14,7 +14,7 @@ pub struct MonotonicClock {
 }
 
 impl MonotonicClock {
-    /// A clock that starts now and leaves waking up to the kernel.
+    /// Creates a clock that starts now and does not busy-wait.
     #[must_use]
     pub fn new() -> Self {
         Self {
@@ -23,8 +23,7 @@ impl MonotonicClock {
         }
     }
 
-    /// The same clock, awake for the last `spin` before each deadline. That keeps a processor busy
-    /// for `spin` of every period.
+    /// Sets the busy-wait time before each deadline. It occupies a processor for `spin` of every period.
     #[must_use]
     pub fn with_spin(self, spin: Duration) -> Self {
         Self { spin, ..self }
@@ -66,7 +65,7 @@ mod machine {
 
     pub fn now() -> Duration {
         let time = clock_gettime(rustix::time::ClockId::Monotonic);
-        // Since the machine started: neither part is negative.
+        // Time since boot: neither part is negative.
         Duration::new(
             u64::try_from(time.tv_sec).unwrap_or(0),
             u32::try_from(time.tv_nsec).unwrap_or(0),
@@ -78,14 +77,14 @@ mod machine {
             tv_sec: i64::try_from(time.as_secs()).unwrap_or(i64::MAX),
             tv_nsec: time.subsec_nanos().into(),
         };
-        // A signal ends the sleep early: the deadline is absolute, so sleep again.
+        // A signal ends the sleep early. The deadline is absolute, so sleep again.
         while clock_nanosleep_absolute(ClockId::Monotonic, &time)
             .is_err_and(|error| error == rustix::io::Errno::INTR)
         {}
     }
 }
 
-/// Without absolute sleep, each sleep is as long as is left.
+/// Repeats relative sleeps of the remaining time, because absolute sleep is not available.
 #[cfg(not(target_os = "linux"))]
 #[allow(
     clippy::disallowed_methods,

@@ -1,4 +1,4 @@
-//! A clock that is moved by hand.
+//! A manually stepped clock.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -6,9 +6,8 @@ use std::time::Duration;
 
 use super::Clock;
 
-/// A clock on which time passes only where it is told to: [`advance`](Self::advance) moves it, and
-/// whoever sleeps on it finds the deadline come at once. A loop on it runs as fast as the machine
-/// can, and every run of it is the same.
+/// A manually stepped clock: only [`advance`](Self::advance) and `sleep_until` move it. `sleep_until` sets the time
+/// to the deadline and returns immediately, so a loop runs as fast as the machine allows and is reproducible.
 #[derive(Clone, Debug, Default)]
 pub struct SteppedClock {
     nanoseconds: Arc<AtomicU64>,
@@ -16,19 +15,19 @@ pub struct SteppedClock {
 }
 
 impl SteppedClock {
-    /// A clock at its origin.
+    /// Creates a clock at its origin.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Lets `duration` pass.
+    /// Advances the time by `duration`.
     pub fn advance(&self, duration: Duration) {
         self.nanoseconds
             .fetch_add(nanoseconds(duration), Ordering::SeqCst);
     }
 
-    /// The next to sleep wakes up this much after its deadline.
+    /// Makes the next sleep end this long after its deadline.
     pub fn oversleep_once(&self, lateness: Duration) {
         self.oversleep
             .store(nanoseconds(lateness), Ordering::SeqCst);
@@ -49,7 +48,7 @@ impl Clock for SteppedClock {
     }
 }
 
-/// 584 years are enough.
+/// Converts to nanoseconds; saturates after 584 years.
 fn nanoseconds(duration: Duration) -> u64 {
     u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
 }

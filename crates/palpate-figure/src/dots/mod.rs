@@ -1,5 +1,4 @@
-//! Dot plots: a panel for each group, a line of it for each of those that are compared, over one
-//! logarithmic axis.
+//! Dot plots: one panel per group and one line per compared item, over one logarithmic axis.
 
 mod page;
 
@@ -8,19 +7,19 @@ pub(super) use page::page;
 /// A page of dot plots.
 #[derive(Debug, Clone, Default)]
 pub struct DotFigure {
-    /// Line above everything: what the figure shows.
+    /// Title: the content of the figure.
     pub title: String,
-    /// Line below it: what it is a figure of.
+    /// Subtitle: the subject of the figure.
     pub subtitle: String,
-    /// Small print below everything.
+    /// Small print at the bottom.
     pub footnote: String,
     /// Quantity and unit of the axis.
     pub x_label: String,
-    /// Values above it are drawn at the edge, with an arrow.
+    /// Values above this limit are drawn at the edge, with an arrow.
     pub largest: f64,
-    /// What [`DotPanel::floor`] is, for the legend.
+    /// Legend entry of [`DotPanel::floor`].
     pub floor_label: String,
-    /// What a ring in place of a dot says, for the legend.
+    /// Legend entry of a ring (a dot with [`Dot::ring`]).
     pub ring_label: String,
     /// One panel for each group, in reading order.
     pub panels: Vec<DotPanel>,
@@ -29,23 +28,23 @@ pub struct DotFigure {
 /// One group.
 #[derive(Debug, Clone, Default)]
 pub struct DotPanel {
-    /// Words above the panel.
+    /// Heading of the panel.
     pub head: String,
-    /// What no value can be below; drawn as a line.
+    /// Lower bound of all values; drawn as a line.
     pub floor: Option<f64>,
-    /// The compared ones; the same in all panels.
+    /// The compared items; the same in all panels.
     pub dots: Vec<Dot>,
 }
 
-/// One of those that are compared.
+/// A compared item.
 #[derive(Debug, Clone, Default)]
 pub struct Dot {
-    /// Its name, at the left of the first panel.
+    /// Name, at the left of the first panel.
     pub name: String,
-    /// Its value, above 0; none is drawn where there is none.
+    /// Value, above 0; `None` draws no dot.
     pub value: Option<f64>,
     /// Whether it is drawn as a ring.
     pub ring: bool,
-    /// Words beside it, as few as there can be.
+    /// Short annotation beside the dot.
     pub note: String,
 }

@@ -1,4 +1,4 @@
-//! The page of a figure of dots.
+//! Page layout of a dot plot.
 
 use kuva::render::render::{Scene, TextAnchor};
 
@@ -13,23 +13,23 @@ const NAME_SIZE: u32 = 11;
 const NOTE_SIZE: u32 = 10;
 /// Height of a line of the legend `[px]`.
 const LEGEND_LINE: f64 = 19.0;
-/// Least space between two numbers of an axis `[px]`.
+/// Minimum gap between two numbers of an axis `[px]`.
 const BETWEEN_NUMBERS: f64 = 6.0;
-/// Between panels side by side `[px]`.
+/// Gap between panels side by side `[px]`.
 const BETWEEN: f64 = 18.0;
-/// Height of the line of one dot where nothing else is asked for, and the least `[px]`.
+/// Default and minimum height of the line of one dot `[px]`.
 const LINE: f64 = 16.0;
 const LEAST_LINE: f64 = 9.0;
-/// Width of the inside of a panel where nothing else is asked for, and the least `[px]`.
+/// Default and minimum width of the inside of a panel `[px]`.
 const PANEL: f64 = 190.0;
 const LEAST_PANEL: f64 = 70.0;
-/// Below the last panel of a column, for numbers and label `[px]`.
+/// Height below the last panel of a column, for numbers and label `[px]`.
 const BELOW: f64 = 34.0;
 const DOT: f64 = 3.6;
-/// Most panels side by side.
+/// Maximum number of panels side by side.
 const MOST_COLUMNS: usize = 3;
 
-/// What places have in common.
+/// Layout parameters common to all panels.
 struct Plan {
     columns: usize,
     left: f64,
@@ -52,7 +52,7 @@ pub(crate) fn page(figure: &DotFigure, size: Size) -> Result<Page, SizeError> {
     let (columns, panel) = match size.width {
         None => (most, PANEL),
         Some(width) => {
-            // As many side by side as keep a readable axis.
+            // As many panels side by side as keep a readable axis.
             let columns = (1..=most)
                 .rev()
                 .find(|columns| width_of(*columns, 0.7 * PANEL) <= width)
@@ -90,7 +90,7 @@ pub(crate) fn page(figure: &DotFigure, size: Size) -> Result<Page, SizeError> {
     Ok(Page::from(scene))
 }
 
-/// Number of dots of the longest of panels side by side.
+/// Returns the number of dots of the longest of the panels side by side.
 fn lines(panels: &[DotPanel]) -> f64 {
     panels
         .iter()
@@ -99,7 +99,7 @@ fn lines(panels: &[DotPanel]) -> f64 {
         .unwrap_or(0) as f64
 }
 
-/// Powers of ten around all that is drawn.
+/// Returns the range of powers of ten that contains all drawn values.
 fn range(figure: &DotFigure) -> (f64, f64) {
     let values = figure.panels.iter().flat_map(|panel| {
         let dots = panel.dots.iter().filter_map(|dot| dot.value);
@@ -137,7 +137,7 @@ fn scene(figure: &DotFigure, plan: &Plan) -> Scene {
                 let at = (left, top - 5.0 - 13.0 * line as f64);
                 page.add(words(words_of, at, NAME_SIZE, TextAnchor::Start, None));
             }
-            // What has no panel below it has the numbers of the axis.
+            // A panel without another panel below it shows the numbers of the axis.
             let is_last = rows.get(number + 1).is_none_or(|next| next.len() <= column);
             draw(&mut page, figure, plan, panel, (left, top), is_last);
             if column == 0 {
@@ -156,7 +156,8 @@ fn scene(figure: &DotFigure, plan: &Plan) -> Scene {
     page
 }
 
-/// What line and ring say, beside each other where both fit between `left` and `right`; where it ends.
+/// Draws the legend entries of line and ring, side by side if both fit between `left` and `right`. Returns its lower
+/// end.
 fn legend(page: &mut Scene, figure: &DotFigure, (left, right): (f64, f64), mut top: f64) -> f64 {
     let mut x = left;
     if figure.panels.iter().any(|panel| panel.floor.is_some()) {
@@ -202,7 +203,7 @@ fn draw(
     let bottom = top + height;
     let (low, high) = plan.range;
     let at = |log: f64| left + plan.panel * (log - low) / (high - low);
-    // The last number stands left of its tick: where it would meet the one before it, the tick is enough.
+    // The last number is left of its tick. If it would overlap the number before it, only the tick is drawn.
     let number_width = |decade: f64| text::width(&axis::decade_label(decade), NAME_SIZE);
     let taken = number_width(high) + 0.5 * number_width(high - 1.0) + BETWEEN_NUMBERS;
     let has_last_number = taken <= at(high) - at(high - 1.0);
@@ -222,7 +223,7 @@ fn draw(
                 }
                 let number = axis::decade_label(decade);
                 let place = (x, bottom + 15.0);
-                // Those at the ends stay within the panel, clear of those of its neighbours.
+                // Numbers at the ends stay within the panel, clear of the numbers of its neighbours.
                 let anchor = if decade == low {
                     TextAnchor::Start
                 } else if decade + 1.0 > high {
@@ -275,7 +276,7 @@ fn draw(
     page.add(frame((left, top), (plan.panel, height), ink::FRAME));
 }
 
-/// Marks the value of a dot; where on the page.
+/// Draws the value of a dot and returns its position on the page.
 fn mark(
     page: &mut Scene,
     figure: &DotFigure,

@@ -1,5 +1,5 @@
-//! Fields over two logarithmic axes, as small multiples: filled contours, the border of a region,
-//! and horizontal bounds. A strip left of the axis holds what lies at zero.
+//! Fields over two logarithmic axes, as small multiples: filled contours, the border of a region, and horizontal
+//! bounds. A strip left of the axis shows the values at zero.
 
 mod page;
 mod panel;
@@ -10,21 +10,21 @@ pub(super) use page::page;
 /// A page of fields: rows of panels over the same axes.
 #[derive(Debug, Clone, Default)]
 pub struct FieldFigure {
-    /// Line above everything: what the figure shows.
+    /// Title: the content of the figure.
     pub title: String,
-    /// Line below the title: what it is a figure of.
+    /// Subtitle: the subject of the figure.
     pub subtitle: String,
-    /// Small print below everything.
+    /// Small print at the bottom.
     pub footnote: String,
     /// Quantity of the horizontal axis.
     pub x_label: String,
     /// Quantity of the vertical axis.
     pub y_label: String,
-    /// What lies in the strip at zero.
+    /// Label of the strip at zero.
     pub zero_label: String,
-    /// Both axes reach from one to the other.
+    /// Range of both axes.
     pub range: (f64, f64),
-    /// Heads of the columns.
+    /// Headings of the columns.
     pub columns: Vec<String>,
     /// The rows, from top to bottom.
     pub rows: Vec<FieldRow>,
@@ -33,7 +33,7 @@ pub struct FieldFigure {
 /// Panels of one quantity.
 #[derive(Debug, Clone)]
 pub struct FieldRow {
-    /// What sets this row apart from others of the same quantity.
+    /// Name that distinguishes this row from others of the same quantity.
     pub name: String,
     /// The quantity and its colours.
     pub scale: Scale,
@@ -46,18 +46,18 @@ pub struct FieldRow {
 pub struct Scale {
     /// The quantity and its unit.
     pub name: String,
-    /// Colour of each step, from small to large, and what it says.
+    /// Colour and legend entry of each step, from small to large.
     pub steps: Vec<(&'static str, String)>,
     /// The limits between the steps; a value on a limit belongs below it.
     pub limits: Vec<f64>,
-    /// What the border of the marked region says.
+    /// Legend entry of the border of the marked region.
     pub border: String,
 }
 
 /// One field.
 #[derive(Debug, Clone, Default)]
 pub struct FieldPanel {
-    /// Values along the horizontal axis, the one at zero first.
+    /// Number of values along the horizontal axis, including the first one at zero.
     pub columns: usize,
     /// Values, row by row from the lower end of the vertical axis; a NaN is left blank.
     pub values: Vec<f64>,
@@ -67,21 +67,21 @@ pub struct FieldPanel {
     pub bounds: Vec<Bound>,
 }
 
-/// A horizontal line from zero to where it stops to apply.
+/// A horizontal line from zero to the end of its range of validity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bound {
     /// Name in the legend.
     pub name: String,
-    /// Where it stands on the vertical axis.
+    /// Position on the vertical axis.
     pub at: f64,
-    /// Where it ends on the horizontal axis.
+    /// End on the horizontal axis.
     pub to: f64,
-    /// Which of the looks it has.
+    /// Index of the line style.
     pub look: usize,
 }
 
 impl Scale {
-    /// The step of a value.
+    /// Returns the step of a value.
     fn step(&self, value: f64) -> Option<usize> {
         (!value.is_nan()).then(|| self.limits.partition_point(|limit| *limit < value))
     }

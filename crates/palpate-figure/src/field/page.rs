@@ -1,4 +1,4 @@
-//! The page of a figure of fields.
+//! Page layout of a field figure.
 
 use kuva::render::color::Color;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
@@ -10,11 +10,11 @@ use crate::page::{Head, Page, foot};
 use crate::{Size, SizeError, ink, text};
 
 const EDGE: f64 = 10.0;
-/// Left of the panels, for the name of the row, the axis' label and its numbers `[px]`.
+/// Width left of the panels, for the name of the row, the axis label and its numbers `[px]`.
 const LEFT: f64 = 74.0;
-/// Between panels `[px]`.
+/// Gap between panels `[px]`.
 const BETWEEN: f64 = 9.0;
-/// Below the panels of a row without numbers, and with them `[px]`.
+/// Height below the panels of a row, without and with numbers `[px]`.
 const BELOW: f64 = 8.0;
 const BELOW_LAST: f64 = 36.0;
 const HEAD_SIZE: u32 = 12;
@@ -23,12 +23,12 @@ const NOTE_SIZE: u32 = 10;
 const SWATCH: f64 = 16.0;
 const LEGEND_LINE: f64 = 17.0;
 
-/// Width and height of a field where nothing else is asked for: four fit on a page of 170 mm `[px]`.
+/// Default width and height of a field: four fit on a page of 170 mm `[px]`.
 const SIZE: f64 = 117.0;
-/// Least width and height of a field `[px]`.
+/// Minimum width and height of a field `[px]`.
 const LEAST: f64 = 40.0;
 
-/// Width of everything beside the fields `[px]`.
+/// Returns the width of everything except the fields `[px]`.
 fn beside(columns: f64) -> f64 {
     2.0 * EDGE + LEFT + columns * (STRIP + SPLIT + BETWEEN)
 }
@@ -54,7 +54,7 @@ pub(crate) fn page(figure: &FieldFigure, size: Size) -> Result<Page, SizeError> 
     if let Some(height) = size.height {
         let rows = figure.rows.len().max(1) as f64;
         let other = scene(figure, field, width).height - rows * field;
-        // Fields are square: what is scarcer decides.
+        // Fields are square: the scarcer dimension decides.
         field = field.min(within("height", height, other, rows)?);
     }
     let mut scene = scene(figure, field, width);
@@ -137,7 +137,7 @@ fn scene(figure: &FieldFigure, size: f64, width: f64) -> Scene {
     page
 }
 
-/// The colours of a quantity, its border and the bounds, from `top` on; where it ends.
+/// Draws the colours of a quantity, its border and the bounds, from `top` down. Returns its lower end.
 fn legend(page: &mut Scene, figure: &FieldFigure, scale: &Scale, top: f64, room: f64) -> f64 {
     let mut pen = Pen {
         x: EDGE,
@@ -192,7 +192,7 @@ fn legend(page: &mut Scene, figure: &FieldFigure, scale: &Scale, top: f64, room:
     pen.baseline + 6.0
 }
 
-/// Where the next entry of a legend goes.
+/// Position of the next entry of a legend.
 struct Pen {
     x: f64,
     baseline: f64,

@@ -10,13 +10,13 @@ use crate::ink;
 
 /// Width of the strip at zero `[px]`.
 pub(super) const STRIP: f64 = 7.0;
-/// Between strip and field `[px]`.
+/// Gap between strip and field `[px]`.
 pub(super) const SPLIT: f64 = 3.0;
 /// Size of the numbers at the ticks `[px]`.
 const TICK_SIZE: u32 = 10;
 const TICK: f64 = 3.0;
 
-/// Looks of bounds: colour and dashes.
+/// Line styles of bounds: colour and dashes.
 const LOOKS: [(&str, &str); 4] = [
     ("#000000", "2 2"),
     ("#a3195b", "6 2"),
@@ -24,7 +24,7 @@ const LOOKS: [(&str, &str); 4] = [
     ("#000000", "7 2 1.5 2"),
 ];
 
-/// Where a panel stands, and which of its axes have numbers.
+/// Position of a panel, and which of its axes have numbers.
 pub(super) struct PanelLayout {
     pub left: f64,
     pub top: f64,
@@ -57,7 +57,7 @@ pub(super) fn draw(
             page.add(filled(path, colour));
         }
     }
-    // The strip stands apart.
+    // The gap separates the strip from the field.
     page.add(Primitive::Rect {
         x: place.left + STRIP,
         y: place.top,
@@ -69,7 +69,7 @@ pub(super) fn draw(
         opacity: None,
     });
     let marked = |row: usize, column: usize| panel.marked.get(at(row, column)) == Some(&true);
-    // Casing and line: the border is seen on every colour.
+    // A casing below the line keeps the border visible on every colour.
     let border = grid.border(marked);
     if !border.is_empty() {
         page.add(stroked(border.clone(), "#ffffff", 2.6, None));
@@ -101,7 +101,7 @@ fn grid(place: &PanelLayout, columns: usize, rows: usize) -> Grid {
     let width = place.size / (columns - 1) as f64;
     let mut x = vec![place.left];
     x.extend((0..columns).map(|column| field + column as f64 * width));
-    // The strip's cells end where the field begins; the gap is painted over.
+    // The strip's cells extend to the field; the gap is painted over them.
     let bottom = place.top + place.size;
     let height = place.size / rows as f64;
     Grid {
@@ -110,8 +110,8 @@ fn grid(place: &PanelLayout, columns: usize, rows: usize) -> Grid {
     }
 }
 
-/// Distance of a value from the lower end of an axis, as a share of its length: cells stand around their
-/// values.
+/// Returns the distance of a value from the lower end of an axis, as a share of its length. Cells are centred on
+/// their values.
 fn share(range: (f64, f64), cells: usize, value: f64) -> f64 {
     let share = (value / range.0).ln() / (range.1 / range.0).ln();
     (share * (cells - 1) as f64 + 0.5) / cells as f64
@@ -136,7 +136,7 @@ fn draw_bound(
     page.add(line((place.left, y), (to, y), colour, 1.5, Some(dashes)));
 }
 
-/// A bound as it looks in the legend.
+/// Returns a bound as drawn in the legend.
 pub(super) fn swatch(look: usize, from: (f64, f64), to: (f64, f64)) -> Primitive {
     let (colour, dashes) = LOOKS[look % LOOKS.len()];
     line(from, to, colour, 1.5, Some(dashes))
@@ -156,7 +156,7 @@ fn ticks(page: &mut Scene, figure: &FieldFigure, place: &PanelLayout, cells: (us
             0.8,
             None,
         ));
-        // Numbers at every second decade, and not at the ends, leave room between them.
+        // Numbers only at every second decade, and not at the ends, keep clear of each other.
         if place.x_numbers && number % 2 == 1 {
             page.add(words(
                 &value.to_string(),
@@ -174,7 +174,7 @@ fn ticks(page: &mut Scene, figure: &FieldFigure, place: &PanelLayout, cells: (us
     }
 }
 
-/// Powers of ten on the axis.
+/// Returns the powers of ten on the axis.
 fn decades(range: (f64, f64)) -> Vec<f64> {
     let exponent = |value: f64| value.log10();
     let (mut power, last) = ((exponent(range.0) - 1e-9).ceil(), exponent(range.1) + 1e-9);

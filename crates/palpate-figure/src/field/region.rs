@@ -1,12 +1,12 @@
-//! Cells of a grid as outlines.
+//! Outlines of regions of grid cells.
 
 use std::collections::BTreeMap;
 
-/// A grid of cells on the page: where its columns and rows begin and end `[px]`.
+/// A grid of cells on the page, with the boundaries of its columns and rows `[px]`.
 pub(super) struct Grid {
-    /// One more than there are columns, from left to right.
+    /// Column boundaries (one more than columns), from left to right.
     pub x: Vec<f64>,
-    /// One more than there are rows, from the lower end of the axis, so that values fall.
+    /// Row boundaries (one more than rows), from the lower end of the axis, so the values decrease.
     pub y: Vec<f64>,
 }
 
@@ -22,18 +22,18 @@ impl Grid {
         self.y.len() - 1
     }
 
-    /// Where a column begins `[px]`.
+    /// Returns the left boundary of a column `[px]`.
     fn x(&self, column: usize) -> f64 {
         tenths(self.x[column])
     }
 
-    /// Where a row begins `[px]`.
+    /// Returns the lower boundary of a row `[px]`.
     fn y(&self, row: usize) -> f64 {
         tenths(self.y[row])
     }
 
-    /// The cells for which `inside` holds, as a path to be filled: the outlines of their regions, so
-    /// that no paper shows between two cells.
+    /// Returns the cells for which `inside` holds, as a path to be filled. The path consists of the outlines of the
+    /// regions, so that no paper shows between two cells.
     pub fn fill(&self, inside: impl Fn(usize, usize) -> bool) -> String {
         let holds = |row: Option<usize>, column: Option<usize>| match (row, column) {
             (Some(row), Some(column)) if row < self.rows() && column < self.columns() => {
@@ -83,8 +83,8 @@ impl Grid {
             }
             edges.retain(|_, ends| !ends.is_empty());
             path.push_str(&format!("M{} {}", self.x(start.0), self.y(start.1)));
-            // The last leg, back to the start, is the path's own closing. Legs are shorter to write than
-            // places.
+            // The path's own closing draws the last leg back to the start. Relative legs are shorter to write than
+            // positions.
             let mut at = start;
             for (corner, horizontal) in corners {
                 path.push_str(&if horizontal {
@@ -99,8 +99,8 @@ impl Grid {
         path
     }
 
-    /// The border between the cells for which `inside` holds and the others, as a path to be
-    /// stroked; the frame is no border.
+    /// Returns the border between the cells for which `inside` holds and the others, as a path to be stroked. The
+    /// frame of the grid is not part of it.
     pub fn border(&self, inside: impl Fn(usize, usize) -> bool) -> String {
         let mut path = String::new();
         let mut add = |text: String| path.push_str(&text);
@@ -122,7 +122,7 @@ impl Grid {
     }
 }
 
-/// Runs of indices below `count` for which `holds` does: the first, and one past the last.
+/// Returns the runs of indices below `count` for which `holds` is true, as half-open ranges.
 fn runs(count: usize, holds: impl Fn(usize) -> bool) -> Vec<(usize, usize)> {
     let mut runs: Vec<(usize, usize)> = Vec::new();
     for index in (0..count).filter(|index| holds(*index)) {
@@ -134,7 +134,7 @@ fn runs(count: usize, holds: impl Fn(usize) -> bool) -> Vec<(usize, usize)> {
     runs
 }
 
-/// To a tenth of a pixel, which takes few digits and is less than the eye sees.
+/// Rounds to a tenth of a pixel: few digits, and no visible difference.
 fn tenths(value: f64) -> f64 {
     (value * 10.0).round() / 10.0
 }
@@ -169,7 +169,7 @@ mod tests {
             y: vec![3.0, 2.0, 1.0, 0.0],
         };
         let path = ring.fill(|row, column| (row, column) != (1, 1));
-        // The hole runs the other way round, so that it stays open.
+        // The hole runs in the opposite direction, so that it stays open.
         assert_eq!(path, "M0 3h3v-3h-3zM1 2v-1h1v1z");
     }
 

@@ -1,4 +1,4 @@
-//! Characters in the fonts that every reader of PDF has: Helvetica, Symbol and Zapf Dingbats.
+//! Characters in the standard fonts of every PDF reader: Helvetica, Symbol and Zapf Dingbats.
 
 use pdf_writer::Name;
 
@@ -24,7 +24,7 @@ impl Font {
         })
     }
 
-    /// Its name on the page.
+    /// Resource name of the font on the page.
     pub fn short(self) -> Name<'static> {
         Name(match self {
             Self::Plain => b"F0",
@@ -34,7 +34,7 @@ impl Font {
         })
     }
 
-    /// Whether its codes are those of WinAnsiEncoding, not its own.
+    /// Whether its codes are those of WinAnsiEncoding.
     pub fn is_latin(self) -> bool {
         matches!(self, Self::Plain | Self::Bold)
     }
@@ -60,7 +60,7 @@ const PLAIN: [u16; 95] = [
     556, 556, 333, 500, 278, 556, 500, 722, 500, 500, 500, 334, 260, 334, 584,
 ];
 
-/// The same of Helvetica-Bold.
+/// Advance widths of Helvetica-Bold, in the same format.
 #[rustfmt::skip]
 const BOLD: [u16; 95] = [
     278, 333, 474, 556, 556, 889, 722, 238, 333, 333, 389, 584, 278, 333, 278, 278,
@@ -71,7 +71,7 @@ const BOLD: [u16; 95] = [
     611, 611, 389, 556, 333, 611, 556, 778, 556, 556, 500, 389, 280, 389, 584,
 ];
 
-/// Characters that only Symbol has: code and width.
+/// Characters that only Symbol contains: code and width.
 #[rustfmt::skip]
 const SYMBOL: [(char, u8, u16); 42] = [
     ('α', b'a', 631), ('β', b'b', 549), ('γ', b'g', 411), ('δ', b'd', 494), ('ε', b'e', 439),
@@ -87,7 +87,7 @@ const SYMBOL: [(char, u8, u16); 42] = [
 
 const DINGBATS: [(char, u8, u16); 3] = [('▲', 0x73, 892), ('▼', 0x74, 892), ('◆', 0x75, 788)];
 
-/// Characters of WinAnsiEncoding outside Latin-1 that words of figures may have.
+/// Characters of WinAnsiEncoding outside Latin-1 that figure texts may contain.
 const PUNCTUATION: [(char, u8, u16); 8] = [
     ('…', 0x85, 1000),
     ('‘', 0x91, 222),
@@ -99,10 +99,10 @@ const PUNCTUATION: [(char, u8, u16); 8] = [
     ('—', 0x97, 1000),
 ];
 
-/// Width of most signs of Latin-1.
+/// Width of most characters of Latin-1.
 const USUAL: u16 = 556;
 
-/// A character of words in plain or bold letters. One that no font has is a question mark.
+/// Returns a character in plain or bold letters. A character that no font contains becomes a question mark.
 pub(super) fn glyph(character: char, bold: bool) -> Glyph {
     let (letters, widths) = if bold {
         (Font::Bold, &BOLD)

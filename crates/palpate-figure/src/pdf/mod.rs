@@ -14,9 +14,9 @@ use font::{Font, Glyph, glyph};
 /// Points of PDF per pixel.
 const POINTS: f64 = 0.75;
 
-/// Draws `figure` as a PDF document of one page, as large as the figure. Words are set in Helvetica, Symbol
-/// and Zapf Dingbats, which every reader has: nothing is embedded, and words can be searched. A sign that
-/// none of these has is a question mark.
+/// Draws `figure` as a PDF document of one page, as large as the figure. Words are set in Helvetica, Symbol and Zapf
+/// Dingbats, which every reader has: nothing is embedded, and words can be searched. A character that these fonts do
+/// not contain becomes a question mark.
 ///
 /// # Errors
 ///
@@ -53,7 +53,7 @@ pub fn pdf(figure: &(impl Picture + ?Sized), size: Size) -> Result<Vec<u8>, Size
     Ok(document.finish())
 }
 
-/// The operators that draw a scene; y of a scene points down, that of a PDF page up.
+/// Returns the operators that draw a scene. In a scene y points down, on a PDF page up.
 fn content(scene: &Scene, scale: f64) -> Vec<u8> {
     let mut content = Content::new();
     content.save_state();
@@ -226,7 +226,7 @@ fn draw(content: &mut Content, element: &Primitive, words: Option<&str>) {
     }
 }
 
-/// `translate(x,y)`.
+/// Parses `translate(x,y)`.
 fn translation(transform: &str) -> Option<(f32, f32)> {
     let inside = transform.strip_prefix("translate(")?.strip_suffix(')')?;
     let (x, y) = inside.split_once([',', ' '])?;
@@ -251,7 +251,7 @@ fn line(
     content.stroke();
 }
 
-/// What a shape is filled with; no figure has anything between opaque and empty.
+/// Returns the fill colour of a shape. Figures contain only opaque and empty shapes.
 fn inside(fill: &Color, opacity: Option<f64>) -> &Color {
     if opacity == Some(0.0) {
         &Color::None
@@ -260,7 +260,7 @@ fn inside(fill: &Color, opacity: Option<f64>) -> &Color {
     }
 }
 
-/// A circle as four cubic curves, off by less than a thousandth of its radius.
+/// Draws a circle as four cubic curves, with an error below a thousandth of its radius.
 fn circle(
     content: &mut Content,
     (x, y, r): (f64, f64, f64),
@@ -275,7 +275,7 @@ fn circle(
     let (first_x, first_y) = at(1.0, 0.0);
     content.move_to(first_x, first_y);
     for (u, v) in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)] {
-        // A quarter turn from (u, v) on.
+        // A quarter turn starting at (u, v).
         let (next_u, next_v) = (-v, u);
         let (a, b) = at(u + HANDLE * next_u, v + HANDLE * next_v);
         let (c, d) = at(next_u + HANDLE * u, next_v + HANDLE * v);
@@ -295,7 +295,7 @@ fn paint(content: &mut Content, filled: bool, stroked: bool) {
     };
 }
 
-/// Sets the colour of what is filled; whether there is one.
+/// Sets the fill colour. Returns whether there is one.
 fn fill_with(content: &mut Content, colour: &Color) -> bool {
     let Some([r, g, b]) = parts(colour) else {
         return false;
@@ -304,7 +304,7 @@ fn fill_with(content: &mut Content, colour: &Color) -> bool {
     true
 }
 
-/// Sets how lines look; whether they are seen.
+/// Sets colour, width and dashes of lines. Returns whether they are visible.
 fn stroke_with(content: &mut Content, colour: &Color, width: f64, dashes: Option<&str>) -> bool {
     let Some([r, g, b]) = parts(colour).filter(|_| width > 0.0) else {
         return false;
@@ -320,7 +320,7 @@ fn stroke_with(content: &mut Content, colour: &Color, width: f64, dashes: Option
     true
 }
 
-/// Red, green and blue from 0 to 1.
+/// Returns red, green and blue from 0 to 1.
 fn parts(colour: &Color) -> Option<[f32; 3]> {
     match colour {
         Color::Rgb(r, g, b) => Some([r, g, b].map(|part| f32::from(*part) / 255.0)),
@@ -329,7 +329,7 @@ fn parts(colour: &Color) -> Option<[f32; 3]> {
     }
 }
 
-/// Writes words at a place, turned by an angle clockwise `[deg]`.
+/// Writes words at a position, rotated clockwise by an angle `[deg]`.
 fn write(
     content: &mut Content,
     words: &str,
@@ -349,7 +349,7 @@ fn write(
     let (sin, cos) = turned.to_radians().sin_cos();
     let (x, y) = (x + before * cos, y + before * sin);
     content.begin_text();
-    // The page is upside down, and so its letters must be.
+    // The page is flipped vertically; the text matrix flips the letters back.
     let turn = [cos, sin, sin, -cos, x, y].map(single);
     content.set_text_matrix(turn);
     for run in glyphs.chunk_by(|a, b| a.font == b.font) {
@@ -360,7 +360,7 @@ fn write(
     content.end_text();
 }
 
-/// To a hundredth, for a page.
+/// Rounds a page coordinate to a hundredth.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "places on a page, to a hundredth of a pixel"

@@ -1,9 +1,9 @@
-//! The outlines of a page, from the form that SVG has for them.
+//! Outlines of a page, converted from SVG path data.
 
 use pdf_writer::Content;
 
-/// Adds an outline to `content`: moves, lines and closings. What follows a command
-/// that no picture here has is left out.
+/// Adds an outline to `content`: moves, lines and closings. Other commands are skipped; the figures of this crate do
+/// not use them.
 pub(super) fn add(content: &mut Content, d: &str) {
     let mut numbers: Vec<f32> = Vec::new();
     let (mut at, mut start, mut command) = ((0.0, 0.0), (0.0, 0.0), 'M');

@@ -1,4 +1,4 @@
-//! The emulated device: three axes of a point mass in a hand, moved by the time that passes.
+//! Emulated device: a point mass on three axes in a hand, in real time.
 
 use std::time::{Duration, Instant};
 
@@ -11,22 +11,22 @@ use palpate_testbed::held_mass::HeldMass;
 
 use palpate_haply::inverse3::Status;
 
-/// What an emulated device is: the same point mass along each axis, in a hand of its own.
+/// Parameters of an emulated device: the same point mass along each axis, each with its own hand.
 #[derive(Clone, Debug)]
 pub struct Body {
     /// Mass `[kg]`.
     pub mass: f64,
     /// Viscous friction `[N s/m]`.
     pub friction: f64,
-    /// Where it rests before the first client comes `[m]`.
+    /// Resting position before the first client connects `[m]`.
     pub start: Vector,
     /// The hand along x, y and z.
     pub hands: [Hand; 3],
-    /// Gain and lag of the amplifiers, as of the force along each axis.
+    /// Gain and lag of the amplifiers, for the force along each axis.
     pub amplifier: ActuatorParams,
 }
 
-/// A hand that holds the device at a place `[m]` with a spring `[N/m]` and a damper `[N s/m]`.
+/// Returns a hand that holds the device at a position `[m]` with a spring `[N/m]` and a damper `[N s/m]`.
 #[must_use]
 pub fn holding(place: f64, stiffness: f64, damping: f64) -> Hand {
     Hand::Impedance {
@@ -40,9 +40,8 @@ pub fn holding(place: f64, stiffness: f64, damping: f64) -> Hand {
 }
 
 impl Default for Body {
-    /// 0.2 kg, in a hand of 100 N/m that holds it where it starts, at the origin. An assumption:
-    /// the maker does not say how heavy the arms are at their end. The amplifiers give at once what
-    /// they are told.
+    /// 0.2 kg, in a hand of 100 N/m that holds it at its start position, the origin. The mass is an assumption: the
+    /// manufacturer does not publish the effective mass of the arms. The amplifiers are ideal.
     fn default() -> Self {
         Self {
             mass: 0.2,
@@ -58,7 +57,7 @@ impl Default for Body {
 #[derive(Debug)]
 pub(super) struct EmulatedDevice {
     pub id: String,
-    /// In every frame and in the list of devices; else as if unplugged.
+    /// Whether the device is in frames and in the list of devices; otherwise it is unplugged.
     pub present: bool,
     pub status: Status,
     at_start: [HeldMass; 3],
@@ -101,7 +100,7 @@ impl EmulatedDevice {
         })
     }
 
-    /// Nobody is there: back to the start, where it waits.
+    /// Returns to the initial state, because no client is connected.
     pub fn rest(&mut self) {
         self.axes = self.at_start.clone();
         self.motors = [self.amplifier; 3];
@@ -115,7 +114,7 @@ impl EmulatedDevice {
         self.commanded = Some(now);
     }
 
-    /// Lets the time pass up to `now`; without commands the motors idle from some time on.
+    /// Simulates up to `now`; the motors idle some time after the last command.
     pub fn move_on(&mut self, now: Instant) {
         let from = *self.moved_until.get_or_insert(now);
         let idle = self.commanded.map(|commanded| commanded + self.idle_after);
@@ -132,17 +131,17 @@ impl EmulatedDevice {
 
     fn hold(&mut self, duration: Duration) {
         for ((axis, motor), force) in self.axes.iter_mut().zip(&mut self.motors).zip(self.force) {
-            // The testbed has the force on the object, which is the other one.
+            // The testbed expects the force on the object, which has the opposite sign.
             motor.drive(axis, -force, duration.as_secs_f64());
         }
     }
 
-    /// Whether a force, even none, is commanded.
+    /// Returns whether a force is commanded, including zero.
     pub fn is_commanded(&self) -> bool {
         self.commanded.is_some()
     }
 
-    /// What the motors are told to give `[N]`.
+    /// Returns the commanded force of the motors `[N]`.
     pub fn force(&self) -> Vector {
         self.force
     }
@@ -182,7 +181,7 @@ mod tests {
         let [x, y, z] = device.position();
         assert!((x - 0.0101).abs() < 1e-12 && y == 0.0 && (z + 2e-4).abs() < 1e-12);
         assert_eq!(device.force(), [1.0, 0.0, -2.0]);
-        // Idle from 20 ms on: it keeps the 40 mm/s that it has then.
+        // Idle from 20 ms on: it keeps its velocity of 40 mm/s.
         device.move_on(ms(70));
         assert_eq!(device.force(), [0.0; 3]);
         assert!(!device.is_commanded());

@@ -1,4 +1,4 @@
-//! The events channel: a WebSocket on which the service only speaks.
+//! Events channel: a WebSocket on which only the service sends.
 
 use std::net::{TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,12 +11,12 @@ use tungstenite::Message;
 
 use super::{LOOK, lock};
 
-/// Whoever listens.
+/// Clients of the events channel.
 #[derive(Debug, Default)]
 pub(super) struct Audience(Mutex<Vec<Sender<String>>>);
 
 impl Audience {
-    /// Tells an event to everybody who listens.
+    /// Sends an event to every client.
     pub fn tell(&self, event: &Value) {
         let text = event.to_string();
         lock(&self.0).retain(|listener| listener.send(text.clone()).is_ok());
@@ -29,12 +29,12 @@ impl Audience {
     }
 }
 
-/// An event as the service words it.
+/// Returns an event in the service's format.
 pub(super) fn event(name: &str, category: &str, level: &str, data: &Value) -> Value {
     json!({ "name": name, "category": category, "level": level, "data": data, "message": "" })
 }
 
-/// Takes listeners until `ended`.
+/// Accepts clients until `ended`.
 pub(super) fn listen(listener: &TcpListener, audience: &Arc<Audience>, ended: &Arc<AtomicBool>) {
     let mut speakers = Vec::new();
     while !ended.load(Ordering::Acquire) {
@@ -51,7 +51,7 @@ pub(super) fn listen(listener: &TcpListener, audience: &Arc<Audience>, ended: &A
 }
 
 fn speak(stream: TcpStream, audience: &Audience, ended: &AtomicBool) {
-    // Before the handshake is answered: whoever has connected misses nothing.
+    // Register before answering the handshake, so that a connected client misses no event.
     let events = audience.join();
     let ready = stream.set_nonblocking(false).is_ok()
         && stream

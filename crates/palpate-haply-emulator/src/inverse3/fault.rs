@@ -1,30 +1,30 @@
-//! What an emulated service does wrong, when it is told to.
+//! Injected faults of an emulated service.
 
 use std::collections::VecDeque;
 use std::fmt;
 use std::time::Duration;
 
-/// Something that goes wrong with one reply.
+/// Fault of one reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Fault {
-    /// It is never sent.
+    /// The reply is lost.
     Dropped,
-    /// It is sent twice.
+    /// The reply is sent twice.
     Twice,
-    /// It is sent just before the reply to the next message.
+    /// The reply is sent just before the reply to the next message.
     Late,
-    /// The service stands still for this long before it answers.
+    /// The service stalls for this time before it answers.
     Stall(Duration),
-    /// What is sent is no JSON.
+    /// The reply is not JSON.
     Garbage,
-    /// It ends in the middle of its JSON.
+    /// The reply ends in the middle of its JSON.
     HalfFrame,
-    /// Half of the bytes of the WebSocket's frame are sent, and the connection is cut.
+    /// Half of the bytes of the WebSocket frame are sent, and the connection is cut.
     HalfBytes,
-    /// The connection is cut without a word.
+    /// The connection is cut without a closing handshake.
     Disconnect,
-    /// The connection is closed as a WebSocket is.
+    /// The connection is closed with a WebSocket closing handshake.
     Close,
 }
 
@@ -46,7 +46,7 @@ impl fmt::Display for Fault {
     }
 }
 
-/// Faults that wait for their reply; of each one the next reply is not touched by those behind it.
+/// Pending faults; each reply takes at most one.
 #[derive(Debug, Default)]
 pub(super) struct Faults(VecDeque<Fault>);
 
@@ -60,34 +60,34 @@ impl Faults {
     }
 }
 
-/// How long a message takes through the service: a constant, and on top evenly up to a jitter.
+/// Latency of a message through the service: a constant plus a uniform jitter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Latency {
-    /// What every exchange takes.
+    /// Constant part.
     pub least: Duration,
-    /// What may come on top.
+    /// Largest jitter.
     pub jitter: Duration,
 }
 
 impl Latency {
-    /// As fast as the machine is.
+    /// No added latency.
     pub const NONE: Self = Self {
         least: Duration::ZERO,
         jitter: Duration::ZERO,
     };
 
-    /// The next one, drawn by `random`.
+    /// Draws a latency with `random`.
     pub(super) fn draw(self, random: &mut SplitMix64) -> Duration {
         self.least + self.jitter.mul_f64(random.unit())
     }
 }
 
-/// Steele, Lea and Flood's generator: the same jitter from the same seed.
+/// Generator of Steele, Lea and Flood: the same seed gives the same jitter.
 #[derive(Debug)]
 pub(super) struct SplitMix64(pub u64);
 
 impl SplitMix64 {
-    /// Evenly in 0 to 1.
+    /// Returns a uniform number from 0 to 1.
     pub fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;

@@ -1,4 +1,4 @@
-//! Frames as the service writes them. Written apart from the parser, which is tested on them.
+//! Frames in the service's format. They are independent of the parser, which is tested with them.
 
 use palpate_device::Vector;
 use serde_json::{Map, Value, json};
@@ -6,12 +6,12 @@ use serde_json::{Map, Value, json};
 use super::device::EmulatedDevice;
 use palpate_haply::inverse3::Form;
 
-/// Everything, as on connect.
+/// Returns the full frame, as on connection.
 pub(super) fn full(devices: &[EmulatedDevice], form: Form, session: u64) -> Value {
     frame(devices, form, session, true)
 }
 
-/// What changes, as in every reply.
+/// Returns the state frame, as in every reply.
 pub(super) fn state(devices: &[EmulatedDevice], form: Form, session: u64) -> Value {
     frame(devices, form, session, false)
 }
@@ -39,7 +39,7 @@ fn frame(devices: &[EmulatedDevice], form: Form, session: u64, with_config: bool
         })
         .collect();
     let mut frame = json!({ "session_id": session, "inverse3": devices });
-    // Grips there are none; a service of 3.1 leaves their lists away.
+    // There are no grips; a service of 3.1 omits their lists.
     if form == Form::V35 {
         frame["verse_grip"] = json!([]);
         frame["wireless_verse_grip"] = json!([]);

@@ -1,17 +1,17 @@
-//! The service's HTTP answers, as far as a client that connects asks for them.
+//! HTTP answers of the service, limited to the requests of a connecting client.
 
 use std::io::{self, Read, Write};
 use std::net::TcpStream;
 
 use serde_json::{Value, json};
 
-/// Longest head of a request.
+/// Maximum length of a request head `[bytes]`.
 const LONGEST_HEAD: usize = 8192;
 
-/// The head of the request that waits in `stream`, which stays there.
+/// Returns the head of the request in `stream` without consuming it.
 ///
 /// # Errors
-/// None comes within the stream's time, it is too long, or it is no text.
+/// No head arrives within the stream's timeout, or it is too long or not text.
 pub(super) fn peek_head(stream: &TcpStream) -> io::Result<String> {
     let mut buffer = vec![0; LONGEST_HEAD];
     let mut seen = 0;
@@ -25,14 +25,14 @@ pub(super) fn peek_head(stream: &TcpStream) -> io::Result<String> {
             return Err(io::Error::other("no request"));
         }
         if length == seen {
-            // Peeking does not wait for more than what is there.
+            // Peeking does not wait for more bytes.
             std::thread::sleep(std::time::Duration::from_millis(1));
         }
         seen = length;
     }
 }
 
-/// Whether the request asks for a WebSocket.
+/// Returns whether the request asks for a WebSocket.
 pub(super) fn is_upgrade(head: &str) -> bool {
     head.lines().any(|line| {
         let line = line.to_ascii_lowercase();
@@ -54,7 +54,7 @@ pub(super) fn answer(stream: &mut TcpStream, head: &str, devices: &Value) -> io:
             refused("only GET /version and GET /devices are emulated"),
         ),
     };
-    // What was peeked at is taken, or closing would reset the connection before it is read.
+    // Consume the peeked bytes: otherwise closing would reset the connection before the client reads the answer.
     let mut taken = vec![0; head.len() + 4];
     stream.read_exact(&mut taken)?;
     let body = body.to_string();

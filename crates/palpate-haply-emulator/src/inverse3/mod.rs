@@ -1,11 +1,9 @@
-//! An emulator of Haply's Inverse Service: its channels on this machine's loopback, and behind them
-//! a device that moves.
+//! Emulator of Haply's Inverse Service: its channels on the loopback interface, and a simulated device.
 //!
-//! What is emulated: the simulation channel in its 3.1 and its 3.5 form (a full frame on connect,
-//! then one state frame for each message), the events channel, `GET /version` and `GET /devices`.
-//! Forces, probes and the session's configuration are understood; positions, torques, transforms
-//! and grips are not. A device whose commands stop idles, as the service's do; after how long the
-//! service's do is not documented, here it is [`EmulatorOptions::idle_after`].
+//! Emulated: the simulation channel in its versions 3.1 and 3.5 (a full frame on connection, then one state frame for
+//! each message), the events channel, `GET /version` and `GET /devices`. Supported messages: forces, probes and the
+//! session's configuration. Not supported: positions, torques, transforms and grips. A device without further commands
+//! idles, as with the service. The service's delay is not documented; here it is [`EmulatorOptions::idle_after`].
 
 mod device;
 mod events;
@@ -38,33 +36,33 @@ pub use fault::{Fault, Latency};
 pub use stepped::{Delays, SteppedInverse3};
 pub use timed_fault::{NoTimedFault, TimedFault};
 
-/// How often a thread that waits looks whether it is to end.
+/// Interval at which a waiting thread checks whether to end.
 const LOOK: Duration = Duration::from_millis(5);
 
-/// Messages that are remembered.
+/// Number of stored messages.
 const REMEMBERED: usize = 1_000_000;
 
-/// What is emulated, and where.
+/// Settings of an emulator.
 #[derive(Clone, Debug)]
 pub struct EmulatorOptions {
-    /// The form that is spoken.
+    /// Version of the interface.
     pub form: Form,
-    /// Port of the simulation channel and of HTTP; 0: any that is free.
+    /// Port of the simulation channel and of HTTP; 0: any free port.
     pub port: u16,
-    /// Port of the events channel; 0: any that is free.
+    /// Port of the events channel; 0: any free port.
     pub events_port: u16,
-    /// A device for each name.
+    /// Names of the devices.
     pub device_ids: Vec<String>,
-    /// What each device is.
+    /// Parameters of each device.
     pub body: Body,
-    /// How long a force is held without another command.
+    /// Time for which a force is held without another command.
     pub idle_after: Duration,
-    /// How long a message takes through the service.
+    /// Latency of a message through the service.
     pub latency: Latency,
 }
 
 impl Default for EmulatorOptions {
-    /// One device with the 3.5 form, on ports that are free, as fast as the machine is.
+    /// One device with the 3.5 interface, on free ports, without added latency.
     fn default() -> Self {
         Self {
             form: Form::V35,
@@ -78,52 +76,52 @@ impl Default for EmulatorOptions {
     }
 }
 
-/// Why an emulator does not start.
+/// Reason why an emulator could not start.
 #[derive(Debug, thiserror::Error)]
 pub enum EmulatorError {
-    /// A quantity of the device.
+    /// A parameter of the device is invalid.
     #[error("emulated device: {0}")]
     Body(#[from] InvalidParameter),
-    /// A port.
+    /// A port could not be opened.
     #[error("port {port}: {error}")]
     Port {
-        /// Which.
+        /// Port number.
         port: u16,
-        /// Why.
+        /// Error of the operating system.
         error: io::Error,
     },
-    /// The system gives no thread.
+    /// The operating system cannot create a thread.
     #[error("no thread: {0}")]
     Thread(io::Error),
 }
 
-/// A message as the service has received it.
+/// A message received by the service.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Received {
-    /// When.
+    /// Time of arrival.
     pub at: Instant,
-    /// In which session; they count from 1.
+    /// Session number, from 1.
     pub session: u64,
-    /// The device that it addresses, if it does.
+    /// Addressed device, if any.
     pub device_id: Option<String>,
-    /// The force that it commands, if it does `[N]`.
+    /// Commanded force `[N]`, if any.
     pub force: Option<Vector>,
 }
 
-/// What an emulated service has done so far.
+/// Counters of an emulated service.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Served {
-    /// Sessions that were begun.
+    /// Started sessions.
     pub sessions: u64,
-    /// Messages that came.
+    /// Received messages.
     pub messages: u64,
-    /// Replies that were sent, the frames on connect not among them.
+    /// Sent replies, without the frames on connection.
     pub replies: u64,
     /// Messages that configured a session.
     pub configured: u64,
 }
 
-/// An emulated service. It ends with this.
+/// An emulated service; dropping it ends it.
 #[derive(Debug)]
 pub struct Emulator {
     address: SocketAddr,
@@ -162,16 +160,16 @@ impl State {
     }
 }
 
-/// What is behind the lock, whatever became of its last holder.
+/// Locks a mutex, even if its last holder panicked.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Emulator {
-    /// Starts a service on threads of its own, on the loopback and nowhere else.
+    /// Starts a service on its own threads, on the loopback interface only.
     ///
     /// # Errors
-    /// A quantity of the device outside its range; a port that is taken; no thread.
+    /// A parameter of the device is out of range, a port is taken, or a thread cannot be created.
     pub fn start(options: &EmulatorOptions) -> Result<Self, EmulatorError> {
         let devices = options
             .device_ids
@@ -222,46 +220,46 @@ impl Emulator {
         Ok(())
     }
 
-    /// Where the simulation channel and HTTP are.
+    /// Returns the address of the simulation channel and of HTTP.
     #[must_use]
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// Where the events channel is.
+    /// Returns the address of the events channel.
     #[must_use]
     pub fn events_address(&self) -> SocketAddr {
         self.events_address
     }
 
-    /// The simulation channel, as a driver wants to hear it.
+    /// Returns the URL of the simulation channel for a driver.
     #[must_use]
     pub fn url(&self) -> String {
         format!("ws://{}", self.address)
     }
 
-    /// The events channel, likewise.
+    /// Returns the URL of the events channel.
     #[must_use]
     pub fn events_url(&self) -> String {
         format!("ws://{}", self.events_address)
     }
 
-    /// Something goes wrong with the next reply that nothing else goes wrong with.
+    /// Injects a fault into the next reply without one.
     pub fn inject(&self, fault: Fault) {
         lock(&self.shared.state).faults.push(fault);
     }
 
-    /// Messages take this long from now on.
+    /// Sets the latency of further messages.
     pub fn set_latency(&self, latency: Latency) {
         lock(&self.shared.state).latency = latency;
     }
 
-    /// Changes what the service says of a device, if there is one of this name.
+    /// Changes the reported status of a device, if there is one with this name.
     pub fn set_status(&self, id: &str, change: impl FnOnce(&mut Status)) {
         self.with_device(id, |device| change(&mut device.status));
     }
 
-    /// Unplugs a device, or plugs it in; the events channel tells.
+    /// Unplugs a device or plugs it in, and sends an event.
     pub fn set_present(&self, id: &str, present: bool) {
         self.with_device(id, |device| device.present = present);
         let name = if present {
@@ -274,7 +272,7 @@ impl Emulator {
         self.shared.audience.tell(&event);
     }
 
-    /// Tells the events channel that the device's own safety acted.
+    /// Sends the event that the device's safety system acted.
     pub fn trigger_safety(&self, id: &str, safety_type: &str) {
         let data = json!({
             "device_family": "inverse3", "device_id": id, "safety_type": safety_type,
@@ -290,13 +288,13 @@ impl Emulator {
         }
     }
 
-    /// Where a device is now `[m]`; none of this name: nothing.
+    /// Returns the current position of a device `[m]`; `None` if there is no device with this name.
     #[must_use]
     pub fn position(&self, id: &str) -> Option<Vector> {
         self.look(id, EmulatedDevice::position)
     }
 
-    /// The force that a device's motors are told to hold now `[N]`; none of this name: nothing.
+    /// Returns the current commanded force of a device `[N]`; `None` if there is no device with this name.
     #[must_use]
     pub fn force(&self, id: &str) -> Option<Vector> {
         self.look(id, EmulatedDevice::force)
@@ -309,7 +307,7 @@ impl Emulator {
         Some(at(device))
     }
 
-    /// What it has done so far.
+    /// Returns the counters.
     #[must_use]
     pub fn served(&self) -> Served {
         let state = lock(&self.shared.state);
@@ -321,7 +319,7 @@ impl Emulator {
         }
     }
 
-    /// Messages that came, the first million of them.
+    /// Returns the received messages, at most the first million.
     #[must_use]
     pub fn received(&self) -> Vec<Received> {
         lock(&self.shared.state).received.clone()
@@ -346,7 +344,7 @@ fn bind(port: u16) -> Result<(TcpListener, SocketAddr), EmulatorError> {
     bound.map_err(|error| EmulatorError::Port { port, error })
 }
 
-/// Takes clients until the end, and lets the devices move meanwhile.
+/// Accepts clients until the end, and simulates the devices.
 fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
     let mut clients = Vec::new();
     while !shared.ended.load(Ordering::Acquire) {

@@ -1,4 +1,4 @@
-//! One connection to the emulated service.
+//! Connection to the emulated service.
 
 use std::io::Write;
 use std::net::{Shutdown, TcpStream};
@@ -16,7 +16,7 @@ use super::fault::Fault;
 use super::{Received, Shared, frames, http, lock};
 use palpate_haply::inverse3::Form;
 
-/// Serves whoever has connected: a request, or a WebSocket until it closes.
+/// Serves a client: an HTTP request, or a WebSocket until it closes.
 pub(super) fn serve(mut stream: TcpStream, shared: &Arc<Shared>) {
     let patience = Some(Duration::from_secs(1));
     let prepared = stream.set_nonblocking(false).is_ok()
@@ -53,7 +53,7 @@ pub(super) fn serve(mut stream: TcpStream, shared: &Arc<Shared>) {
 struct Session<'a> {
     socket: WebSocket<TcpStream>,
     session: u64,
-    /// A reply that comes late.
+    /// A delayed reply.
     held_back: Option<String>,
     shared: &'a Shared,
 }
@@ -90,7 +90,7 @@ impl Session<'_> {
         }
     }
 
-    /// Takes a message and answers it; whether the connection goes on.
+    /// Handles a message and answers it; returns whether the connection continues.
     fn exchange(&mut self, text: &str) -> bool {
         let (latency, fault) = {
             let mut state = lock(&self.shared.state);
@@ -106,7 +106,7 @@ impl Session<'_> {
         self.answer(reply, fault)
     }
 
-    /// Does what a message says; the state afterwards.
+    /// Executes a message and returns the state frame.
     fn take(&mut self, text: &str) -> String {
         let now = Instant::now();
         let mut state = lock(&self.shared.state);
@@ -234,7 +234,7 @@ fn pause(duration: Duration) {
     }
 }
 
-/// Nothing came for a while, which says nothing.
+/// Returns whether the error is only a timeout of the socket.
 fn is_a_pause(error: &std::io::Error) -> bool {
     use std::io::ErrorKind::{Interrupted, TimedOut, WouldBlock};
     matches!(error.kind(), WouldBlock | TimedOut | Interrupted)

@@ -1,4 +1,4 @@
-//! The emulated Inverse3 as the device of a loop in simulated time, without sockets and threads.
+//! Emulated Inverse3 as a device in simulated time, without sockets or threads.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,50 +13,48 @@ use palpate_testbed::InvalidParameter;
 use super::device::{Body, EmulatedDevice};
 use super::fault::{Latency, SplitMix64};
 
-/// The emulated Inverse3 as the device of a loop on a [`SteppedClock`]: every run is the same, however
-/// busy the machine is.
+/// Emulated Inverse3 as a device on a [`SteppedClock`]: runs are reproducible, independent of the load of the machine.
 ///
-/// The device and the latency are those of the [`Emulator`](super::Emulator). In the place of driver and
-/// service messages are exchanged at the pace of the driver's
-/// [`Pace`](palpate_haply::inverse3::Pace): a force that was written goes out at once, or as soon as the
-/// answer to the message before has come; the same again after `exchange_every`. Half of the latency
-/// passes before the service takes a message and sees where the device is, half of it after that.
+/// The device and the latency are those of the [`Emulator`](super::Emulator). This type replaces driver and service,
+/// and exchanges messages with the driver's [`Pace`](palpate_haply::inverse3::Pace): a written force is sent at once,
+/// or as soon as the previous message is answered, and is repeated after `exchange_every`. Half of the latency passes
+/// before the service receives a message and samples the position, the other half afterwards.
 #[derive(Debug)]
 pub struct SteppedInverse3 {
     clock: SteppedClock,
     capabilities: Capabilities,
     device: EmulatedDevice,
-    /// The instant that stands for the clock's origin.
+    /// Instant of the clock's origin.
     origin: Instant,
     latency: Latency,
     random: SplitMix64,
     exchange_every: Duration,
-    /// When the last message was sent, and when its answer came.
+    /// Time of the last message, and of its answer.
     sent: Duration,
     answered: Duration,
-    /// The answer that is owed, and when it comes.
+    /// Pending answer, with its arrival time.
     owed: Option<(Duration, Seen)>,
-    /// The force that was written and not sent yet, and when the device was seen before.
+    /// Written force that is not yet sent, with the time of the sample before it.
     order: Option<(Vector, Duration)>,
     force: Vector,
-    /// What came last and was not read yet, and when it came.
+    /// Last answer that is not yet read, with its arrival time.
     arrived: Option<(Duration, Seen)>,
-    /// When the service saw what was read last.
+    /// Sampling time of the last read position.
     seen: Duration,
     delays: Delays,
 }
 
-/// Where a device was, and when.
+/// Sampled position with its time.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     at: Duration,
     position: Vector,
 }
 
-/// How long it took from where a device was seen to the force that followed from that.
+/// Delays from the sampling of a position to the force computed from it.
 #[derive(Clone, Debug, Default)]
 pub struct Delays {
-    /// `[ns]`
+    /// Sum `[ns]`.
     sum: Arc<AtomicU64>,
     count: Arc<AtomicU64>,
 }
@@ -68,7 +66,7 @@ impl Delays {
         self.count.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Their mean; none before the first force.
+    /// Returns the mean; `None` before the first force.
     #[must_use]
     pub fn mean(&self) -> Option<Duration> {
         let sum = self.sum.load(Ordering::Relaxed);
@@ -78,10 +76,10 @@ impl Delays {
 }
 
 impl SteppedInverse3 {
-    /// A device that is `body`, behind a service of this latency.
+    /// Creates a device with parameters `body` behind a service with this latency.
     ///
     /// # Errors
-    /// A quantity of the body outside its range.
+    /// A parameter of the body is out of range.
     pub fn new(
         body: &Body,
         latency: Latency,
@@ -108,7 +106,7 @@ impl SteppedInverse3 {
         })
     }
 
-    /// The delays so far; they go on being counted.
+    /// Returns the delays; the returned value is updated further.
     #[must_use]
     pub fn delays(&self) -> Delays {
         self.delays.clone()
@@ -125,7 +123,7 @@ impl SteppedInverse3 {
                 self.owed = None;
                 self.answered = at;
                 self.arrived = Some((at, seen));
-                // An order that has waited goes with the answer.
+                // A waiting order is sent when the answer arrives.
                 if self.order.is_some() {
                     self.send(at);
                 }
@@ -141,7 +139,7 @@ impl SteppedInverse3 {
         }
     }
 
-    /// Sends the last order at `time`, or the same force again.
+    /// Sends the last order at `time`, or repeats the force.
     fn send(&mut self, time: Duration) {
         let takes = self.latency.draw(&mut self.random);
         self.sent = time;

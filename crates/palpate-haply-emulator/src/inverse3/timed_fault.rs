@@ -1,4 +1,4 @@
-//! What goes wrong with an emulated service or its device, and when.
+//! Timed faults of an emulated service or its device.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,14 +6,14 @@ use std::time::{Duration, Instant};
 
 use super::{Emulator, Fault};
 
-/// Something that goes wrong.
+/// Kind of fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Trouble {
-    /// With the next answer.
+    /// Fault of the next answer.
     Answer(Fault),
-    /// The device is unplugged for so long.
+    /// The device is unplugged for this time.
     Unplug(Duration),
-    /// Its motors have no power for so long.
+    /// The motors have no power for this time.
     NoPower(Duration),
 }
 
@@ -31,14 +31,14 @@ impl fmt::Display for Trouble {
     }
 }
 
-/// A fault, and when it strikes.
+/// A fault with its start time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimedFault {
     at: Duration,
     trouble: Trouble,
 }
 
-/// Kinds that need no time.
+/// Kinds without a duration.
 const KINDS: [(&str, Fault); 8] = [
     ("lost", Fault::Dropped),
     ("twice", Fault::Twice),
@@ -50,12 +50,12 @@ const KINDS: [(&str, Fault); 8] = [
     ("close", Fault::Close),
 ];
 
-/// A text is no timed fault.
+/// The text is not a timed fault.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct NoTimedFault(String);
 
-/// `KIND@SECONDS`, or `KIND=SECONDS@SECONDS`.
+/// Parses `KIND@SECONDS`, or `KIND=SECONDS@SECONDS`.
 impl FromStr for TimedFault {
     type Err = NoTimedFault;
 
@@ -93,8 +93,8 @@ impl FromStr for TimedFault {
 }
 
 impl Emulator {
-    /// Lets `faults` strike the device of this name, each at its time from now on, until it `is_over` for the time that has
-    /// passed. What strikes is `told`, in words.
+    /// Injects `faults` into the device with this name, each at its time from now on, until `is_over` returns true for
+    /// the elapsed time. Reports each injected fault through `told`.
     pub fn suffer(
         &self,
         id: &str,
@@ -102,7 +102,7 @@ impl Emulator {
         is_over: impl Fn(Duration) -> bool,
         told: impl Fn(fmt::Arguments),
     ) {
-        // What ends by itself is two changes.
+        // A temporary fault consists of two changes.
         let mut changes: Vec<(Duration, Trouble, bool)> = Vec::new();
         for &TimedFault { at, trouble } in faults {
             changes.push((at, trouble, true));

@@ -1,4 +1,4 @@
-//! The arm behind an emulated board: the testbed's pantograph with a hand on it, and the wires.
+//! Arm of an emulated board: the testbed's pantograph with a hand, and the wiring.
 
 use std::time::Duration;
 
@@ -10,10 +10,10 @@ use super::firmware::{Ports, pins};
 use super::motor::Motor;
 use palpate_haply::two_diy::{Board, Generation, LARGEST_TORQUE, Layout};
 
-/// The hand's force changes this often at least.
+/// Longest interval between updates of the hand's force `[s]`.
 const LONGEST_STEP: f64 = 5e-4;
 
-/// What holds the handle.
+/// Force on the handle.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum Hand {
     /// Nothing.
@@ -21,23 +21,23 @@ pub enum Hand {
     None,
     /// A constant force `[N]`.
     Push([f64; 2]),
-    /// A spring and a damper to a place that may go to and fro.
+    /// A spring and a damper to a position that may oscillate.
     Holds {
-        /// Middle of the place `[m]`.
+        /// Mean position `[m]`.
         place: [f64; 2],
-        /// How far it goes to either side `[m]`.
+        /// Amplitude `[m]`.
         sway: [f64; 2],
-        /// How long that takes there and back `[s]`.
+        /// Period `[s]`.
         period: f64,
-        /// `[N/m]`
+        /// Stiffness `[N/m]`.
         stiffness: f64,
-        /// `[N s/m]`
+        /// Damping `[N s/m]`.
         damping: f64,
     },
 }
 
 impl Hand {
-    /// A relaxed hand that stays at a place `[m]`.
+    /// Returns a relaxed hand that stays at a position `[m]`.
     #[must_use]
     pub fn at(place: [f64; 2]) -> Self {
         Self::Holds {
@@ -49,7 +49,7 @@ impl Hand {
         }
     }
 
-    /// The same hand, going `sway` `[m]` to either side of its place within `period` `[s]`.
+    /// Returns the same hand, oscillating about its position with amplitude `to` `[m]` and period `within` `[s]`.
     #[must_use]
     pub fn swaying(self, to: [f64; 2], within: f64) -> Self {
         match self {
@@ -90,32 +90,32 @@ impl Hand {
     }
 }
 
-/// When the hand takes hold.
+/// Time at which the hand grips the handle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Grip {
     /// From the start.
     Always,
-    /// When the device has been opened: until then the arm rests in its start pose.
+    /// After the device is opened; until then the arm rests in its start pose.
     Waits,
-    /// From this time on `[s]`; it brings the arm along from here `[m]`.
+    /// From this time on `[s]`; the hand moves the arm from this position `[m]`.
     Since(f64, [f64; 2]),
 }
 
-/// Time in which a hand brings the arm from where it rested to its own place `[s]`.
+/// Time in which a hand moves the arm from its resting position to the hand's own position `[s]`.
 const BRINGS_WITHIN: f64 = 0.6;
 
-/// How the motors are wired, against the generation's own way.
+/// Wiring faults of the motors, relative to the generation's wiring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Wiring {
-    /// Each motor's cable is in the other's port.
+    /// The motor cables are exchanged.
     pub swapped: bool,
-    /// A motor's wires are the wrong way round.
+    /// A motor's wires are exchanged.
     pub reversed: [bool; 2],
-    /// A motor does nothing.
+    /// A motor is without effect.
     pub dead: [bool; 2],
 }
 
-/// The arm, moved by the time that passes.
+/// The arm in simulated time.
 #[derive(Clone, Debug)]
 pub struct Arm {
     layout: Layout,
@@ -123,20 +123,20 @@ pub struct Arm {
     wiring: Wiring,
     pub hand: Hand,
     grip: Grip,
-    /// As it was at the start.
+    /// Initial state.
     start: Pantograph,
     pantograph: Pantograph,
-    /// A pose from which it can go on should it jam.
+    /// Last regular state, from which the arm continues after a singularity.
     regular: Pantograph,
-    /// Time since the start up to which it has moved.
+    /// Time since the start up to which the arm has been simulated.
     moved: Duration,
     motors: [Motor; 2],
-    /// Encoder counts that were lost, in revolutions.
+    /// Lost encoder counts, in revolutions.
     pub slipped: f64,
 }
 
 impl Arm {
-    /// The arm of a generation, at rest at `angles` `[degrees]`.
+    /// Creates the arm of a generation, at rest at `angles` `[degrees]`.
     pub fn new(
         generation: Generation,
         board: Board,
@@ -171,9 +171,9 @@ impl Arm {
         })
     }
 
-    /// Moves on to `now`, a time since the start.
+    /// Simulates up to `now`, a time since the start.
     pub fn move_to(&mut self, now: Duration) {
-        // A machine that stood still for long does not make the arm do all of it at once.
+        // After a stall of the machine, simulate at most 200 ms.
         let from = self
             .moved
             .max(now.saturating_sub(Duration::from_millis(200)));
@@ -194,7 +194,7 @@ impl Arm {
             let torques = [first.mean_over(step), second.mean_over(step)];
             self.pantograph.turn(torques, step);
             if self.pantograph.is_jammed() {
-                // Stops of the real arm end it there, and a hand brings it back.
+                // The stops of the real arm end the motion there, and a hand returns the arm.
                 let angles = self.regular.pose().angles;
                 if let Ok(freed) = self.regular.starting_at(angles, [0.0; 2]) {
                     self.pantograph = freed;
@@ -215,47 +215,47 @@ impl Arm {
             Grip::Since(since, from) => {
                 let part = ((time - since) / BRINGS_WITHIN).clamp(0.0, 1.0);
                 let smooth = part * part * (3.0 - 2.0 * part);
-                // As if the place itself came from there.
+                // The hand's target starts at the resting position.
                 let seen = match self.hand {
                     Hand::Holds { place, .. } => {
                         [0, 1].map(|k| position[k] + (1.0 - smooth) * (place[k] - from[k]))
                     }
                     Hand::None | Hand::Push(_) => position,
                 };
-                // It sways when it is there.
+                // The oscillation starts at the hand's position.
                 let swaying = (time - since - BRINGS_WITHIN).max(0.0);
                 self.hand.force(swaying, seen, velocity)
             }
         }
     }
 
-    /// Lets go of the arm, and puts it into its start pose, until the device is opened.
+    /// Releases the arm in its start pose until the device is opened.
     pub fn wait(&mut self) {
         self.pantograph = self.start;
         self.grip = Grip::Waits;
     }
 
-    /// The device has been opened.
+    /// Notifies the arm that the device has been opened.
     pub fn opened(&mut self) {
         if self.grip == Grip::Waits {
-            // A moment after, so that the first angles are those of the start pose.
+            // Delay the grip, so that the first angles are those of the start pose.
             let soon = self.moved.as_secs_f64() + 0.2;
             self.grip = Grip::Since(soon, self.position());
         }
     }
 
-    /// Angles of joints 1 and 2 `[degrees]`.
+    /// Returns the angles of joints 1 and 2 `[degrees]`.
     pub fn angles(&self) -> [f64; 2] {
         self.pantograph.pose().angles.map(f64::to_degrees)
     }
 
-    /// End-point `[m]`.
+    /// Returns the end-point `[m]`.
     pub fn position(&self) -> [f64; 2] {
         self.pantograph.end_point()
     }
 
-    /// Mass that a force along `direction`, of length 1, feels at the end-point where the arm is now
-    /// `[kg]`: 1 / (dᵀ J M⁻¹ Jᵀ d).
+    /// Returns the effective mass at the end-point along the unit vector `direction` in the current pose `[kg]`: 1 /
+    /// (dᵀ J M⁻¹ Jᵀ d).
     pub fn effective_mass(&self, direction: [f64; 2]) -> f64 {
         let pose = self.pantograph.pose();
         let [x, y] = pose.jacobian();
@@ -265,12 +265,12 @@ impl Arm {
         (a * d - b * b) / (p * p * d - 2.0 * p * q * b + q * q * a)
     }
 
-    /// Torques that the motors are told to hold, by joint `[N m]`.
+    /// Returns the commanded torques of the motors, by joint `[N m]`.
     pub fn torques(&self) -> [f64; 2] {
         self.motors.map(|motor| motor.told)
     }
 
-    /// Nobody drives the motors any more.
+    /// Sets the motors to zero torque.
     pub fn lose_power(&mut self) {
         for motor in &mut self.motors {
             motor.told = 0.0;
@@ -287,7 +287,8 @@ impl Ports for Arm {
         if self.wiring.dead[joint] {
             return;
         }
-        // As sold, the level of a positive torque turns the joint the way its angle counts.
+        // In the original wiring, the level of a positive torque turns the joint in the positive direction of its
+        // angle.
         let direction = self.layout.joints[sold].motor_direction.byte();
         let (positive, _) = pins(self.board, port, direction, 1.0);
         let sign = if (level == positive) ^ self.wiring.reversed[joint] {
@@ -295,7 +296,7 @@ impl Ports for Arm {
         } else {
             -1.0
         };
-        // No minus nothing.
+        // Adding 0.0 normalises -0.0.
         self.motors[joint].told = sign * duty * f64::from(LARGEST_TORQUE) + 0.0;
     }
 
@@ -305,7 +306,7 @@ impl Ports for Arm {
             return 0.0;
         };
         let turned = self.pantograph.pose().angles[joint] / std::f64::consts::TAU + self.slipped;
-        // As sold, the direction that SETUP asks for is that of the angle.
+        // In the original wiring, the direction set by SETUP is that of the angle.
         if self.layout.joints[joint].encoder_direction.byte() == 0 {
             -turned
         } else {

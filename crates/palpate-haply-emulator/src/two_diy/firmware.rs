@@ -1,36 +1,36 @@
-//! What the boards' firmware does, byte by byte: written from published descriptions of it, and
-//! apart from the driver, which it judges.
+//! Byte-by-byte emulation of the boards' firmware. It is written from published descriptions and independent of the
+//! driver, which is tested against it.
 
 use palpate_haply::two_diy::Board;
 
-/// Where the firmware's bytes come from and go to.
+/// Serial line of the firmware.
 pub trait Wire {
-    /// The next byte, if one is there already.
+    /// Returns the next byte, if it is available.
     fn byte_now(&mut self) -> Option<u8>;
-    /// The next byte within a second, as the Arduino's `readBytes` waits.
+    /// Returns the next byte within a second, as the Arduino's `readBytes` waits.
     fn byte_soon(&mut self) -> Option<u8>;
     /// Sends bytes to the host.
     fn send(&mut self, bytes: &[u8]);
 }
 
-/// The motors and encoders at the ports.
+/// Motors and encoders at the ports.
 pub trait Ports {
-    /// The pins of a motor's driver: level of the direction, and duty from 0 to 1.
+    /// Sets the pins of a motor driver: level of the direction, and duty from 0 to 1.
     fn drive(&mut self, port: u8, level: bool, duty: f64);
-    /// Revolutions of an encoder since it was powered, positive for a direction byte of 1.
+    /// Returns the revolutions of an encoder since power-up, positive for a direction byte of 1.
     fn revolutions(&mut self, port: u8) -> f64;
 }
 
-/// What the firmware did, for whoever watches.
+/// Action of the firmware, for observers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Did {
-    /// It forgot its layout.
+    /// Cleared its layout.
     Reset,
-    /// It learned one.
+    /// Received a layout.
     SetUp,
-    /// It commanded torques `[N m]` to that many motors.
+    /// Commanded torques `[N m]` to this number of motors.
     Commanded(u8),
-    /// It threw a byte away that is no command.
+    /// Discarded a byte that is not a command.
     Discarded(u8),
 }
 
@@ -42,11 +42,11 @@ struct Encoder {
     zero: f64,
 }
 
-/// The firmware's memory.
+/// State of the firmware.
 #[derive(Clone, Debug)]
 pub struct Firmware {
     board: Board,
-    /// Single bytes that are late read as 0xFF, as on the real boards.
+    /// Whether single late bytes read as 0xFF, as on the real boards.
     strict: bool,
     motors: u8,
     motor_directions: [u8; 4],
@@ -74,12 +74,12 @@ impl Firmware {
         }
     }
 
-    /// One turn of its main loop: a command, if there is a byte.
+    /// Runs the main loop once: executes a command, if there is a byte.
     pub fn turn(&mut self, wire: &mut impl Wire, ports: &mut impl Ports) -> Option<Did> {
         Some(match wire.byte_now()? {
             0 => {
                 self.byte(wire);
-                // The tables, and not a motor.
+                // Clears the tables, but does not change a motor.
                 *self = Self::new(self.board, self.strict);
                 Did::Reset
             }
@@ -103,7 +103,7 @@ impl Firmware {
         for byte in &mut bytes {
             match wire.byte_soon() {
                 Some(read) => *byte = read,
-                // It gives up on the rest.
+                // The firmware gives up on the rest.
                 None => break,
             }
         }
@@ -113,7 +113,7 @@ impl Firmware {
     fn set_up(&mut self, wire: &mut impl Wire, ports: &mut impl Ports) -> Did {
         self.byte(wire);
         self.motors = self.byte(wire);
-        // By their order and not by their port: a quirk that does not matter for ports 1 and 2.
+        // By order and not by port: a quirk without effect for ports 1 and 2.
         for slot in 0..set_bits(self.motors) {
             self.motor_directions[slot] = self.byte(wire);
         }
@@ -180,7 +180,7 @@ impl Firmware {
         Did::Commanded(told)
     }
 
-    /// Revolutions in the direction that SETUP asked for.
+    /// Returns the revolutions in the positive direction set by SETUP.
     fn turned(&self, port: u8, ports: &mut impl Ports) -> f64 {
         let turned = ports.revolutions(port);
         if self.encoder_directions[usize::from(port) - 1] == 0 {
@@ -191,15 +191,15 @@ impl Firmware {
     }
 }
 
-/// Level of the direction pin and duty for a torque `[N m]`.
+/// Returns the level of the direction pin and the duty for a torque `[N m]`.
 pub fn pins(board: Board, port: u8, direction: u8, torque: f32) -> (bool, f64) {
     let steps: f32 = if board == Board::M0 { 1023.0 } else { 4095.0 };
     let clamped = torque.abs().min(LARGEST_TORQUE);
-    // A NaN becomes no duty.
+    // NaN gives zero duty.
     let duty = (steps * clamped / LARGEST_TORQUE).floor().max(0.0);
     let mut level = (torque > 0.0) ^ (direction != 0);
     if board == Board::DevKit {
-        // Another default level, and the even ports are wired the other way.
+        // The default level differs, and the even ports are wired in the opposite direction.
         level ^= true ^ port.is_multiple_of(2);
     }
     (level, f64::from(duty / steps))
@@ -209,7 +209,7 @@ fn set_bits(mask: u8) -> usize {
     of_mask(mask).count()
 }
 
-/// Ports of a mask, ascending; no board has more than four.
+/// Returns the ports of a mask in ascending order; no board has more than four.
 fn of_mask(mask: u8) -> impl Iterator<Item = u8> {
     (1..=4).filter(move |port| mask & (1 << (port - 1)) != 0)
 }
@@ -223,7 +223,7 @@ mod tests {
     #[derive(Default)]
     struct Memory {
         incoming: VecDeque<u8>,
-        /// What comes only after somebody has waited for it.
+        /// Bytes that arrive only after the firmware has waited for them.
         late: VecDeque<u8>,
         sent: Vec<u8>,
     }
@@ -316,7 +316,7 @@ mod tests {
         }
     }
 
-    /// Whatever part of a STATE the loop had sent when it was killed.
+    /// For any part of a STATE that the loop had sent when it was killed.
     #[test]
     fn a_release_takes_the_torque_off_from_anywhere_and_leaves_the_layout() {
         use palpate_haply::two_diy::packet::{release, state};
@@ -324,7 +324,7 @@ mod tests {
         for (strict, late) in [(true, true), (true, false), (false, true), (false, false)] {
             for sent in 0..=10 {
                 let mut incoming = bytes(&format!("{SETUP} 02 05 0a d7 23 3d 0a d7 a3 bd"));
-                // Bytes that would be commands where a packet begins.
+                // Bytes that are commands at the start of a packet.
                 incoming.extend(&state(&layout, [-0.123, 0.02])[..sent]);
                 let mut rest = VecDeque::from(release(&layout).to_vec());
                 if !late {

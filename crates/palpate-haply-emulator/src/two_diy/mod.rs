@@ -1,9 +1,8 @@
-//! A 2DIY to try without one: board, arm and hand, behind a pseudo-terminal or a Unix socket.
+//! Emulated 2DIY: board, arm and hand, behind a pseudo-terminal or a Unix socket.
 //!
-//! The board does byte by byte what the firmware of the real ones does, holding its last torque
-//! included; the arm is the testbed's pantograph with the geometry of the generation (its masses
-//! and friction are estimates, see `devices/`), moved in real time. Driver and emulator share the
-//! wiring tables and nothing else.
+//! The board emulates the real firmware byte by byte, and holds its last torque as the real one does. The arm is the
+//! testbed's pantograph with the geometry of the generation (its masses and friction are estimates, see `devices/`),
+//! moved in real time. Driver and emulator share only the wiring tables.
 
 mod arm;
 mod firmware;
@@ -39,35 +38,34 @@ use port::Port;
 pub use port::PortSettings;
 pub use pty::Pty;
 
-/// What is emulated.
+/// Settings of an emulator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// The arm.
     pub generation: Generation,
     /// The board.
     pub board: Board,
-    /// Whether single bytes that come late read as 0xFF, as on the real boards, or are waited for.
+    /// Whether single late bytes read as 0xFF, as on the real boards; otherwise the board waits for them.
     pub strict: bool,
-    /// How the motors are wired.
+    /// Wiring of the motors.
     pub wiring: Wiring,
-    /// What holds the handle.
+    /// Force on the handle.
     pub hand: Hand,
-    /// Whether the hand takes hold only when the device has been opened, and puts the arm back into
-    /// its start pose when the cable is pulled: as somebody does who knows where it counts from.
+    /// Whether the hand grips the handle only after the device is opened, and returns the arm to the start pose when
+    /// the cable is pulled, as a user does who knows the calibration pose.
     pub hand_waits: bool,
-    /// Where the arm is at the start `[degrees]`; `None`: in the generation's start pose.
+    /// Initial arm angles `[degrees]`; `None`: the generation's start pose.
     pub angles: Option<[f64; 2]>,
-    /// How long bytes travel.
+    /// Transmission times.
     pub usb: Usb,
-    /// Gain and lag of the amplifiers, as of the torque of each motor.
+    /// Gain and lag of the amplifiers, for the torque of each motor.
     pub amplifier: ActuatorParams,
-    /// What a driver opens.
+    /// Port that a driver opens.
     pub port: PortSettings,
 }
 
 impl Settings {
-    /// A generation on a board, as sold, with nobody at the handle; without delays, and with motors
-    /// that give at once what they are told.
+    /// Creates settings for a generation on a board, as sold, without a hand or delays, and with ideal motors.
     #[must_use]
     pub fn of(generation: Generation, board: Board) -> Self {
         Self {
@@ -84,7 +82,7 @@ impl Settings {
         }
     }
 
-    /// The arm as it is at the start.
+    /// Returns the arm in its initial state.
     fn arm(&self) -> Result<Arm, String> {
         let layout = self.generation.layout();
         let sold = layout.joints.map(|joint| f64::from(joint.start));
@@ -103,29 +101,29 @@ impl Settings {
     }
 }
 
-/// Something that goes wrong.
+/// Injected fault.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Fault {
-    /// The board stands still, reads nothing and holds its torque.
+    /// The board stalls: it reads nothing and holds its torque.
     Stall(Duration),
-    /// The cable is pulled, and put back after this long; the board loses its power meanwhile.
+    /// The cable is pulled for this time, and the board has no power meanwhile.
     Unplug(Duration),
-    /// These bytes come before the next answer.
+    /// These bytes precede the next answer.
     Garbage(Vec<u8>),
     /// Half of the next answer is lost.
     HalfAnswer,
     /// The next answer is lost.
     NoAnswer,
-    /// The next answer, and all behind it, come this much later.
+    /// The next answer, and all after it, are delayed by this time.
     LateAnswer(Duration),
-    /// The next answer comes twice.
+    /// The next answer is sent twice.
     TwoAnswers,
-    /// The next answer is that of another device.
+    /// The next answer has another device id.
     OtherId,
-    /// The next answer has an angle that is no number.
+    /// The next answer contains a NaN angle.
     NotANumber,
-    /// The encoders lose count by this much `[degrees]`.
+    /// The encoders lose counts of this angle `[degrees]`.
     Slip(f64),
 }
 
@@ -152,18 +150,18 @@ impl fmt::Display for Fault {
     }
 }
 
-/// Something that the board did, and when.
+/// Action of the board with its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
-    /// When.
+    /// Time.
     pub at: Instant,
-    /// What.
+    /// Action.
     pub did: Did,
-    /// Torques that the motors hold from then on, by joint `[N m]`.
+    /// Torques that the motors hold afterwards, by joint `[N m]`.
     pub torques: [f64; 2],
 }
 
-/// Things that are remembered; the oldest are forgotten.
+/// Number of stored actions; the oldest are dropped.
 const REMEMBERED: usize = 200_000;
 
 #[derive(Debug)]
@@ -174,7 +172,7 @@ struct State {
     path: PathBuf,
 }
 
-/// A running emulator; dropped, it ends.
+/// A running emulator; dropping it ends it.
 #[derive(Debug)]
 pub struct Emulator {
     state: Arc<Mutex<State>>,
@@ -183,11 +181,11 @@ pub struct Emulator {
 }
 
 impl Emulator {
-    /// Starts one.
+    /// Starts an emulator.
     ///
     /// # Errors
-    /// The system gives no terminal or no thread, the arm cannot be at these angles, or the amplifiers
-    /// cannot be so.
+    /// The system provides no terminal or no thread, the arm cannot have these angles, or the amplifier parameters are
+    /// invalid.
     pub fn start(settings: &Settings) -> io::Result<Self> {
         let arm = settings.arm().map_err(io::Error::other)?;
         let port = Port::open(&settings.port)?;
@@ -224,53 +222,53 @@ impl Emulator {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Where it can be opened; another path after it was unplugged, unless it has a link.
+    /// Returns the path of the port; it changes after an unplug, unless the port has a link.
     #[must_use]
     pub fn path(&self) -> PathBuf {
         self.state().path.clone()
     }
 
-    /// Lets something go wrong.
+    /// Injects a fault.
     pub fn suffer(&self, fault: Fault) {
         self.state().faults.push_back(fault);
     }
 
-    /// Whether all that was to go wrong has begun.
+    /// Returns whether every injected fault has begun.
     #[must_use]
     pub fn has_suffered(&self) -> bool {
         self.state().faults.is_empty()
     }
 
-    /// Another hand at the handle.
+    /// Sets another hand.
     pub fn take_in_hand(&self, hand: Hand) {
         self.state().arm.hand = hand;
     }
 
-    /// What the board did so far.
+    /// Returns the recorded actions of the board.
     #[must_use]
     pub fn seen(&self) -> Vec<Seen> {
         self.state().seen.iter().copied().collect()
     }
 
-    /// Torques that the motors hold, by joint `[N m]`.
+    /// Returns the torques that the motors hold, by joint `[N m]`.
     #[must_use]
     pub fn torques(&self) -> [f64; 2] {
         self.state().arm.torques()
     }
 
-    /// True angles of the joints `[degrees]`.
+    /// Returns the true angles of the joints `[degrees]`.
     #[must_use]
     pub fn angles(&self) -> [f64; 2] {
         self.state().arm.angles()
     }
 
-    /// True place of the end-point `[m]`.
+    /// Returns the true position of the end-point `[m]`.
     #[must_use]
     pub fn position(&self) -> [f64; 2] {
         self.state().arm.position()
     }
 
-    /// Mass of the arm along `direction`, of length 1, where it is now `[kg]`.
+    /// Returns the effective mass of the arm in its current pose along the unit vector `direction` `[kg]`.
     #[must_use]
     pub fn effective_mass(&self, direction: [f64; 2]) -> f64 {
         self.state().arm.effective_mass(direction)
@@ -292,21 +290,21 @@ struct Running {
     settings: Settings,
     port: Option<Port>,
     began: Instant,
-    /// Time of what the board does now, since the start. A thread that comes late does late what was due
-    /// earlier, and the arm does not notice.
+    /// Time of the board's current action since the start. A delayed thread handles overdue events late, but with their
+    /// own times, so the delay does not affect the arm.
     at: Duration,
-    /// Bytes on their way to the board, and when they arrive.
+    /// Bytes in transit to the board, with their arrival times.
     travelling: VecDeque<(Duration, Vec<u8>)>,
     incoming: VecDeque<u8>,
-    /// Answers on their way, and when they come.
+    /// Answers in transit, with their arrival times.
     outgoing: VecDeque<(Duration, Vec<u8>)>,
-    /// When the last byte came.
+    /// Time of the last byte.
     active: Instant,
 }
 
-/// How long the thread sleeps at most.
+/// Maximum sleep time of the thread.
 const REST: Duration = Duration::from_micros(500);
-/// As the Arduino's `readBytes`.
+/// Timeout of the Arduino's `readBytes`.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 impl Running {
@@ -351,14 +349,14 @@ impl Running {
                 self.port = Some(port);
             }
             if self.port.is_none() || now < still_until {
-                // Nobody takes what arrives meanwhile.
+                // Bytes that arrive meanwhile stay unread.
                 self.pass_to(self.began.elapsed());
                 std::thread::sleep(REST);
                 continue;
             }
             self.deliver();
             self.fill(self.rest());
-            // A board that has just been opened has a whole packet to read, and time for others.
+            // A board that has just been opened has a whole packet to read; others may follow.
             for _ in 0..64 {
                 let mut arm = Remote(Arc::clone(&self.state));
                 let Some(did) = firmware.turn(self, &mut arm) else {
@@ -379,7 +377,7 @@ impl Running {
         }
     }
 
-    /// The next fault if it is one of the board and not of an answer.
+    /// Returns the next fault if it concerns the board and not an answer.
     fn next_board_fault(&self) -> Option<Fault> {
         self.locked(|state| {
             let is_boards = |fault: &&Fault| {
@@ -390,7 +388,7 @@ impl Running {
         })
     }
 
-    /// Lets the time pass up to now, or up to the next bytes that arrive.
+    /// Advances the time to now, or to the next arrival of bytes.
     fn pass(&mut self) {
         let now = self.began.elapsed();
         let next = self.travelling.front().map_or(now, |(due, _)| *due);
@@ -403,7 +401,7 @@ impl Running {
         self.locked(|state| state.arm.move_to(at));
     }
 
-    /// How long nothing is to be done, at most [`REST`].
+    /// Returns the time until the next event, at most [`REST`].
     fn rest(&self) -> Duration {
         let due = |queue: &VecDeque<(Duration, Vec<u8>)>| queue.front().map(|(due, _)| *due);
         let next = due(&self.travelling)
@@ -415,7 +413,7 @@ impl Running {
         })
     }
 
-    /// Takes in what has come, waiting for it up to `limit`.
+    /// Reads the received bytes, waiting for them up to `limit`.
     fn fill(&mut self, limit: Duration) {
         let Some(port) = &mut self.port else { return };
         if self.incoming.is_empty() {
@@ -444,7 +442,7 @@ impl Running {
         }
     }
 
-    /// Sends what is due.
+    /// Sends due answers.
     fn deliver(&mut self) {
         let now = self.began.elapsed();
         while self.outgoing.front().is_some_and(|(due, _)| *due <= now) {
@@ -475,7 +473,7 @@ impl Wire for Running {
     fn send(&mut self, bytes: &[u8]) {
         let mut answer = bytes.to_vec();
         let mut due = self.settings.usb.arrival(self.at);
-        // Faults of answers are for whole ones.
+        // Answer faults apply to complete answers.
         let fault = (bytes.len() == REPLY_LENGTH)
             .then(|| self.locked(|state| state.faults.pop_front()))
             .flatten();
@@ -493,7 +491,7 @@ impl Wire for Running {
             Some(other) => self.locked(|state| state.faults.push_front(other)),
             None => {}
         }
-        // A line keeps its order.
+        // The line preserves the order.
         if let Some((before, _)) = self.outgoing.back() {
             due = due.max(*before);
         }
@@ -502,7 +500,7 @@ impl Wire for Running {
     }
 }
 
-/// The arm, behind the lock that whoever watches takes too.
+/// The arm, behind the lock that observers also use.
 struct Remote(Arc<Mutex<State>>);
 
 impl firmware::Ports for Remote {

@@ -1,23 +1,23 @@
-//! A motor with its amplifier: from the torque that it is told to the one that it gives.
+//! Motor with amplifier: from the commanded torque to the produced one.
 
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::actuator::{Actuator, ActuatorParams};
 
-/// Longest step over which a settling torque is taken as its mean, in lags.
+/// Longest step over which a settling torque is replaced by its mean, in lags.
 const STEP_IN_LAGS: f64 = 0.25;
 
-/// A motor: y' = (g u - y) / lag, of the torque u that it is told.
+/// A motor: y' = (g u - y) / lag, with the commanded torque u.
 #[derive(Clone, Copy, Debug)]
 pub struct Motor {
     params: ActuatorParams,
-    /// Torque that it is told `[N m]`.
+    /// Commanded torque `[N m]`.
     pub told: f64,
-    /// Torque that it gives `[N m]`.
+    /// Produced torque `[N m]`.
     given: f64,
 }
 
 impl Motor {
-    /// A motor without a torque.
+    /// Creates a motor with zero torque.
     pub fn new(params: ActuatorParams) -> Result<Self, InvalidParameter> {
         let params = Actuator::new(params)?.params();
         Ok(Self {
@@ -27,17 +27,17 @@ impl Motor {
         })
     }
 
-    /// Longest step that [`mean_over`](Self::mean_over) is right for `[s]`.
+    /// Returns the longest step for which [`mean_over`](Self::mean_over) is accurate `[s]`.
     pub fn longest_step(&self) -> f64 {
         if self.params.lag > 0.0 {
-            // A lag below a microsecond is none to an arm.
+            // A lag below a microsecond has no effect on an arm.
             (STEP_IN_LAGS * self.params.lag).max(2.5e-7)
         } else {
             f64::INFINITY
         }
     }
 
-    /// Lets `step` `[s]` pass; the mean of the torque over it `[N m]`.
+    /// Advances by `step` `[s]` and returns the mean torque over the step `[N m]`.
     pub fn mean_over(&mut self, step: f64) -> f64 {
         let ActuatorParams { gain, lag } = self.params;
         let aim = gain * self.told;

@@ -1,4 +1,4 @@
-//! What a driver opens to reach the emulated board.
+//! Port of the emulated board.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,16 +7,16 @@ use std::time::Duration;
 use super::pty::Pty;
 use super::socket::Socket;
 
-/// What a driver opens to reach the emulated board.
+/// Port of the emulated board.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PortSettings {
-    /// A pseudo-terminal, as near to a serial port as a program can be. A worker of the kernel hands
-    /// its bytes over. On a machine whose processors are all busy that takes up to a second.
+    /// A pseudo-terminal, the closest substitute of a serial port. A kernel worker transfers its bytes, which takes up
+    /// to a second if all processors are busy.
     Terminal {
-        /// A symbolic link to the terminal; the link's name stays when the device is plugged in again.
+        /// A symbolic link to the terminal; it keeps its name when the device is plugged in again.
         link: Option<PathBuf>,
     },
-    /// A Unix socket at this path. The kernel hands its bytes over at once, without a worker.
+    /// A Unix socket at this path. The kernel transfers its bytes immediately, without a worker.
     Socket {
         /// The socket's path.
         path: PathBuf,
@@ -38,7 +38,7 @@ impl Port {
         }
     }
 
-    /// Where a driver opens it.
+    /// Returns the path that a driver opens.
     pub fn path(&self) -> &Path {
         match self {
             Self::Terminal(pty) => pty.path(),
@@ -46,7 +46,7 @@ impl Port {
         }
     }
 
-    /// Adds what has arrived to `bytes`; does not wait.
+    /// Adds the received bytes to `bytes` without waiting.
     pub fn read(&mut self, bytes: &mut impl Extend<u8>) {
         match self {
             Self::Terminal(pty) => pty.read(bytes),
@@ -54,7 +54,7 @@ impl Port {
         }
     }
 
-    /// Sends `bytes` to the driver; what finds no room is lost, as on USB.
+    /// Sends `bytes` to the driver; bytes that do not fit are lost, as on USB.
     pub fn write(&mut self, bytes: &[u8]) {
         match self {
             Self::Terminal(pty) => pty.write(bytes),
@@ -62,7 +62,7 @@ impl Port {
         }
     }
 
-    /// Waits until bytes have arrived, at most `limit`.
+    /// Waits for bytes, at most `limit`.
     pub fn wait(&self, limit: Duration) {
         match self {
             Self::Terminal(pty) => pty.wait(limit),
@@ -70,7 +70,7 @@ impl Port {
         }
     }
 
-    /// Lets the next driver open the port, though a killed one has left a terminal shut.
+    /// Lets the next driver open the port, even if a killed driver left a terminal in exclusive mode.
     pub fn let_in(&self) {
         if let Self::Terminal(pty) = self {
             pty.let_in();

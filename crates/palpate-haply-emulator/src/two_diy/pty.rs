@@ -1,4 +1,4 @@
-//! A pair of terminals: one end is the emulated board's, the other a path that a driver can open.
+//! Pseudo-terminal pair: one end belongs to the emulated board, the other is a path that a driver can open.
 
 use std::fs;
 use std::io;
@@ -11,7 +11,7 @@ use rustix::fs::{Mode, OFlags};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, ioctl_tiocnxcl, tcgetattr, tcsetattr};
 
-/// The board's end, and the other one held open: who closes and opens it again finds it as it was.
+/// The board's end, and the host's end, which is kept open so that a reopened port is unchanged.
 #[derive(Debug)]
 pub struct Pty {
     board: OwnedFd,
@@ -21,13 +21,13 @@ pub struct Pty {
 }
 
 impl Pty {
-    /// A new pair; `link` is made a symbolic link to the host's end, in place of an older one.
+    /// Creates a pair; `link` becomes a symbolic link to the host's end and replaces an older one.
     ///
     /// # Errors
-    /// What the operating system says; also where `link` is something else than a symbolic link.
+    /// The error of the operating system; also if `link` exists and is not a symbolic link.
     pub fn open(link: Option<&Path>) -> io::Result<Self> {
         let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY;
-        // macOS knows no such flag here, and is told afterwards.
+        // macOS has no such flag here; it is set afterwards.
         #[cfg(not(target_vendor = "apple"))]
         let flags = flags | OpenptFlags::CLOEXEC;
         let board = openpt(flags)?;
@@ -48,7 +48,7 @@ impl Pty {
         let flags = rustix::fs::fcntl_getfl(&board)?;
         rustix::fs::fcntl_setfl(&board, flags | OFlags::NONBLOCK)?;
         if let Some(link) = link {
-            // Only ever a link of ours is replaced.
+            // Replace only a symbolic link.
             if link.is_symlink() {
                 fs::remove_file(link)?;
             }
@@ -62,13 +62,13 @@ impl Pty {
         })
     }
 
-    /// Where the host opens it.
+    /// Returns the path that the host opens.
     #[must_use]
     pub fn path(&self) -> &Path {
         self.link.as_deref().unwrap_or(&self.path)
     }
 
-    /// Adds what has arrived at the board's end to `bytes`; does not wait.
+    /// Adds the bytes received at the board's end to `bytes` without waiting.
     pub fn read(&self, bytes: &mut impl Extend<u8>) {
         let mut buffer = [0; 256];
         while let Ok(read) = rustix::io::read(&self.board, &mut buffer) {
@@ -79,12 +79,12 @@ impl Pty {
         }
     }
 
-    /// Sends `bytes` to the host; what finds no room is lost, as on USB.
+    /// Sends `bytes` to the host; bytes that do not fit are lost, as on USB.
     pub fn write(&self, bytes: &[u8]) {
         let _ = rustix::io::write(&self.board, bytes);
     }
 
-    /// Waits until bytes have arrived at the board's end, at most `limit`.
+    /// Waits for bytes at the board's end, at most `limit`.
     pub fn wait(&self, limit: Duration) {
         let limit = Timespec {
             tv_sec: limit.as_secs().try_into().unwrap_or(i64::MAX),
@@ -94,23 +94,23 @@ impl Pty {
         let _ = poll(&mut fds, Some(&limit));
     }
 
-    /// Number of bytes that have arrived at the host's end and were not read there.
+    /// Returns the number of unread bytes at the host's end.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// The error of the operating system.
     pub fn unread(&self) -> io::Result<u64> {
         Ok(rustix::io::ioctl_fionread(&self.host)?)
     }
 
-    /// Number of bytes that have arrived at the board's end and were not read there.
+    /// Returns the number of unread bytes at the board's end.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// The error of the operating system.
     pub fn arrived(&self) -> io::Result<u64> {
         Ok(rustix::io::ioctl_fionread(&self.board)?)
     }
 
-    /// Lets the next one open the host's end, though a killed one has left it shut.
+    /// Lets the next driver open the host's end, even if a killed driver left it in exclusive mode.
     pub fn let_in(&self) {
         let _ = ioctl_tiocnxcl(&self.host);
     }

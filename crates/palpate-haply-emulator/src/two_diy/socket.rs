@@ -1,4 +1,4 @@
-//! A Unix socket in the place of a serial port, for one driver at a time.
+//! Unix socket that replaces a serial port, for one driver at a time.
 
 use std::fs;
 use std::io::{self, ErrorKind, Read, Write};
@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
-/// The board's end: where drivers connect, and the driver that did.
+/// The board's end: the listener, and the connected driver.
 #[derive(Debug)]
 pub struct Socket {
     listener: UnixListener,
@@ -18,11 +18,10 @@ pub struct Socket {
 }
 
 impl Socket {
-    /// A new socket at `path`, in place of one where nobody listens any more.
+    /// Creates a socket at `path`, and replaces an abandoned one.
     ///
     /// # Errors
-    /// What the operating system says; also where `path` is something else than a socket, or one
-    /// where somebody listens.
+    /// The error of the operating system; also if `path` is not a socket, or is a socket with a listener.
     pub fn open(path: &Path) -> io::Result<Self> {
         let is_left_behind = fs::symlink_metadata(path).is_ok_and(|it| it.file_type().is_socket())
             && UnixStream::connect(path)
@@ -39,14 +38,14 @@ impl Socket {
         })
     }
 
-    /// Where a driver connects.
+    /// Returns the path to which a driver connects.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Adds what has arrived to `bytes`; does not wait. A second driver is sent away.
+    /// Adds the received bytes to `bytes` without waiting. A second driver is rejected.
     pub fn read(&mut self, bytes: &mut impl Extend<u8>) {
-        // Accepted before the first one is read: who has closed it and comes again is no second one.
+        // Accept before reading the first driver: a driver that closed its socket and reconnects is not a second one.
         let next = self.listener.accept().ok().map(|(stream, _)| stream);
         if let Some(driver) = &mut self.driver
             && is_closed_after(driver, bytes)
@@ -62,14 +61,14 @@ impl Socket {
         }
     }
 
-    /// Sends `bytes` to the driver; what finds no room is lost, as on USB.
+    /// Sends `bytes` to the driver; bytes that do not fit are lost, as on USB.
     pub fn write(&mut self, bytes: &[u8]) {
         if let Some(driver) = &mut self.driver {
             let _ = driver.write(bytes);
         }
     }
 
-    /// Waits until bytes or a driver have arrived, at most `limit`.
+    /// Waits for bytes or a driver, at most `limit`.
     pub fn wait(&self, limit: Duration) {
         let limit = Timespec {
             tv_sec: limit.as_secs().try_into().unwrap_or(i64::MAX),
@@ -86,7 +85,7 @@ impl Socket {
     }
 }
 
-/// Adds what has arrived to `bytes`; whether the driver has closed its end.
+/// Adds the received bytes to `bytes`, and returns whether the driver has closed its end.
 fn is_closed_after(driver: &mut UnixStream, bytes: &mut impl Extend<u8>) -> bool {
     let mut buffer = [0; 256];
     loop {

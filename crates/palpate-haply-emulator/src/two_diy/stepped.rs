@@ -1,4 +1,4 @@
-//! The emulated 2DIY as the device of a loop in simulated time, without a port and without threads.
+//! Emulated 2DIY as a device in simulated time, without a port or threads.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -13,13 +13,11 @@ use super::arm::Arm;
 use super::firmware::{Did, Firmware, Wire};
 use super::{Settings, Usb};
 
-/// The emulated 2DIY as the device of a loop on a [`SteppedClock`]: every run is the same, however busy
-/// the machine is.
+/// Emulated 2DIY as a device on a [`SteppedClock`]: runs are reproducible, independent of the load of the machine.
 ///
-/// Board, arm, hand and bytes on the wire are those of the [`Emulator`](super::Emulator). In the place
-/// of driver and port, each `read` sends a STATE with the torques that are held and lets the time pass
-/// until its answer is there, and each `write` sends a STATE and does not wait, as
-/// [`TwoDiy`](palpate_haply::two_diy::TwoDiy) does.
+/// Board, arm, hand and bytes on the wire are those of the [`Emulator`](super::Emulator). This type replaces driver and
+/// port: each `read` sends a STATE with the held torques and advances the time to its answer, and each `write` sends a
+/// STATE without waiting, as [`TwoDiy`](palpate_haply::two_diy::TwoDiy) does.
 #[derive(Debug)]
 pub struct SteppedTwoDiy {
     clock: SteppedClock,
@@ -29,14 +27,14 @@ pub struct SteppedTwoDiy {
     firmware: Firmware,
     arm: Arm,
     usb: Usb,
-    /// Packets on their way to the board, and when they arrive.
+    /// Packets in transit to the board, with their arrival times.
     travelling: VecDeque<(Duration, Vec<u8>)>,
     replies: Replies,
     held: [f32; 2],
     pose: Option<ArmPose>,
 }
 
-/// The bytes of one packet, and of its answer.
+/// Bytes of one packet and of its answer.
 #[derive(Default)]
 struct Memory {
     incoming: VecDeque<u8>,
@@ -58,10 +56,10 @@ impl Wire for Memory {
 }
 
 impl SteppedTwoDiy {
-    /// A device that has been set up, in its start pose. The port of `settings` is not opened.
+    /// Creates a device that has been set up, in its start pose. The port of `settings` is not opened.
     ///
     /// # Errors
-    /// The arm cannot be at these angles, or the amplifiers cannot be so.
+    /// The arm cannot have these angles, or the amplifier parameters are invalid.
     pub fn new(settings: &Settings, clock: SteppedClock) -> Result<Self, String> {
         let mut layout = settings.generation.layout();
         if let Some(angles) = settings.angles {
@@ -90,19 +88,19 @@ impl SteppedTwoDiy {
         Ok(device)
     }
 
-    /// Mass of the arm along `direction`, of length 1, where it is now `[kg]`.
+    /// Returns the effective mass of the arm in its current pose along the unit vector `direction` `[kg]`.
     #[must_use]
     pub fn effective_mass(&self, direction: [f64; 2]) -> f64 {
         self.arm.effective_mass(direction)
     }
 
-    /// True place of the end-point `[m]`.
+    /// Returns the true position of the end-point `[m]`.
     #[must_use]
     pub fn position(&self) -> [f64; 2] {
         self.arm.position()
     }
 
-    /// Has the board execute `packet` at `time`; its answer.
+    /// Lets the board execute `packet` at `time` and returns the answer.
     fn execute(&mut self, time: Duration, packet: VecDeque<u8>) -> Vec<u8> {
         self.arm.move_to(time);
         let mut memory = Memory {
@@ -117,7 +115,7 @@ impl SteppedTwoDiy {
         memory.sent
     }
 
-    /// Sends a STATE with the torques that are held; when it arrives.
+    /// Sends a STATE with the held torques and returns its arrival time.
     fn send(&mut self) -> Duration {
         let arrives = self.usb.arrival(self.clock.now());
         let packet = state(&self.layout, self.held).to_vec();

@@ -1,18 +1,18 @@
-//! What goes wrong with an emulated 2DIY, and when, as a text says it.
+//! Timed faults of an emulated 2DIY, parsed from text.
 
 use std::str::FromStr;
 use std::time::Duration;
 
 use super::Fault;
 
-/// A fault and when it strikes `[s]`.
+/// A fault with its start time `[s]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimedFault {
-    /// When, after the start `[s]`.
+    /// Time after the start `[s]`.
     pub at: f64,
-    /// Its kind.
+    /// Kind.
     pub kind: FaultKind,
-    /// How long, how far, how many.
+    /// Duration, angle or count, depending on the kind.
     pub value: f64,
 }
 
@@ -20,30 +20,30 @@ pub struct TimedFault {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FaultKind {
-    /// The board stands still for the value `[s]`.
+    /// The board stalls for the value `[s]`.
     Stall,
     /// The cable is pulled for the value `[s]`.
     Unplug,
-    /// So many bytes come before the next answer.
+    /// This number of bytes precedes the next answer.
     Garbage,
     /// Half of the next answer is lost.
     Half,
     /// The next answer is lost.
     Lost,
-    /// The next answer comes later by the value `[s]`.
+    /// The next answer is delayed by the value `[s]`.
     Late,
-    /// The next answer comes twice.
+    /// The next answer is sent twice.
     Twice,
-    /// The next answer is that of another device.
+    /// The next answer has another device id.
     OtherId,
-    /// The next answer has an angle that is no number.
+    /// The next answer contains a NaN angle.
     NotANumber,
-    /// The encoders lose count by the value `[degrees]`.
+    /// The encoders lose counts of the value `[degrees]`.
     Slip,
 }
 
 impl FaultKind {
-    /// Every kind with its name and the value that it has if none is given.
+    /// Every kind with its name and default value.
     pub const NAMED: [(&'static str, Self, f64); 10] = [
         ("stall", Self::Stall, 0.05),
         ("unplug", Self::Unplug, 2.0),
@@ -58,12 +58,12 @@ impl FaultKind {
     ];
 }
 
-/// A text is no timed fault.
+/// The text is not a timed fault.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("KIND[=VALUE]@SECONDS is needed, such as stall=0.05@3; the kinds are {}", FaultKind::NAMED.map(|(name, ..)| name).join(", "))]
 pub struct NoTimedFault;
 
-/// `KIND[=VALUE]@SECONDS`.
+/// Parses `KIND[=VALUE]@SECONDS`.
 impl FromStr for TimedFault {
     type Err = NoTimedFault;
 
@@ -86,10 +86,10 @@ impl FromStr for TimedFault {
 }
 
 impl TimedFault {
-    /// The fault, and when it strikes after the start.
+    /// Returns the fault and its time after the start.
     ///
     /// # Errors
-    /// A number of seconds that is no time.
+    /// A number of seconds that is not a valid duration.
     pub fn fault(&self) -> Result<(Duration, Fault), f64> {
         let value = self.value;
         let seconds = |value: f64| Duration::try_from_secs_f64(value).map_err(|_| value);

@@ -1,19 +1,19 @@
-//! How long bytes travel between a driver and its board.
+//! Transmission times between a driver and its board.
 
 use std::time::Duration;
 
-/// How long bytes travel between a driver and its board, in either direction.
+/// Transmission times between a driver and its board, in either direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Usb {
-    /// Bytes go with the beginning of a frame of this length, as a host controller may do that visits a
-    /// device once in 1 ms. None: at any time.
+    /// Bytes are sent at the beginning of a frame of this length, as by a host controller that polls a device once per
+    /// millisecond. Zero: at any time.
     pub frame: Duration,
-    /// What a packet takes until it has been understood, before the frame is waited for.
+    /// Processing time of a packet, before it waits for a frame.
     pub latency: Duration,
 }
 
 impl Usb {
-    /// When bytes arrive that were sent at `sent`; both are times since the start of the first frame.
+    /// Returns the arrival time of bytes sent at `sent`; both are times since the start of the first frame.
     #[must_use]
     pub fn arrival(&self, sent: Duration) -> Duration {
         let ready = sent + self.latency;

@@ -1,22 +1,22 @@
-//! What is sent to the service: one device's force, or the wish to know where it is.
+//! Messages to the service: the force of one device, or a position request.
 
 use palpate_device::Vector;
 use serde_json::{Value, json};
 
-/// Which form of the interface is spoken.
+/// Version of the service's interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// 3.1: a force is its `values`.
+    /// 3.1: a force is given by `values`.
     V31,
-    /// 3.5: a force is its `vector`, and the session has a profile.
+    /// 3.5: a force is given by `vector`, and the session has a profile.
     V35,
 }
 
-/// Name of this program's session in the service, where it has one.
+/// Name of this program's session in the service, if the interface has one.
 pub const PROFILE: &str = "org.palpate:palpate";
 
-/// Messages to one device in one session. The session's configuration goes with the first of them,
-/// and never again: the service would configure itself anew with every force.
+/// Messages to one device in one session. Only the first message contains the session's configuration; otherwise the
+/// service would reconfigure itself with every force.
 #[derive(Clone, Debug)]
 pub struct Commands {
     device_id: String,
@@ -24,19 +24,19 @@ pub struct Commands {
     configured: bool,
 }
 
-/// A force that is not sent.
+/// Rejected force.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("force on axis {axis} is {value}; allowed: finite [N]")]
 #[non_exhaustive]
 pub struct CommandError {
     /// x, y or z.
     pub axis: char,
-    /// What it was.
+    /// Rejected value.
     pub value: f64,
 }
 
 impl Commands {
-    /// Messages to the device of this name.
+    /// Creates messages to the device with this name.
     #[must_use]
     pub fn new(device_id: &str, form: Form) -> Self {
         Self {
@@ -46,22 +46,22 @@ impl Commands {
         }
     }
 
-    /// The device that is spoken to.
+    /// Returns the device id.
     #[must_use]
     pub fn device_id(&self) -> &str {
         &self.device_id
     }
 
-    /// The form that is spoken.
+    /// Returns the interface version.
     #[must_use]
     pub fn form(&self) -> Form {
         self.form
     }
 
-    /// Commands `force` on the cursor `[N]`, in the frame that the service has been given.
+    /// Returns the message that commands `force` on the cursor `[N]`, in the configured frame of the service.
     ///
     /// # Errors
-    /// It is not finite. JSON has no word for that: the service would read no number at all.
+    /// `force` is not finite. JSON cannot represent it, and the service would read no number at all.
     pub fn force(&mut self, force: Vector) -> Result<String, CommandError> {
         for (axis, value) in ['x', 'y', 'z'].into_iter().zip(force) {
             if !value.is_finite() {
@@ -76,7 +76,7 @@ impl Commands {
         }))
     }
 
-    /// Asks where the device is, and commands nothing.
+    /// Returns a message that requests the position and commands nothing.
     pub fn probe(&mut self) -> String {
         self.message(&json!({ "probe_position": {} }))
     }

@@ -1,33 +1,33 @@
-//! Whether a device may be commanded, and what to do if not.
+//! Readiness of a device for commands, and the remedy otherwise.
 
 use super::frame::{DeviceFrame, Model, Status};
 
-/// Why a device is not commanded a force, with what to do about it.
+/// Reason why a device cannot be commanded, with the remedy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Unfit {
-    /// Its motors have no power.
+    /// The motors have no power.
     #[error("its motors have no power: plug in its power supply")]
     NoPower,
-    /// The service does not talk to it.
+    /// The service has not started the device.
     #[error("the service has not started it: wait until its light is steady, or plug it in again")]
     NotStarted,
-    /// It does not know where its arms are.
+    /// The position of the arms is not calibrated.
     #[error("it is not calibrated: put its arms into the calibration pose and wait for its light")]
     NotCalibrated,
-    /// It takes no commands.
+    /// The device accepts no commands.
     #[error("it is not ready: wait until its light is steady, or restart the service")]
     NotReady,
-    /// Somebody else commands it, and forces of two programs add up.
+    /// Another program commands the device, and forces of two programs add up.
     #[error("another program commands it: end that one first")]
     InUse,
-    /// Not a device whose limits are known here.
+    /// A device model with unknown limits.
     #[error("it is no Inverse3, and its limits are not known here")]
     OtherModel,
 }
 
 impl Unfit {
-    /// Why not, if so, from what is said in every frame.
+    /// Returns the reason by the status in every frame, or `None` if the device is ready.
     #[must_use]
     pub fn of(status: &Status) -> Option<Self> {
         let no = Some(false);
@@ -41,8 +41,8 @@ impl Unfit {
         .find_map(|(holds, unfit)| holds.then_some(unfit))
     }
 
-    /// Why not, if so, from the first frame: nothing has been commanded yet, and so whoever uses the
-    /// device is somebody else.
+    /// Returns the reason by the first frame, or `None` if the device is ready. This program has sent no command yet,
+    /// so a device in use is used by another program.
     #[must_use]
     pub fn at_first(device: &DeviceFrame) -> Option<Self> {
         let known = matches!(
@@ -55,7 +55,7 @@ impl Unfit {
             .or((device.status.in_use == Some(true)).then_some(Self::InUse))
     }
 
-    /// In words that need no memory, for the loop.
+    /// Returns a static text for the loop, which must not allocate.
     #[must_use]
     pub fn text(self) -> &'static str {
         match self {

@@ -1,7 +1,7 @@
-//! What the service sends: the full frame on connect, and a state frame for each message.
+//! Messages from the service: the full frame on connection, and a state frame for each message.
 //!
-//! Both forms of the interface are read, 3.1 and 3.5, and whatever is not known is passed over. A
-//! field that is known and cannot be what it says is refused by its name.
+//! The parser reads both versions of the interface, 3.1 and 3.5, and ignores unknown fields. A known field with an
+//! invalid value is rejected, and the error names it.
 
 use std::fmt;
 
@@ -9,17 +9,17 @@ use palpate_device::Vector;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
-/// Largest coordinate of a position that is believed `[m]`. The arm reaches less than half a metre;
-/// an application may have moved the frame by its mount.
+/// Largest accepted position coordinate `[m]`. The arm reaches less than half a metre, but an application may have
+/// offset the frame by its mount.
 pub const FARTHEST: f64 = 2.0;
 
-/// Largest coordinate of a velocity that is believed `[m/s]`.
+/// Largest accepted velocity coordinate `[m/s]`.
 pub const FASTEST: f64 = 50.0;
 
 /// One frame of the simulation channel.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Frame {
-    /// Number of the session, where the frame says it.
+    /// Number of the session, if the frame contains it.
     #[serde(default)]
     pub session_id: Option<u64>,
     #[serde(default)]
@@ -29,30 +29,30 @@ pub struct Frame {
 /// One Inverse3 in a frame.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct DeviceFrame {
-    /// The name by which commands address it.
+    /// Name that addresses the device in commands.
     pub device_id: String,
-    /// What it is; in the first frame only.
+    /// Configuration; in the first frame only.
     #[serde(default)]
     pub config: Option<Config>,
-    /// Where it is, and what it does.
+    /// Position and control mode.
     #[serde(default)]
     pub state: State,
-    /// Whether it can be used.
+    /// Readiness.
     #[serde(default)]
     pub status: Status,
 }
 
-/// What a device is, as far as it matters here.
+/// Device configuration, reduced to the fields used here.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 pub struct Config {
     #[serde(default, rename = "type")]
     kind: Option<Model>,
     #[serde(default)]
     device_info: Option<DeviceInfo>,
-    /// Whether the field has its 3.5 name.
+    /// Present if the field has its 3.5 name.
     #[serde(default)]
     basis: Option<IgnoredAny>,
-    /// Whether the field has its 3.1 name.
+    /// Present if the field has its 3.1 name.
     #[serde(default)]
     coordinate_system: Option<IgnoredAny>,
 }
@@ -63,7 +63,7 @@ struct DeviceInfo {
     device_type: Option<Model>,
 }
 
-/// Which device it is.
+/// Device model.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Model {
     /// Inverse3: 4, or `inverse3`.
@@ -72,7 +72,7 @@ pub enum Model {
     Inverse3x,
     /// Minverse: 6, or `minverse`.
     Minverse,
-    /// Another one, as the service calls it.
+    /// Another model, with the service's name for it.
     Other(String),
 }
 
@@ -118,7 +118,7 @@ impl<'de> Deserialize<'de> for Model {
     }
 }
 
-/// Where a device is, and what it does.
+/// State of a device.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 pub struct State {
     #[serde(default)]
@@ -127,33 +127,33 @@ pub struct State {
     cursor_velocity: Option<Xyz>,
     #[serde(default)]
     current_cursor_force: Option<Xyz>,
-    /// What it does, as the 3.1 form says it: idle, position, angular.
+    /// Control mode in the 3.1 interface: idle, position, angular.
     #[serde(default)]
     pub mode: Option<String>,
-    /// What is controlled, as the 3.5 form says it: undefined, cartesian, angular.
+    /// Controlled coordinates in the 3.5 interface: undefined, cartesian, angular.
     #[serde(default)]
     pub control_domain: Option<String>,
-    /// How, as the 3.5 form says it: idle, position, force.
+    /// Control mode in the 3.5 interface: idle, position, force.
     #[serde(default)]
     pub control_mode: Option<String>,
 }
 
-/// Whether a device can be used; what the frame does not say is not known.
+/// Readiness of a device; `None` if the frame does not contain the field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 pub struct Status {
-    /// It knows where its arms are.
+    /// The position of the arms is calibrated.
     #[serde(default)]
     pub calibrated: Option<bool>,
-    /// A program commands it.
+    /// A program commands the device.
     #[serde(default)]
     pub in_use: Option<bool>,
-    /// Its motors have power.
+    /// The motors have power.
     #[serde(default)]
     pub power_supply: Option<bool>,
-    /// It takes commands.
+    /// The device accepts commands.
     #[serde(default)]
     pub ready: Option<bool>,
-    /// The service talks to it.
+    /// The service has started the device.
     #[serde(default)]
     pub started: Option<bool>,
 }
@@ -171,62 +171,62 @@ impl From<Xyz> for Vector {
     }
 }
 
-/// Where a device was when the service answered.
+/// State of a device at the time of the service's answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Position of the cursor `[m]`.
     pub position: Vector,
-    /// Velocity of the cursor as the service has it `[m/s]`, where the frame says it.
+    /// Velocity of the cursor estimated by the service `[m/s]`, if the frame contains it.
     pub velocity: Option<Vector>,
-    /// Force on the cursor that the service applies `[N]`, where the frame says it.
+    /// Force on the cursor applied by the service `[N]`, if the frame contains it.
     pub force: Option<Vector>,
 }
 
-/// A frame that is not believed.
+/// Reason for rejecting a frame.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FrameError {
-    /// It is not JSON, or not all of it is there.
+    /// The text is not JSON or is incomplete.
     #[error("not a frame of the service: {0}")]
     NotJson(String),
-    /// A field is not what it has to be.
+    /// A field has an invalid value.
     #[error("{field}: {what}")]
     Field {
-        /// Which, from the top.
+        /// Path of the field from the top level.
         field: String,
-        /// What is wrong with it.
+        /// Description of the error.
         what: String,
     },
-    /// A field of a device that has to be there is not.
+    /// A required field of a device is missing.
     #[error("device {device}: {field} is missing")]
     Missing {
-        /// Whose.
+        /// Device id.
         device: String,
-        /// Which.
+        /// Field name.
         field: &'static str,
     },
-    /// A number that no such device can reach.
+    /// A value that no such device can reach.
     #[error("device {device}: {field} is {value}; believed: {allowed}")]
     Absurd {
-        /// Whose.
+        /// Device id.
         device: String,
-        /// Which.
+        /// Field name.
         field: &'static str,
-        /// What it said.
+        /// Received value.
         value: f64,
-        /// What is believed.
+        /// Accepted range.
         allowed: &'static str,
     },
-    /// Two devices of one name: nobody knows which of them a command would move.
+    /// Two devices with the same name; the target of a command would be ambiguous.
     #[error("device {0} is in the frame twice")]
     Twice(String),
 }
 
 impl Frame {
-    /// Reads a frame.
+    /// Parses a frame.
     ///
     /// # Errors
-    /// It is not JSON; a field is not what it has to be; a device is in it twice.
+    /// The text is not JSON, a field has an invalid value, or a device occurs twice.
     pub fn parse(text: &str) -> Result<Self, FrameError> {
         let mut json = serde_json::Deserializer::from_str(text);
         let frame: Self = serde_path_to_error::deserialize(&mut json).map_err(|error| {
@@ -252,13 +252,13 @@ impl Frame {
         Ok(frame)
     }
 
-    /// Every Inverse3 in it.
+    /// Returns every Inverse3 in the frame.
     #[must_use]
     pub fn devices(&self) -> &[DeviceFrame] {
         &self.inverse3.0
     }
 
-    /// The device of this name.
+    /// Returns the device with this name.
     #[must_use]
     pub fn device(&self, id: &str) -> Option<&DeviceFrame> {
         self.devices().iter().find(|device| device.device_id == id)
@@ -266,7 +266,7 @@ impl Frame {
 }
 
 impl DeviceFrame {
-    /// Which device it is, where the frame says it.
+    /// Returns the device model, if the frame contains it.
     #[must_use]
     pub fn model(&self) -> Option<&Model> {
         let config = self.config.as_ref()?;
@@ -277,17 +277,17 @@ impl DeviceFrame {
             .or(info.and_then(|info| info.device_type.as_ref()))
     }
 
-    /// Whether the service speaks the 3.5 form: some fields have new names.
+    /// Returns whether the service speaks the 3.5 interface, in which some fields have new names.
     #[must_use]
     pub fn is_of_3_5(&self) -> bool {
         let config = self.config.as_ref();
         self.state.control_mode.is_some() || config.is_some_and(|config| config.basis.is_some())
     }
 
-    /// Where it is.
+    /// Returns the position, and velocity and force if present.
     ///
     /// # Errors
-    /// The position is missing; a number is not finite, or farther or faster than any such device.
+    /// The position is missing, or a number is not finite or exceeds the range of the device.
     pub fn sample(&self) -> Result<Sample, FrameError> {
         let missing = FrameError::Missing {
             device: self.device_id.clone(),
@@ -317,7 +317,7 @@ impl DeviceFrame {
         most: f64,
         allowed: &'static str,
     ) -> Result<(), FrameError> {
-        // Not a number is not within anything.
+        // False for NaN.
         let is_believed = |value: &f64| value.abs() <= most;
         match vector.iter().find(|value| !is_believed(value)) {
             None => Ok(()),
@@ -331,7 +331,7 @@ impl DeviceFrame {
     }
 }
 
-/// A list of devices that may be absent.
+/// A list of devices, empty if absent.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Devices(Vec<DeviceFrame>);
 

@@ -1,4 +1,4 @@
-//! The Haply Inverse3: three axes, behind its service's JSON WebSocket.
+//! Haply Inverse3: a three-axis device, connected through the JSON WebSocket of its service.
 
 mod command;
 mod driver;

@@ -1,13 +1,13 @@
-//! The three boards that Haply's kits came with.
+//! The three boards of Haply's kits.
 
 use std::f64::consts::TAU;
 
 use super::layout::Layout;
 
-/// Largest torque of a motor `[N m]`; every firmware clamps to it.
+/// Maximum torque of a motor `[N m]`; every firmware clamps to it.
 pub const LARGEST_TORQUE: f32 = 0.123;
 
-/// A board, by what its firmware does with torques and encoders.
+/// A board, identified by its firmware's handling of torques and encoders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Board {
     /// Haply M0 (SAMD21), firmware 0.3: two motors. It counts **half** the encoders' edges.
@@ -22,7 +22,7 @@ impl Board {
     /// Every board.
     pub const ALL: [Self; 3] = [Self::M0, Self::M3, Self::DevKit];
 
-    /// Short name, as arguments spell it.
+    /// Returns the short name used in arguments.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -32,7 +32,7 @@ impl Board {
         }
     }
 
-    /// Ports for motors and encoders, counted from 1.
+    /// Returns the number of ports for motors and encoders.
     #[must_use]
     pub fn ports(self) -> u8 {
         match self {
@@ -41,7 +41,7 @@ impl Board {
         }
     }
 
-    /// Counts per revolution of which SETUP says `told`.
+    /// Returns the true counts per revolution for the value `told` of SETUP.
     #[must_use]
     pub fn counts_per_rev(self, told: f32) -> f64 {
         match self {
@@ -50,7 +50,7 @@ impl Board {
         }
     }
 
-    /// Steps of the duty between no torque and the largest one.
+    /// Returns the number of duty steps between zero and maximum torque.
     #[must_use]
     pub fn duty_steps(self) -> f64 {
         match self {
@@ -59,8 +59,8 @@ impl Board {
         }
     }
 
-    /// The torque that a motor gives when told `torque` `[N m]`: clamped, and rounded towards none
-    /// by the duty.
+    /// Returns the torque that a motor produces for the command `torque` `[N m]`: clamped, and rounded towards zero to
+    /// a duty step.
     #[must_use]
     pub fn given_torque(self, torque: f32) -> f64 {
         if torque.is_nan() {
@@ -72,21 +72,21 @@ impl Board {
         (largest * steps / self.duty_steps()).copysign(torque.into())
     }
 
-    /// The angle that an encoder reports right after a SETUP that told it `start` `[degrees]`: the
-    /// firmware begins at a whole count.
+    /// Returns the angle that an encoder reports right after a SETUP with start angle `start` `[degrees]`: the firmware
+    /// starts at a whole count.
     #[must_use]
     pub fn first_angle(self, start: f32, told: f32) -> f64 {
         let counts = self.counts_per_rev(told);
         (f64::from(start) * counts / 360.0).trunc() * 360.0 / counts
     }
 
-    /// A count of the encoder of joint `joint` `[degrees]`.
+    /// Returns the encoder quantum of joint `joint` `[degrees]`.
     #[must_use]
     pub fn quantum(self, layout: &Layout, joint: usize) -> f64 {
         360.0 / self.counts_per_rev(layout.joints[joint].counts_per_rev)
     }
 
-    /// A count of the coarser encoder `[rad]`.
+    /// Returns the quantum of the coarser encoder `[rad]`.
     #[must_use]
     pub fn coarsest_quantum(self, layout: &Layout) -> f64 {
         [0, 1]

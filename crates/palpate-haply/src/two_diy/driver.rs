@@ -1,4 +1,4 @@
-//! The 2DIY as a device of a loop.
+//! Driver of the 2DIY.
 
 use std::time::{Duration, Instant};
 
@@ -17,31 +17,31 @@ use super::packet::{Heard, Replies};
 use super::plausible::{Implausible, Plausible};
 use super::start;
 
-/// Packets that may be on their way unanswered before no more are sent: a board that stood still
-/// works off all of them, and the last one has to be the one that counts.
+/// Maximum number of unanswered packets before the driver stops sending. A stalled board later processes every queued
+/// packet, and the last one must hold the current command.
 const MOST_UNANSWERED: u64 = 3;
-/// An answer that has not come after this long is lost.
+/// An answer that is missing for longer than this is lost.
 const LOST_AFTER: Duration = Duration::from_millis(50);
-/// After something that cannot be made out, nothing is asked until nothing has come for this long.
+/// Silence required after an unrecognised answer before the next request.
 const QUIET: Duration = Duration::from_millis(4);
-/// A board that has not answered for this long is gone, and one whose angles have all been impossible has lost their count,
-/// if it was asked often enough meanwhile: it may have been us who stood still.
+/// The board is reported as gone after this time without an answer, and the encoder count as lost after this time with
+/// implausible angles only. Both also require `GONE_AFTER_READS` requests, because this program may have stalled
+/// itself.
 const GONE_AFTER: Duration = Duration::from_secs(1);
 const GONE_AFTER_READS: u32 = 20;
 
-/// A 2DIY with its board on a serial port: two axes, x to the right and y away from the base, from
-/// the axis of motor 1.
+/// A 2DIY with its board on a serial port: two axes, x to the right and y away from the base, from the axis of motor 1.
 ///
-/// Each [`read`](Device::read) sends a STATE that repeats the held torques, and takes the angles of
-/// its answer. Nothing on the wire says which answer belongs to which question, so they are
-/// counted: what comes late, or twice, or in pieces is thrown away.
+/// Each [`read`](Device::read) sends a STATE that repeats the held torques, and takes the angles from the answer.
+/// Packets carry no sequence number, so the driver counts requests and answers. It discards late, duplicate and
+/// incomplete answers.
 ///
-/// **The board has no watchdog: it holds its last torque until it is told another one.** This
-/// driver sends no torque on every way out, and as soon as the port takes it where it does not at
-/// once. Where the program is killed or stopped a [guardian](Self::guarded_by) does, if there is one.
-/// Where the cable is pulled nobody can: switch the motors off.
+/// **The board has no watchdog: it holds its last torque until it receives another command.** The driver commands zero
+/// torque on every exit path, and retries if the port is full. If the program is killed or stopped, only a [watchdog
+/// process](Self::guarded_by) can do so. If the cable is pulled, software cannot: switch the motors off.
 ///
-/// Neither [`read`](Device::read) nor [`write`](Device::write) allocates, waits for a lock or
+/// Neither [`read`](Device::read) nor [`write`](Device::write) allocates, waits for a lock or panics; `read` waits for
+/// the board, no longer than [`Options::patience`](super::Options).
 /// panics; `read` waits for the board, no longer than [`Options::patience`](super::Options).
 #[derive(Debug)]
 pub struct TwoDiy<C> {
@@ -52,53 +52,54 @@ pub struct TwoDiy<C> {
     board: Board,
     patience: Duration,
     replies: Replies,
-    /// Answers that came, those that were given up included.
+    /// Number of received answers, including abandoned ones.
     answered: u64,
     trust: Trust,
     plausible: Plausible,
     pose: Option<ArmPose>,
-    /// Torques that were commanded last `[N m]`, and the force that they make `[N]`.
+    /// Last commanded torques `[N m]`, and the force that they produce `[N]`.
     commanded: [f32; 2],
     given: [f64; 2],
-    /// How often none had been commanded because it was wanted, by then.
+    /// Number of zero-torque requests that were sent when `commanded` was set.
     cuts: u64,
-    /// Times that a guardian had commanded none when the loop asked last.
+    /// Number of cuts by the watchdog process at the last call of `was_cut`.
     told_cuts: u64,
     closed: bool,
-    /// Since when answers are missing.
+    /// Time since which answers are missing.
     behind: Option<Instant>,
-    /// When the last good sample came, and how often there was none since.
+    /// Time of the last good sample, and the number of failed reads since.
     heard: Instant,
     failures: u32,
-    /// Answers since the last good sample whose angles cannot be.
+    /// Number of answers with implausible angles since the last good sample.
     doubts: u32,
     counts: Counts,
 }
 
-/// Whether answers can be counted.
+/// State of the matching between requests and answers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Trust {
-    /// Each belongs to a question.
+    /// Each answer belongs to a request.
     Counted,
-    /// What came was cut, misread or nobody's. The line has to be quiet; when the last byte came.
+    /// An answer was incomplete, unreadable or unrequested. The line must become quiet; holds the time of the last
+    /// byte.
     Astray(Instant),
-    /// It was quiet, and one question was asked. What comes is the answer to it, or to an older one
-    /// after all: then there is another one behind it. When it came.
+    /// The line was quiet and one request was sent. If the next answer belongs to an older request, another answer
+    /// follows it. Holds the time of the answer.
     Tried(Option<Instant>),
 }
 
-/// What a driver has put up with so far.
+/// Counters of transmission faults that the driver tolerated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Answers that had not come in time.
+    /// Answers that did not arrive in time.
     pub late: u64,
-    /// Answers nobody had asked for.
+    /// Answers without a request.
     pub surplus: u64,
-    /// Bytes that belonged to no answer.
+    /// Bytes that belong to no answer.
     pub stray: u64,
-    /// Angles that cannot be.
+    /// Implausible angles.
     pub implausible: u64,
-    /// Times that a guardian has commanded no torque.
+    /// Number of times that the watchdog process commanded zero torque.
     pub guardian_cuts: u64,
 }
 
@@ -106,7 +107,7 @@ fn nothing_new(what: &'static str) -> DeviceError {
     DeviceError::new(DeviceErrorKind::NothingNew, what)
 }
 
-/// What the loop is told when the port is gone.
+/// Error for a serial port that has disappeared.
 const GONE: DeviceError = DeviceError {
     kind: DeviceErrorKind::Disconnected,
     what: "the serial port is gone; a board that still has power holds its last torque",
@@ -121,7 +122,7 @@ const FULL: DeviceError = DeviceError {
            board may hold its last torque",
 };
 
-/// What the loop is told when nobody would take the torque off for it.
+/// Error for a lost watchdog process.
 fn unguarded(how: Unguarded) -> DeviceError {
     DeviceError {
         kind: DeviceErrorKind::Refused,
@@ -138,7 +139,7 @@ fn unguarded(how: Unguarded) -> DeviceError {
     }
 }
 
-/// The line, the mechanism and the first sample of a device that has been set up.
+/// Serial line, mechanism and first sample of a device that has been set up.
 pub(super) struct Ready<C> {
     pub clock: C,
     pub line: Line,
@@ -178,41 +179,40 @@ impl<C> TwoDiy<C> {
         }
     }
 
-    /// Wiring and links.
+    /// Returns the wiring and link lengths.
     #[must_use]
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    /// The board.
+    /// Returns the board.
     #[must_use]
     pub fn board(&self) -> Board {
         self.board
     }
 
-    /// What has been put up with so far.
+    /// Returns the fault counters.
     #[must_use]
     pub fn counts(&self) -> Counts {
         self.counts
     }
 
-    /// Angles of joints 1 and 2 in the last good sample `[degrees]`.
+    /// Returns the angles of joints 1 and 2 in the last good sample `[degrees]`.
     #[must_use]
     pub fn angles(&self) -> [f32; 2] {
         self.plausible.angles()
     }
 
-    /// The last pose, if the last good sample had one.
+    /// Returns the last pose, or `None` if the last good sample had none.
     #[must_use]
     pub fn pose(&self) -> Option<&ArmPose> {
         self.pose.as_ref()
     }
 
-    /// Commands no torque and waits until the board has answered: whether it is known to hold none.
+    /// Commands zero torque and waits for the board's answer. `Ok` means that the board holds zero torque.
     ///
     /// # Errors
-    /// The port is gone, or the board did not answer within a second, and not even after
-    /// it was set up anew.
+    /// The port is gone, or the board did not answer within a second, not even after a second setup.
     pub fn close(mut self) -> Result<(), DeviceError> {
         self.finish()
     }
@@ -226,8 +226,8 @@ impl<C> TwoDiy<C> {
                 Ok(())
             }
             Err(Unsent::Busy) => {
-                // Somebody else was about to command none, but it may be that the line did that
-                // for them, and that torques went out since.
+                // Another thread holds the line, probably to command zero torque. It may already have done so, with
+                // torques sent since; request zero torque again.
                 self.cut();
                 Ok(())
             }
@@ -243,14 +243,14 @@ impl<C> TwoDiy<C> {
         }
     }
 
-    /// Has no torque sent, by whoever can: from here on it is the next thing that goes out.
+    /// Requests zero torque from any thread that can send; it is the next packet on the line.
     fn cut(&mut self) {
         self.line.cutter().cut();
         self.commanded = [0.0; 2];
         self.given = [0.0; 2];
     }
 
-    /// What the board holds, as far as is known.
+    /// Returns the force that the board holds, as far as is known.
     fn held(&self) -> Wrench {
         let [x, y] = self.given;
         Wrench::of_force([x, y, 0.0])
@@ -263,27 +263,27 @@ impl<C> TwoDiy<C> {
         let done = self.hold_none();
         if matches!(done, Err(error) if error.kind != DeviceErrorKind::Disconnected || error == SILENT)
         {
-            // A board that has lost the beginning of a packet, or its layout, is told from the start.
+            // The board lost the beginning of a packet or its layout: set it up again.
             start::begin_anew(&self.line, &self.layout)?;
             self.start_over();
             self.hold_none()?;
             self.line.dismiss_guardian();
             return Ok(());
         }
-        // The board holds none, or cannot be told. Elsewhere the guardian tries on.
+        // The board holds zero torque or is unreachable. In other cases the watchdog process keeps trying.
         self.line.dismiss_guardian();
         done
     }
 
-    /// Commands no torque, and waits for an answer to that.
+    /// Commands zero torque and waits for the answer.
     fn hold_none(&mut self) -> Result<(), DeviceError> {
         self.commanded = [0.0; 2];
         if let Err(unsent) = self.line.command_patiently([0.0; 2], GONE_AFTER) {
-            // Tried on, until the line has been closed.
+            // The line retries until it is closed.
             self.cut();
             return Err(unsent.into());
         }
-        // What is still in the port when it is closed may be lost: an answer says that it is not.
+        // Closing the port may discard unsent bytes; the answer proves that they were sent.
         let begun = Instant::now();
         while self.unanswered() > 0 {
             if begun.elapsed() > GONE_AFTER {
@@ -295,16 +295,16 @@ impl<C> TwoDiy<C> {
         Ok(())
     }
 
-    /// Questions without an answer.
+    /// Returns the number of unanswered requests.
     fn unanswered(&self) -> u64 {
         self.line.requests().saturating_sub(self.answered)
     }
 
-    /// Takes in what has come; the angles of the newest answer.
+    /// Reads all received bytes and returns the angles of the newest answer.
     fn listen(&mut self) -> Result<Option<[f32; 2]>, DeviceError> {
         let mut newest = None;
         let mut bytes = [0; 64];
-        // As much as an answer to everything that may be asked in a second: bounded, whoever sends.
+        // Bounded by the size of all answers to the requests of one second, whatever the other end sends.
         for _ in 0..32 {
             let read = self.line.serial().read(&mut bytes).map_err(|_| GONE)?;
             if read > 0 && matches!(self.trust, Trust::Astray(_)) {
@@ -339,7 +339,7 @@ impl<C> TwoDiy<C> {
         self.trust = Trust::Astray(Instant::now());
     }
 
-    /// Begins anew with an empty line: what was on its way is nobody's answer any more.
+    /// Discards all input and considers every request answered.
     fn start_over(&mut self) {
         self.line.serial().forget_input();
         self.replies.forget();
@@ -348,7 +348,7 @@ impl<C> TwoDiy<C> {
         self.behind = None;
     }
 
-    /// What to say of a sample that did not come, because of `what`.
+    /// Returns the error for a missing sample with the reason `what`.
     fn missing(&mut self, what: &'static str) -> DeviceError {
         self.failures = self.failures.saturating_add(1);
         if self.heard.elapsed() < GONE_AFTER || self.failures < GONE_AFTER_READS {
@@ -358,14 +358,14 @@ impl<C> TwoDiy<C> {
         }
     }
 
-    /// The board has given a good sample.
+    /// Records a good sample.
     fn is_heard(&mut self) {
         self.heard = Instant::now();
         self.failures = 0;
         self.doubts = 0;
     }
 
-    /// What to make of angles that cannot be: after a second of them the count is lost, though no two agree.
+    /// Declares the encoder count lost after one second of implausible angles, even if no two of them agree.
     fn for_good(&mut self, implausible: Implausible) -> Implausible {
         self.doubts = self.doubts.saturating_add(1);
         if self.heard.elapsed() < GONE_AFTER || self.doubts < GONE_AFTER_READS {
@@ -374,20 +374,20 @@ impl<C> TwoDiy<C> {
         self.plausible.lose_count()
     }
 
-    /// The angles of the joints `[degrees]`, for whoever asks outside a loop.
+    /// Requests the joint angles `[degrees]`. Not for use in the loop.
     pub(super) fn ask_angles(&mut self) -> Result<[f32; 2], DeviceError> {
         let angles = self.ask()?;
         self.is_heard();
         Ok(angles)
     }
 
-    /// What was commanded does not hold any more where somebody else has commanded none.
+    /// Resets the commanded torques if another thread or the watchdog process has commanded zero torque.
     fn mind_cuts(&mut self) {
         self.line.listen_to_guardian();
         let guardian_cuts = self.line.guardian_cuts();
         if guardian_cuts != self.counts.guardian_cuts {
             self.counts.guardian_cuts = guardian_cuts;
-            // Answers to its packets cannot be told from answers to ours.
+            // Answers to its packets cannot be distinguished from answers to the driver's packets.
             self.go_astray();
         }
         let cuts = self.line.cuts();
@@ -407,7 +407,7 @@ impl<C> TwoDiy<C> {
         let is_lost = self
             .behind
             .is_some_and(|since| since.elapsed() > LOST_AFTER);
-        // The beginning of an answer that nobody is waiting for is none.
+        // A partial answer without an open request is not an answer.
         let is_cut = self.unanswered() == 0 && self.replies.is_partial();
         match self.trust {
             Trust::Counted | Trust::Tried(_) if is_lost || is_cut => {
@@ -482,7 +482,7 @@ impl From<Unsent> for DeviceError {
     }
 }
 
-/// The pose for angles of the joints `[degrees]`.
+/// Returns the pose for the joint angles `[degrees]`.
 fn pose(layout: &Layout, angles: [f32; 2]) -> Result<ArmPose, NoPose> {
     let angles = angles.map(|angle| f64::from(angle).to_radians());
     layout.geometry.pose(angles)
@@ -490,7 +490,7 @@ fn pose(layout: &Layout, angles: [f32; 2]) -> Result<ArmPose, NoPose> {
 
 impl<C> Drop for TwoDiy<C> {
     fn drop(&mut self) {
-        // Nobody is left to be told.
+        // `drop` cannot report an error.
         let _ = self.finish();
     }
 }
@@ -510,12 +510,12 @@ impl<C: Clock> Device for TwoDiy<C> {
         let now = Instant::now();
         if let Err(implausible) = self.plausible.take(angles, asked, now) {
             self.counts.implausible += 1;
-            // It has answered, so it is not gone.
+            // The board answered, so it is not gone.
             self.failures = 0;
             return Err(match self.for_good(implausible) {
                 Implausible::Once(what) => nothing_new(what),
                 Implausible::Stays(what) => {
-                    // Where the arm is, is not known until the device is opened anew.
+                    // The arm position is unknown until the device is opened again.
                     self.heard = Instant::now();
                     self.pose = None;
                     let _ = self.command([0.0; 2]);
@@ -559,8 +559,8 @@ impl<C: Clock> Device for TwoDiy<C> {
         let unanswered = self.unanswered();
         let is_trusted = self.trust == Trust::Counted;
         if unanswered > 0 || !is_trusted {
-            // A board that is behind gets nothing that it has on its way already, and no other
-            // force: where the arm is, is not known well enough for one.
+            // A board that is behind gets neither a command that is already queued nor a new force: the arm position is
+            // not known well enough.
             let is_on_its_way = torques == self.commanded && torques != [0.0; 2];
             let has_none = self.commanded == [0.0; 2];
             if is_on_its_way || has_none && (unanswered > MOST_UNANSWERED || !is_trusted) {

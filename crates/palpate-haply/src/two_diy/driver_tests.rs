@@ -1,4 +1,4 @@
-//! The driver against a board that is played by hand: every answer when the test wants it.
+//! The driver against a simulated board; each test decides when the board answers.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -11,17 +11,17 @@ use crate::two_diy::Generation;
 use palpate_haply_emulator::two_diy::Pty;
 
 const START: [f32; 2] = [130.0, 50.0];
-/// How long the driver waits for an answer that a test does not give.
+/// Time that the driver waits for an answer that a test does not send.
 const PATIENCE: Duration = Duration::from_millis(20);
-/// How long anything that has to happen may take on a busy machine.
+/// Time limit for expected events on a busy machine.
 const LIMIT: Duration = Duration::from_secs(30);
 
-/// A driver and the board's end of its pseudo-terminal. The kernel carries bytes from one end to the
-/// other in its own time, so everything here waits until what was sent has arrived.
+/// A driver and the board's end of its pseudo-terminal. The kernel transfers bytes with a delay, so every method waits
+/// until the sent bytes have arrived.
 struct Played {
     pty: Pty,
     device: TwoDiy<MonotonicClock>,
-    /// STATE packets that were taken off the line.
+    /// STATE packets read from the line.
     taken: u64,
 }
 
@@ -70,7 +70,7 @@ impl Played {
         }
     }
 
-    /// Torques on port 1 of all packets that were sent since the last time.
+    /// Returns the torques on port 1 of all packets sent since the last call.
     fn was_told(&mut self) -> Vec<f32> {
         let begun = Instant::now();
         let mut bytes = Vec::new();
@@ -92,7 +92,7 @@ impl Played {
             .collect()
     }
 
-    /// A read during which the board answers everything that it was asked.
+    /// Reads while the board answers every request.
     fn reads(&mut self, angles: [f32; 2]) -> Result<Pose, DeviceError> {
         self.device.patience = LIMIT;
         let reading = self.reads_with(angles, usize::MAX);
@@ -100,7 +100,7 @@ impl Played {
         reading
     }
 
-    /// A read during which so many answers come at most.
+    /// Reads while the board sends at most `most` answers.
     fn reads_with(&mut self, angles: [f32; 2], most: usize) -> Result<Pose, DeviceError> {
         let answer = self.answer(angles);
         let pty = &self.pty;
@@ -117,7 +117,7 @@ impl Played {
                         pty.write(&answer);
                         answered += 1;
                     }
-                    // A packet that is not here yet is taken off and answered in the next read.
+                    // A packet that has not arrived yet is answered in the next read.
                     if is_last && asked.len() % STATE_LENGTH == 0 {
                         return asked.len() / STATE_LENGTH;
                     }
@@ -132,7 +132,7 @@ impl Played {
         reading
     }
 
-    /// Reads until there is a sample; how often there was none.
+    /// Reads until there is a sample, and returns the number of failed reads.
     fn comes_back(&mut self) -> usize {
         let begun = Instant::now();
         let mut failures = 0;
@@ -147,7 +147,7 @@ impl Played {
 
 impl Drop for Played {
     fn drop(&mut self) {
-        // Nobody answers when it is closed.
+        // No board answers when the device is closed.
         self.device.closed = true;
     }
 }
@@ -158,18 +158,18 @@ fn a_late_answer_is_not_that_of_a_later_question() {
     assert!(played.device.read().is_err());
     assert_eq!(played.was_told(), [0.0]);
     played.says([131.0, 49.0]);
-    // That was the first question's; this one has none yet.
+    // That answer belongs to the first request; this one has none yet.
     let error = played.device.read().unwrap_err();
     assert_eq!(error.kind, DeviceErrorKind::NothingNew);
     assert_eq!(played.was_told(), [0.0]);
-    // Both come, in their order: the last one counts.
+    // Both answers arrive in order; the last one is used.
     played.says([132.0, 48.0]);
     assert!(played.reads([133.0, 47.0]).is_ok());
     assert_eq!(played.device.angles(), [133.0, 47.0]);
     assert_eq!(played.device.counts().surplus, 0);
 }
 
-/// As it is when the late answer comes while the later question's is waited for.
+/// The late answer arrives while the driver waits for the answer to the later request.
 #[test]
 fn one_answer_to_two_questions_is_not_that_of_the_second() {
     let mut played = Played::new();
@@ -191,7 +191,7 @@ fn an_answer_that_nobody_asked_for_is_noticed_and_not_believed() {
     assert!(played.comes_back() > 0);
 }
 
-/// It was late by more than anybody waits for: the board is tried, and found to be one behind.
+/// The answer is later than the longest wait: the driver sends a test request and finds the board one answer behind.
 #[test]
 fn an_answer_that_was_given_up_and_comes_after_all_is_not_believed() {
     let mut played = Played::new();
@@ -219,7 +219,7 @@ fn an_answer_that_is_lost_is_not_waited_for_for_ever() {
         let error = played.device.read().unwrap_err();
         assert_eq!(error.kind, DeviceErrorKind::NothingNew, "{error}");
     }
-    // It was not asked over and over again meanwhile: each new try takes its time.
+    // The driver did not send requests continuously: each attempt takes its time.
     let tries = begun.elapsed().as_millis() / (LOST_AFTER + QUIET).as_millis();
     let told = played.was_told();
     assert!(told.len() as u128 <= 4 + tries, "{tries} {told:?}");
@@ -251,7 +251,7 @@ fn a_board_that_is_behind_gets_no_force_and_no_flood() {
         let given = played.device.write([0.0, 0.5, 0.0].into()).unwrap().force;
         assert_eq!(given, [0.0; 3]);
     }
-    // Each new try takes at least as long as an answer may be missing, and a quiet line.
+    // Each attempt takes at least the wait for a missing answer and a quiet line.
     let tries = begun.elapsed().as_millis() / (LOST_AFTER + QUIET).as_millis();
     let told = played.was_told();
     assert!(told.len() as u128 <= 5 + tries, "{tries} {told:?}");
@@ -269,13 +269,13 @@ fn what_is_repeated_after_a_cut_is_no_torque() {
     assert!(told[0] != 0.0 && told[1..] == [0.0], "{told:?}");
     let _ = played.device.read();
     assert!(played.was_told().iter().all(|torque| *torque == 0.0));
-    // And a force that is commanded afterwards is one.
+    // A force commanded afterwards is sent.
     played.comes_back();
     played.device.write([0.0, 1.0, 0.0].into()).unwrap();
     assert!(played.was_told().iter().any(|torque| *torque != 0.0));
 }
 
-/// The force's own packet takes the waiting zero along before it: the force is what is held.
+/// The force's own packet sends the pending zero first, so the board holds the force.
 #[test]
 fn a_force_behind_a_cut_that_was_waiting_is_taken_off() {
     let mut played = Played::new();
@@ -289,7 +289,7 @@ fn a_force_behind_a_cut_that_was_waiting_is_taken_off() {
     assert_eq!(played.was_told(), [0.0]);
 }
 
-/// Whoever has the line may have found that nothing was wanted any more.
+/// The thread that holds the line may already have found that nothing was pending.
 #[test]
 fn no_force_that_finds_the_line_busy_goes_out_after_all() {
     let mut played = Played::new();
@@ -325,7 +325,7 @@ fn a_silent_board_is_gone_after_a_second_and_a_dead_port_at_once() {
     assert_eq!(played.device.write([0.0; 3].into()).unwrap_err(), GONE);
 }
 
-/// It goes on slipping, and no two of its angles agree; or it has slipped once, and answers late now and then.
+/// Either the encoders keep slipping and no two samples agree, or they slipped once and answers are sometimes late.
 #[test]
 fn a_board_whose_encoders_slip_is_not_gone_and_says_so() {
     for slips_on in [true, false] {
@@ -334,7 +334,7 @@ fn a_board_whose_encoders_slip_is_not_gone_and_says_so() {
         let begun = Instant::now();
         let mut slips = 0;
         let mut error = None;
-        // Until well after a silent board would be gone.
+        // Until well after a silent board would be reported as gone.
         while begun.elapsed() < 2 * GONE_AFTER || error.is_none_or(is_passing) {
             slips += 1;
             let by = if slips_on {
@@ -353,7 +353,7 @@ fn a_board_whose_encoders_slip_is_not_gone_and_says_so() {
         let error = error.unwrap();
         assert_eq!(error.kind, DeviceErrorKind::Refused);
         assert!(error.what.contains("slipped"), "{}", error.what);
-        // Answers that do not come are missing, and no reason to call it gone before a second is over.
+        // Missing answers do not make the device gone before one second has passed.
         for _ in 0..GONE_AFTER_READS {
             played.reads([START[0] - 60.0, START[1]]).unwrap_err();
             let missing = played.device.read().unwrap_err();
@@ -366,7 +366,7 @@ fn is_passing(error: DeviceError) -> bool {
     error.kind == DeviceErrorKind::NothingNew
 }
 
-/// The other side of a guardian that the test plays.
+/// The watchdog process's end of the socket, used by the test.
 fn guarded(played: &Played) -> std::os::unix::net::UnixStream {
     use palpate_rt::guardian::Guardian;
     let (driver, socket) = std::os::unix::net::UnixStream::pair().unwrap();
@@ -376,7 +376,7 @@ fn guarded(played: &Played) -> std::os::unix::net::UnixStream {
     socket
 }
 
-/// What a guardian has heard: a letter for each word.
+/// Returns the messages that the watchdog process received, one letter each.
 fn heard(mut socket: &std::os::unix::net::UnixStream) -> String {
     use std::io::Read;
     let mut bytes = [0; 900];
@@ -403,8 +403,8 @@ fn a_guardian_hears_of_every_torque_and_once_of_none() {
     assert_eq!(heard(&socket), "0");
 }
 
-/// Its own packet may have come into the middle of one of ours, so the board is told anew from
-/// wherever it is; and the device comes back by itself.
+/// The packet of the watchdog process may interrupt a packet of the driver, so the driver commands zero torque again
+/// with a packet that the board accepts in any state. The device then recovers.
 #[test]
 fn a_loop_that_a_guardian_has_cut_drops_what_it_had_begun_and_comes_back() {
     use std::io::Write;
@@ -453,7 +453,7 @@ fn without_its_guardian_a_device_gives_no_torque_and_says_so() {
     assert_eq!(last, state_of_none(&played));
 }
 
-/// As a guardian that was stopped: its socket fills up.
+/// A stopped watchdog process: its socket fills up.
 #[test]
 fn a_guardian_that_does_not_listen_is_told_from_one_that_has_ended() {
     let mut played = Played::new();
@@ -466,7 +466,7 @@ fn a_guardian_that_does_not_listen_is_told_from_one_that_has_ended() {
             Err(error) => break error,
         }
         assert!(words < 1_000_000, "somebody listens");
-        // The board answers, or no force goes out for another reason.
+        // Either the board answers, or the command is refused for another reason.
         let _ = played.reads(START);
     };
     assert_eq!(refused, unguarded(Unguarded::NotListening));

@@ -1,4 +1,4 @@
-//! From a force to torques on the wire, and back to the force that they really make.
+//! Conversion from a force to the torques on the wire, and back to the force that they produce.
 
 use super::board::{Board, LARGEST_TORQUE};
 use super::kinematics::ArmPose;
@@ -6,13 +6,13 @@ use super::kinematics::ArmPose;
 /// Torques of joints 1 and 2 `[N m]`.
 pub type Torques = [f32; 2];
 
-/// A torque below this is none `[N m]`: the finest step of any board is 30 thousand times as much.
+/// Smaller torques are set to zero `[N m]`: the finest step of any board is 30 thousand times as large.
 const LEAST_TORQUE: f64 = 1e-9;
 
-/// The torques to command for `force` `[N]`, and the force that the board gives with them.
+/// Returns the torques to command for `force` `[N]`, and the force that the board produces with them.
 ///
-/// Where a motor cannot give its part, both give less, so that the **direction** of the force stays.
-/// Near a singular pose the force fades. A force that is not finite is none.
+/// If a motor saturates, both torques are reduced so that the **direction** of the force is kept. The force fades near
+/// a singular pose. A non-finite force gives zero torque.
 #[must_use]
 pub fn torques(pose: &ArmPose, board: Board, force: [f64; 2]) -> (Torques, [f64; 2]) {
     const NONE: (Torques, [f64; 2]) = ([0.0; 2], [0.0; 2]);
@@ -33,9 +33,8 @@ pub fn torques(pose: &ArmPose, board: Board, force: [f64; 2]) -> (Torques, [f64;
         .map(|torque| (torque * scale) as f32)
         .map(|torque| torque.clamp(-LARGEST_TORQUE, LARGEST_TORQUE));
     let given = torques.map(|torque| board.given_torque(torque));
-    // A step of each duty is lost at most; where the force that this makes is larger than what was
-    // lost along the way, the links hold it and not the motors, and only the part along the way is
-    // known.
+    // Each duty loses at most one step. If the resulting force is larger than the loss along the force direction, the
+    // links hold it and not the motors, so only the component along that direction is known.
     let along = (given[0] * wanted[0] + given[1] * wanted[1])
         / (wanted[0] * wanted[0] + wanted[1] * wanted[1]);
     let straight = force.map(|part| part * along);
@@ -72,7 +71,7 @@ mod tests {
                         let short = (wanted[joint] * scale).abs() - f64::from(torques[joint]).abs();
                         assert!(short.abs() < 1e-7, "{generation:?} {degrees:?} {force:?}");
                     }
-                    // What the board gives makes this force, but for a step of the duty.
+                    // The given torques produce this force, within one duty step.
                     let made = pose.torques(given);
                     for joint in 0..2 {
                         let off = made[joint] - f64::from(torques[joint]);

@@ -1,4 +1,4 @@
-//! A guardian for a 2DIY: what takes its torque off when the program can not.
+//! Watchdog process of a 2DIY, which removes the torque if the program cannot.
 
 use std::os::fd::AsFd;
 use std::process::Command;
@@ -11,7 +11,7 @@ use super::driver::TwoDiy;
 use super::packet::{REPLY_LENGTH, release, state};
 
 impl<C> TwoDiy<C> {
-    /// What a guardian of this device has to do when the driver was silent for `limit`.
+    /// Returns the orders for a watchdog process that acts after `limit` without a message from the driver.
     #[must_use]
     pub fn orders(&self, limit: Duration) -> Orders {
         Orders {
@@ -22,13 +22,12 @@ impl<C> TwoDiy<C> {
         }
     }
 
-    /// The same device with a guardian: the process of `command`, which calls
-    /// [`serve`](palpate_rt::guardian::serve). It commands no torque as soon as this program is gone,
-    /// and when the driver has sent nothing for `limit` while a torque is on. It ends when the device
-    /// is closed. If it ends before that, the device commands no torque any more and says
+    /// Starts a watchdog process with `command`, which calls [`serve`](palpate_rt::guardian::serve). The process
+    /// commands zero torque if this program ends, or if the driver sends nothing for `limit` while a torque is on. It
+    /// ends when the device is closed. If it ends earlier, the device commands only zero torque and returns
     /// [`Refused`](palpate_device::DeviceErrorKind::Refused).
     ///
-    /// What the guardian has done is counted in `account`.
+    /// `account` records the actions of the watchdog process.
     ///
     /// # Errors
     /// The process does not start. The device is closed, and holds no torque.

@@ -1,20 +1,20 @@
-//! Where the end-point is for given angles, and which torques make a force there.
+//! Forward kinematics, and the torques that produce a force at the end-point.
 //!
-//! Motor 1 stands at the origin, motor 2 at (d, 0); x points to the right, y away from the base,
-//! angles count counter-clockwise from +x:
+//! Motor 1 is at the origin, motor 2 at (d, 0); x points to the right, y away from the base, angles are
+//! counter-clockwise from +x:
 //!
 //! ```text
 //! A = l (cos a1, sin a1)      B = (d, 0) + l (cos a2, sin a2)      |P - A| = |P - B| = L
 //! ```
 //!
-//! and P lies to the left of the way from A to B. Directions of the distal links come from an
-//! `atan2`; an arccosine, as in the vendor's example, has the wrong sign where P is not above both
-//! elbows (it errs in 70 of 468 poses of a grid over the third generation's workspace).
+//! P is to the left of the line from A to B. Directions of the distal links are computed with `atan2`; an arccosine, as
+//! in the vendor's example, has the wrong sign if P is not above both elbows (in 70 of 468 poses of a grid over the
+//! third generation's workspace).
 
-/// Below this sine of the angle between the distal links no force is made: there the motors hardly
-/// say where the end-point goes, and a small torque is a large force.
+/// No force is produced if the sine of the angle between the distal links is smaller than this: the motor angles hardly
+/// determine the end-point, and a small torque is a large force.
 pub const LEAST_SINE: f64 = 0.05;
-/// From this sine on a force is made as it was asked for; between the two it fades.
+/// From this sine upwards the full force is produced; between the two limits it fades.
 pub const FULL_SINE: f64 = 0.15;
 
 /// Lengths of a symmetric five-bar linkage `[m]`.
@@ -28,7 +28,7 @@ pub struct Geometry {
     pub base: f64,
 }
 
-/// Why there is no pose, and hence no force.
+/// Reason why there is no pose, and hence no force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NoPose {
@@ -38,17 +38,17 @@ pub enum NoPose {
     /// The elbows are farther apart than the distal links can bridge.
     #[error("the angles are outside the workspace: the links do not reach")]
     OutOfReach,
-    /// The elbows meet, or the distal links are in line.
+    /// The elbows coincide, or the distal links are collinear.
     #[error("the angles are outside the workspace: the pose is singular")]
     Singular,
 }
 
-/// A pose in which forces can be made.
+/// A pose in which forces can be produced.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmPose {
     /// End-point (x, y) `[m]`.
     pub position: [f64; 2],
-    /// Columns of the Jacobian: how the end-point moves with joints 1 and 2 `[m/rad]`.
+    /// Columns of the Jacobian: derivatives of the end-point by joints 1 and 2 `[m/rad]`.
     pub columns: [[f64; 2]; 2],
     /// Sine of the angle between the distal links, above [`LEAST_SINE`].
     pub sine: f64,
@@ -65,10 +65,10 @@ impl Geometry {
         }
     }
 
-    /// The pose for the angles of joints 1 and 2 `[rad]`.
+    /// Returns the pose for the angles of joints 1 and 2 `[rad]`.
     ///
     /// # Errors
-    /// The angles are no numbers, out of reach, or singular within [`LEAST_SINE`].
+    /// The angles are not finite, out of reach, or singular within [`LEAST_SINE`].
     pub fn pose(&self, [first, second]: [f64; 2]) -> Result<ArmPose, NoPose> {
         if !(first.is_finite() && second.is_finite()) {
             return Err(NoPose::NotANumber);
@@ -83,7 +83,7 @@ impl Geometry {
             return Err(NoPose::OutOfReach);
         }
         let height = square.sqrt();
-        // sin of the whole angle between the links, from its half.
+        // Sine of the full angle between the links, from the half angle.
         let sine = 2.0 * (0.5 * apart / distal) * (height / distal);
         if sine < LEAST_SINE {
             return Err(NoPose::Singular);
@@ -95,8 +95,8 @@ impl Geometry {
         ];
         let direction = |from: [f64; 2]| (position[1] - from[1]).atan2(position[0] - from[0]);
         let (along_first, along_second) = (direction(a), direction(b));
-        // The end-point turns about the other elbow while one joint moves: it goes across the
-        // other distal link, as fast as its own link carries what the joint's elbow does along it.
+        // If one joint moves, the end-point rotates about the other elbow, perpendicular to the other distal link. Its
+        // speed follows from the velocity of the moving elbow along its own distal link.
         let column = |angle: f64, own: f64, other: f64| {
             let rate = l * (angle - own).sin() / (own - other).sin();
             [rate * other.sin(), -rate * other.cos()]
@@ -113,16 +113,16 @@ impl Geometry {
 }
 
 impl ArmPose {
-    /// Torques of joints 1 and 2 `[N m]` that make `force` `[N]` on the end-point: the transpose of
-    /// the Jacobian times it.
+    /// Returns the torques of joints 1 and 2 `[N m]` that produce `force` `[N]` at the end-point: the transposed
+    /// Jacobian times the force.
     #[must_use]
     pub fn torques(&self, force: [f64; 2]) -> [f64; 2] {
         self.columns
             .map(|column| column[0] * force[0] + column[1] * force[1])
     }
 
-    /// The force on the end-point `[N]` that `torques` make `[N m]`; not finite where the links of
-    /// a joint are in line, since they hold any force along themselves.
+    /// Returns the force at the end-point `[N]` produced by `torques` `[N m]`. It is not finite if the links of a joint
+    /// are collinear, because they hold any force along themselves.
     #[must_use]
     pub fn force(&self, torques: [f64; 2]) -> [f64; 2] {
         let [[a, b], [c, d]] = self.columns;
@@ -133,14 +133,14 @@ impl ArmPose {
         ]
     }
 
-    /// How much of a force is made here, 0 to 1: it fades towards a singular pose.
+    /// Returns the fraction of a force that is produced in this pose, 0 to 1; it fades towards a singular pose.
     #[must_use]
     pub fn fading(&self) -> f64 {
         ((self.sine - LEAST_SINE) / (FULL_SINE - LEAST_SINE)).clamp(0.0, 1.0)
     }
 
-    /// The largest force along the unit vector `direction` with torques up to `largest` `[N m]`, as
-    /// the driver gives it `[N]`.
+    /// Returns the largest force along the unit vector `direction` with torques up to `largest` `[N m]`, as the driver
+    /// produces it `[N]`.
     #[must_use]
     pub fn largest_force(&self, direction: [f64; 2], largest: f64) -> f64 {
         let torques = self.torques(direction).map(f64::abs);
@@ -180,7 +180,7 @@ mod tests {
         let middle = pose(Three, [130.0, 50.0]).columns;
         close(middle[0], [-0.04906, -0.04961], 5e-6);
         close(middle[1], [-0.04906, 0.04961], 5e-6);
-        // Here the vendor's arccosine has it wrong.
+        // The vendor's arccosine is wrong here.
         close(
             pose(Three, [90.0, -20.0]).columns[1],
             [0.0035, 0.0626],
@@ -211,7 +211,7 @@ mod tests {
                             continue;
                         };
                         let slope = [0, 1].map(|k| (after[k] - before[k]) / (2.0 * step));
-                        // Near a singular pose the difference quotient itself is no better.
+                        // The difference quotient itself is less accurate near a singular pose.
                         close(here.columns[joint], slope, 1e-7 / here.sine.powi(2));
                     }
                 }
@@ -254,10 +254,10 @@ mod tests {
             apart.pose([std::f64::consts::PI, 0.0]),
             Err(NoPose::OutOfReach)
         );
-        // Elbows on each other.
+        // Coincident elbows.
         let second = Generation::Two.layout().geometry;
         assert_eq!(second.pose([1.0, 1.0]), Err(NoPose::Singular));
-        // It fades on the way there, and never grows again.
+        // The fading factor decreases monotonically on the way.
         let mut last = 1.0;
         for step in 0..400 {
             let second_angle = 2.0 + f64::from(step) * 1e-3;

@@ -1,8 +1,8 @@
-//! Which motor and which encoder is on which port, and how long the links are.
+//! Port assignment of motors and encoders, and link lengths.
 
 use super::kinematics::{ArmPose, Geometry, NoPose};
 
-/// Which way a motor or an encoder counts as positive.
+/// Positive direction of a motor or an encoder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// Clockwise; 0 on the wire.
@@ -12,7 +12,7 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// As on the wire.
+    /// Returns the byte on the wire.
     #[must_use]
     pub fn byte(self) -> u8 {
         match self {
@@ -22,28 +22,28 @@ impl Direction {
     }
 }
 
-/// A joint with its motor and its encoder.
+/// A joint with its motor and encoder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joint {
     /// Port of the motor, counted from 1.
     pub motor_port: u8,
-    /// Which way the motor counts as positive.
+    /// Positive direction of the motor.
     pub motor_direction: Direction,
     /// Port of the encoder, counted from 1.
     pub encoder_port: u8,
-    /// Which way the encoder counts as positive.
+    /// Positive direction of the encoder.
     pub encoder_direction: Direction,
     /// Angle of the joint while SETUP is sent `[degrees]`.
     pub start: f32,
-    /// Counts per revolution that SETUP tells the board.
+    /// Counts per revolution sent to the board in SETUP.
     pub counts_per_rev: f32,
 }
 
-/// All that a SETUP says, and the mechanism behind it. The presets are
-/// [`Generation::layout`]; the fields are open for kits that were put together otherwise.
+/// Contents of a SETUP packet, and the mechanism. [`Generation::layout`] returns the presets; the fields are public for
+/// kits with another assembly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layout {
-    /// The device's number; 0 is taken by RESET.
+    /// Device id; 0 is reserved for RESET.
     pub device_id: u8,
     /// Joints 1 and 2.
     pub joints: [Joint; 2],
@@ -51,15 +51,15 @@ pub struct Layout {
     pub geometry: Geometry,
 }
 
-/// The generations that Haply sold, with the configuration of its examples.
+/// Generations sold by Haply, with the configuration of its examples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Generation {
     /// Kit of 2018 and 2019. Device id 3, as in the wall example; the C++ example has 5.
     One,
     /// Both motors on one axis.
     Two,
-    /// Also 3.1. Seen elsewhere, and possible with other fields of [`Layout`]: motors clockwise
-    /// with the start at 180 and 0 degrees; 2048 * 2.5 * 1.0194 counts per revolution.
+    /// Also 3.1. Other published settings, possible with other fields of [`Layout`]: motors clockwise with the start at
+    /// 180 and 0 degrees; 2048 * 2.5 * 1.0194 counts per revolution.
     Three,
 }
 
@@ -67,7 +67,7 @@ impl Generation {
     /// Every generation.
     pub const ALL: [Self; 3] = [Self::One, Self::Two, Self::Three];
 
-    /// Its number.
+    /// Returns the generation number.
     #[must_use]
     pub fn number(self) -> u8 {
         match self {
@@ -77,7 +77,7 @@ impl Generation {
         }
     }
 
-    /// The board that it came with, as far as is known: of the second generation nobody says.
+    /// Returns the board sold with this generation; for the second generation it is not documented.
     #[must_use]
     pub fn usual_board(self) -> super::Board {
         match self {
@@ -86,7 +86,7 @@ impl Generation {
         }
     }
 
-    /// Wiring, start pose (fully retracted) and links of Haply's own examples.
+    /// Returns wiring, start pose (fully retracted) and links of Haply's own examples.
     #[must_use]
     pub fn layout(self) -> Layout {
         use Direction::{Clockwise, CounterClockwise};
@@ -126,7 +126,7 @@ impl Generation {
         }
     }
 
-    /// Angles of the fully extended arm `[degrees]`, where they are published.
+    /// Returns the angles of the fully extended arm `[degrees]`, if they are published.
     #[must_use]
     pub fn extended(self) -> Option<[f32; 2]> {
         match self {
@@ -135,8 +135,8 @@ impl Generation {
         }
     }
 
-    /// A place on the middle line from which 0.1 m away from the base is still within reach, and
-    /// 10 mm towards it too `[m]`: where a scene's coordinate is 0 unless somebody says otherwise.
+    /// Returns a position on the centre line from which 0.1 m away from the base and 10 mm towards it are within reach
+    /// `[m]`. It is the default origin of a scene coordinate.
     #[must_use]
     pub fn usual_origin(self) -> [f64; 2] {
         match self {
@@ -148,7 +148,7 @@ impl Generation {
 }
 
 impl Layout {
-    /// The same layout, to be set up in another pose `[degrees]`.
+    /// Returns the same layout with another start pose `[degrees]`.
     #[must_use]
     pub fn starting_at(mut self, angles: [f32; 2]) -> Self {
         for (joint, angle) in self.joints.iter_mut().zip(angles) {
@@ -157,16 +157,16 @@ impl Layout {
         self
     }
 
-    /// The pose that SETUP asserts.
+    /// Returns the start pose that SETUP asserts.
     ///
     /// # Errors
-    /// The links do not reach it, or it is singular.
+    /// The links do not reach the pose, or it is singular.
     pub fn start_pose(&self) -> Result<ArmPose, NoPose> {
         let angles = self.joints.map(|joint| f64::from(joint.start).to_radians());
         self.geometry.pose(angles)
     }
 
-    /// Values of the joints in the order of their ports, as they go over the wire.
+    /// Returns the values of the joints in the order of their motor ports, as on the wire.
     #[must_use]
     pub fn by_motor_port<T: Copy>(&self, [first, second]: [T; 2]) -> [T; 2] {
         if self.joints[0].motor_port <= self.joints[1].motor_port {
@@ -176,7 +176,7 @@ impl Layout {
         }
     }
 
-    /// The same for encoders. It is its own inverse.
+    /// Returns the values of the joints in the order of their encoder ports. The function is its own inverse.
     #[must_use]
     pub fn by_encoder_port<T: Copy>(&self, [first, second]: [T; 2]) -> [T; 2] {
         if self.joints[0].encoder_port <= self.joints[1].encoder_port {

@@ -1,15 +1,13 @@
-//! The way to the board, shared by the loop, its supervisor and a thread that waits in their place.
+//! Transmission to the board, shared by the loop, its supervisor and a sender thread that may block.
 //!
-//! A packet that is cut in two by another one makes the board misread both, and it keeps the torque
-//! that it had. So there is one place from which bytes go out: whoever has it completes what was
-//! begun before anything else. Nobody waits for it: `try_lock` is an exchange of a number, and who
-//! does not get it goes away. No force is different: it must go out. If it cannot at once, it is
-//! *wanted*, and a thread beside the loop sends it at the first moment at which the port takes it.
+//! A packet that is interrupted by another one makes the board misread both, and the board keeps its previous torque.
+//! All bytes therefore go through one mutex; its holder first completes a partly sent packet. Callers use `try_lock`
+//! and return if it is taken. A zero-torque command must not be lost: if it cannot be sent at once, it becomes
+//! *pending*, and a thread beside the loop sends it as soon as the port accepts it.
 //!
-//! A guardian, another process, writes to the same port when this one has been silent for too long.
-//! What it writes may come between two parts of a packet of this side. So whoever finds that the
-//! guardian has written drops the rest of a packet, and first sends one that a board understands in
-//! the middle of any other.
+//! The watchdog process writes to the same port if this process has been silent for too long. Its bytes may fall
+//! between two parts of a packet of this process. After such a write, the driver discards the rest of its packet and
+//! first sends one that a board accepts in the middle of any other.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
@@ -22,23 +20,23 @@ use super::layout::Layout;
 use super::packet::{SETUP_LENGTH, STATE_LENGTH, release, state};
 use super::serial::{Gone, Serial};
 
-/// How long the waiting thread waits at a time, so that it can be ended.
+/// Wait interval of the sender thread; bounds the time until it ends.
 const WAIT: Duration = Duration::from_millis(20);
 
-/// How long no force that is wanted is tried for when the line is closed.
+/// Time limit for sending a pending zero-torque command when the line is closed.
 const LAST_TRY: Duration = Duration::from_secs(2);
 
-/// Why nothing was sent.
+/// Reason for not sending.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Unsent {
-    /// Somebody else is sending no force right now.
+    /// Another thread is sending, usually a zero-torque command.
     Busy,
-    /// The port takes no bytes.
+    /// The port accepts no bytes.
     Full,
     /// The port is gone.
     Gone,
-    /// There is no guardian any more, and so no torque goes out.
+    /// The watchdog process is lost, so torques are not sent.
     Unguarded(Unguarded),
 }
 
@@ -48,20 +46,20 @@ impl From<Gone> for Unsent {
     }
 }
 
-/// What is on its way out.
+/// State of the outgoing data.
 #[derive(Debug)]
 struct Outgoing {
     layout: Layout,
-    /// Torques of the last STATE that was begun `[N m]`.
+    /// Torques of the last STATE of which sending began `[N m]`.
     held: [f32; 2],
-    /// A packet of which a part has gone out.
+    /// A partly sent packet.
     begun: [u8; SETUP_LENGTH],
-    /// The rest of it.
+    /// Its unsent range.
     rest: std::ops::Range<usize>,
-    /// Whether that packet is a STATE, which is answered.
+    /// Whether that packet is a STATE, which the board answers.
     is_answered: bool,
     guardian: Option<Guardian>,
-    /// Whether the guardian has been told that a torque may be on.
+    /// Whether the watchdog process was notified that a torque may be on.
     is_armed: bool,
 }
 
@@ -69,29 +67,29 @@ struct Outgoing {
 struct Shared {
     serial: Serial,
     outgoing: Mutex<Outgoing>,
-    /// How often no force was wished for, and how many of these wishes are met. Counted, so that a
-    /// wish that comes while one is being met is another one, and none ever looks met before it is.
+    /// Number of zero-torque requests, and how many of them are fulfilled. Counters rather than a flag: a request that
+    /// arrives while an earlier one is being fulfilled stays pending.
     wished: AtomicU64,
     met: AtomicU64,
-    /// STATE packets that went out whole: each is answered once.
+    /// STATE packets that were sent completely; the board answers each once.
     requests: AtomicU64,
-    /// How often no force was sent because it was wanted.
+    /// Number of zero-torque commands sent because one was pending.
     cuts: AtomicU64,
-    /// How often a guardian has sent no force.
+    /// Number of zero-torque commands by the watchdog process.
     guardian_cuts: AtomicU64,
-    /// How the guardian that there was got lost.
+    /// Reason for the loss of the watchdog process.
     unguarded: OnceLock<Unguarded>,
     closing: AtomicBool,
 }
 
-/// The loop's end of the line.
+/// The loop's handle of the line.
 #[derive(Debug)]
 pub struct Line {
     shared: Arc<Shared>,
     waiting: Option<JoinHandle<()>>,
 }
 
-/// The supervisor's end.
+/// The supervisor's handle of the line.
 #[derive(Clone, Debug)]
 pub struct Cutter {
     shared: Arc<Shared>,
@@ -140,50 +138,50 @@ impl Line {
         }
     }
 
-    /// STATE packets that went out.
+    /// Returns the number of STATE packets sent.
     pub fn requests(&self) -> u64 {
         self.shared.requests.load(Ordering::Acquire)
     }
 
-    /// How often no force was begun to be sent because it was wanted.
+    /// Returns how often sending a pending zero-torque command began.
     pub fn cuts(&self) -> u64 {
         self.shared.cuts.load(Ordering::Acquire)
     }
 
-    /// From now on `guardian` hears of every torque before it goes out. No torque may be on.
+    /// Installs a watchdog process, which is notified before each torque is sent. The torque must be zero.
     pub fn guard(&self, guardian: Guardian) {
         self.shared.locked().guardian = Some(guardian);
     }
 
-    /// Ends the guardian: the board is known to hold no torque, or cannot be told any more. Waits until
-    /// it is gone.
+    /// Ends the watchdog process, because the board holds zero torque or is unreachable. Waits until the process has
+    /// ended.
     pub fn dismiss_guardian(&self) {
-        // Not waited for with the line in hand.
+        // Release the mutex before waiting.
         let guardian = self.shared.locked().guardian.take();
         if let Some(guardian) = guardian {
             guardian.dismiss();
         }
     }
 
-    /// Finds out what the guardian has done.
+    /// Checks whether the watchdog process has cut the torque.
     pub fn listen_to_guardian(&self) {
-        // Nothing but that: what is wanted goes out with the next packet, and before it.
+        // A pending zero-torque command is sent by the next packet or the sender thread.
         if let Ok(mut outgoing) = self.shared.try_locked() {
             let _ = self.shared.heed_guardian(&mut outgoing);
         }
     }
 
-    /// How often a guardian has sent no force.
+    /// Returns the number of zero-torque commands by the watchdog process.
     pub fn guardian_cuts(&self) -> u64 {
         self.shared.guardian_cuts.load(Ordering::Acquire)
     }
 
-    /// How the guardian that there was got lost, if it did.
+    /// Returns the reason for the loss of the watchdog process, if it is lost.
     pub fn unguarded(&self) -> Option<Unguarded> {
         self.shared.unguarded.get().copied()
     }
 
-    /// Asks for the angles, repeating the torques that are held: none, if somebody has cut them.
+    /// Requests the angles. The packet repeats the held torques, or zero after a cut.
     pub fn ask(&self) -> Result<(), Unsent> {
         self.shared.with_outgoing(|shared, outgoing| {
             let held = outgoing.held;
@@ -191,18 +189,17 @@ impl Line {
         })
     }
 
-    /// Commands torques `[N m]`. What [`cuts`](Self::cuts) was then: as long as it is that, nobody
-    /// has sent no force after these torques.
+    /// Commands torques `[N m]` and returns the current [`cuts`](Self::cuts). While that counter keeps this value, no
+    /// zero-torque command has followed these torques.
     pub fn command(&self, torques: [f32; 2]) -> Result<u64, Unsent> {
         self.shared.with_outgoing(|shared, outgoing| {
             shared.send_state(outgoing, torques)?;
-            // Here, where nobody else can send: the cut that was waiting has gone out before.
+            // Read under the lock: a pending zero-torque command has been sent before.
             Ok(shared.cuts.load(Ordering::Acquire))
         })
     }
 
-    /// Sends a packet that is not answered, with another layout from then on; waits up to `limit`.
-    /// Not for the loop.
+    /// Sends a packet that the board does not answer, and waits up to `limit`. Not for use in the loop.
     pub fn send(&self, packet: &[u8], limit: Duration) -> Result<(), Unsent> {
         self.patiently(limit, || {
             self.shared
@@ -210,7 +207,7 @@ impl Line {
         })
     }
 
-    /// Commands torques, and waits for room up to `limit`. Not for the loop.
+    /// Commands torques, and waits for the port up to `limit`. Not for use in the loop.
     pub fn command_patiently(&self, torques: [f32; 2], limit: Duration) -> Result<(), Unsent> {
         self.patiently(limit, || self.command(torques).map(|_| ()))
     }
@@ -236,7 +233,7 @@ impl Line {
 }
 
 impl Line {
-    /// Sends no force if it is wanted, for as long as anybody can be expected to wait.
+    /// Sends a pending zero-torque command, for at most `LAST_TRY`.
     fn send_what_is_left(&self) {
         let begun = Instant::now();
         while self.shared.is_wanted() && begun.elapsed() < LAST_TRY {
@@ -261,14 +258,14 @@ impl Drop for Line {
             waiting.thread().unpark();
             let _ = waiting.join();
         }
-        // One that was not dismissed tries on. Here, for a supervisor may hold on to the rest.
+        // An undismissed watchdog process keeps trying. Drop it here, because a supervisor may keep `shared` alive.
         let guardian = self.shared.locked().guardian.take();
         drop(guardian);
     }
 }
 
 impl Cutter {
-    /// Sends no force at the first moment possible, and returns at once.
+    /// Commands zero torque as soon as possible, and returns immediately.
     pub fn cut(&self) {
         self.shared.wished.fetch_add(1, Ordering::AcqRel);
         let sent = self
@@ -284,24 +281,24 @@ impl Cutter {
 
 #[cfg(test)]
 impl Cutter {
-    /// As a cut that has got no farther yet.
+    /// Requests zero torque without sending it.
     pub fn want(&self) {
         self.shared.wished.fetch_add(1, Ordering::AcqRel);
     }
 
-    /// Whether a cut has not gone out yet.
+    /// Returns whether a cut is pending.
     pub fn is_wanted(&self) -> bool {
         self.shared.is_wanted()
     }
 
-    /// As somebody who is sending.
+    /// Holds the lock, as a sending thread does.
     pub fn hold(&self) -> impl Sized + '_ {
         self.shared.outgoing.lock().unwrap()
     }
 }
 
 impl Shared {
-    /// Does something with what goes out, unless somebody else does. What is wanted goes first.
+    /// Runs `send` on the outgoing state, unless another thread holds it. A pending zero-torque command is sent first.
     fn with_outgoing<T>(
         &self,
         send: impl FnOnce(&Self, &mut Outgoing) -> Result<T, Unsent>,
@@ -312,24 +309,24 @@ impl Shared {
         send(self, &mut outgoing)
     }
 
-    /// What goes out, unless somebody else has it.
+    /// Locks the outgoing state without waiting.
     fn try_locked(&self) -> Result<MutexGuard<'_, Outgoing>, Unsent> {
         match self.outgoing.try_lock() {
             Ok(outgoing) => Ok(outgoing),
-            // Whoever panicked while it sent has left a packet and its rest, as everybody does.
+            // A thread that panicked while sending leaves a packet and its rest, as every partial write does.
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
             Err(TryLockError::WouldBlock) => Err(Unsent::Busy),
         }
     }
 
-    /// What goes out, for whoever may wait.
+    /// Locks the outgoing state. For callers that may wait.
     fn locked(&self) -> MutexGuard<'_, Outgoing> {
         self.outgoing.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes in what the guardian has done. Where it has sent no force the board is told so once more,
-    /// from wherever it is: a packet of ours may have been cut in two. Where it is gone no force is
-    /// wanted.
+    /// Applies the actions of the watchdog process. After a cut, the driver sends zero torque again with a packet that
+    /// the board accepts in any state, because one of its own packets may have been interrupted. If the watchdog
+    /// process is lost, it requests zero torque.
     fn heed_guardian(&self, outgoing: &mut Outgoing) -> Result<(), Unsent> {
         let Some(guardian) = &outgoing.guardian else {
             return Ok(());
@@ -353,14 +350,14 @@ impl Shared {
     }
 
     fn lose_guardian(&self, outgoing: &mut Outgoing, how: Unguarded) {
-        // Dropped where somebody may wait for it. Whoever is here has what goes out, and is alone.
+        // It is dropped later, by a thread that may wait. The caller holds the lock, so there is no race.
         if self.unguarded.set(how).is_ok() {
             self.wished.fetch_add(1, Ordering::AcqRel);
         }
         outgoing.is_armed = false;
     }
 
-    /// Tells the guardian of torques that are about to go out.
+    /// Notifies the watchdog process before torques are sent.
     fn announce(&self, outgoing: &mut Outgoing) -> Result<(), Unsent> {
         if let Some(how) = self.unguarded.get() {
             return Err(Unsent::Unguarded(*how));
@@ -376,7 +373,7 @@ impl Shared {
         Ok(())
     }
 
-    /// Tells the guardian that no torque is on, if it may think otherwise.
+    /// Notifies the watchdog process that the torque is zero, unless it already knows.
     fn stand_down(&self, outgoing: &mut Outgoing) {
         if let Some(guardian) = outgoing.guardian.as_ref().filter(|_| outgoing.is_armed) {
             if let Err(how) = guardian.none() {
@@ -396,7 +393,7 @@ impl Shared {
         Ok(())
     }
 
-    /// Whether no force is to be sent, and has not been.
+    /// Returns whether a zero-torque command is pending.
     fn is_wanted(&self) -> bool {
         self.wished.load(Ordering::Acquire) != self.met.load(Ordering::Acquire)
     }
@@ -416,7 +413,7 @@ impl Shared {
         Ok(())
     }
 
-    /// Sends a packet in one piece, if the port takes it in one; completes what was begun before.
+    /// Completes the packet begun before and sends this one, in one write if the port accepts it.
     fn begin(&self, outgoing: &mut Outgoing, packet: &[u8], answered: bool) -> Result<(), Unsent> {
         self.complete(outgoing)?;
         let written = self.serial.write(packet)?;
@@ -445,7 +442,7 @@ impl Shared {
         Ok(())
     }
 
-    /// The thread that waits where nobody else may.
+    /// Body of the sender thread, which may wait for the port.
     fn send_what_is_wanted(&self) {
         while !self.closing.load(Ordering::Acquire) {
             if !self.is_wanted() {
@@ -457,7 +454,7 @@ impl Shared {
                 Ok(()) => {}
                 Err(Unsent::Full) => self.serial.wait_writable(WAIT),
                 Err(Unsent::Busy) => std::thread::sleep(Duration::from_micros(100)),
-                // Nobody is there to hear it; no force needs no guardian.
+                // The port is gone; a zero-torque command does not need the watchdog process.
                 Err(Unsent::Gone | Unsent::Unguarded(_)) => std::thread::sleep(WAIT),
             }
         }

@@ -1,10 +1,10 @@
-//! The way out under a port that is full, and under two threads that send at once.
+//! Transmission with a full port, and with two threads that send at the same time.
 
 use super::*;
 use crate::two_diy::Generation;
 use palpate_haply_emulator::two_diy::Pty;
 
-/// How long anything that has to happen may take on a busy machine.
+/// Time limit for expected events on a busy machine.
 const LIMIT: Duration = Duration::from_secs(30);
 
 /// A line, and the board's end of its pseudo-terminal.
@@ -15,7 +15,7 @@ fn line() -> (Pty, Line) {
     (pty, line)
 }
 
-/// Every packet that came, as its torque on port 1; none may be cut.
+/// Returns the torque on port 1 of each received packet; all packets must be complete.
 fn packets(bytes: &[u8]) -> Vec<f32> {
     assert_eq!(bytes.len() % STATE_LENGTH, 0);
     let torque = |packet: &[u8]| {
@@ -25,11 +25,11 @@ fn packets(bytes: &[u8]) -> Vec<f32> {
     bytes.chunks(STATE_LENGTH).map(torque).collect()
 }
 
-/// What a Linux terminal keeps for its reader before it takes no more from behind it `[bytes]`.
+/// Number of bytes that a Linux terminal buffers for its reader before the writer is blocked `[bytes]`.
 const KEPT: u64 = 4095;
 
-/// Sends until the port stays full. The kernel moves what was sent on to the reader in its own time,
-/// which makes room: the port is full for good when the reader's end is, and it still refuses.
+/// Sends until the port stays full. The kernel moves sent bytes to the reader with a delay, which makes space again.
+/// The port is full for good when the reader's buffer is full and the port still refuses.
 fn fill(pty: &Pty, line: &Line) {
     let begun = Instant::now();
     loop {
@@ -49,7 +49,7 @@ fn fill(pty: &Pty, line: &Line) {
     }
 }
 
-/// Takes packets off the line until they are whole and satisfy `enough`.
+/// Reads packets from the line until they are complete and satisfy `enough`.
 fn take(pty: &Pty, mut enough: impl FnMut(&[f32]) -> bool) -> Vec<f32> {
     let begun = Instant::now();
     let mut bytes = Vec::new();
@@ -68,7 +68,7 @@ fn a_port_that_takes_nothing_gets_no_force_as_soon_as_it_takes_some() {
     let (pty, line) = line();
     fill(&pty, &line);
     assert_eq!(line.command([0.1, 0.1]), Err(Unsent::Full));
-    // Nobody makes room before the cut is back: if it waited for room, it would not come back.
+    // No bytes are read before the cut returns: a cut that waited for space would never return.
     let (done, is_done) = std::sync::mpsc::channel();
     let cutter = line.cutter();
     std::thread::spawn(move || {
@@ -76,11 +76,11 @@ fn a_port_that_takes_nothing_gets_no_force_as_soon_as_it_takes_some() {
         let _ = done.send(());
     });
     is_done.recv_timeout(LIMIT).expect("it waits for room");
-    // A packet is counted after it has been sent, so it can be here before it counts.
+    // A packet is counted after it is sent, so it may arrive before it is counted.
     take(&pty, |torques| {
         torques.last() == Some(&0.0) && torques.len() as u64 == line.requests()
     });
-    // What is repeated from now on is no force.
+    // The repeated torque is now zero.
     line.ask().unwrap();
     assert_eq!(take(&pty, |torques| !torques.is_empty()), [0.0]);
 }
@@ -91,7 +91,7 @@ fn a_line_that_is_closed_while_its_port_is_full_waits_for_room() {
     fill(&pty, &line);
     line.cutter().cut();
     let closing = std::thread::spawn(move || drop(line));
-    // Longer than anything but the last try waits.
+    // Longer than any wait except the last try.
     std::thread::sleep(4 * WAIT);
     let torques = take(&pty, |torques| torques.last() == Some(&0.0));
     closing.join().unwrap();
@@ -126,13 +126,13 @@ fn packets_of_two_threads_stay_whole() {
                 cutter.cut();
             }
         });
-        // Slowly, so that the port is full now and then.
+        // Slow reading, so that the port is sometimes full.
         let mut torques = take(&pty, |torques| {
             std::thread::sleep(Duration::from_micros(300));
             torques.len() > 3000 && torques.contains(&0.1) && torques.contains(&0.0)
         });
         ending.store(true, Ordering::Release);
-        // The threads may be at work yet: what they still send is read, so that they can end.
+        // The threads may still send; reading their bytes lets them end.
         torques.extend(take(&pty, |_| true));
         torques
     });

@@ -1,4 +1,4 @@
-//! The Haply 2DIY: a five-bar linkage in a plane, on a serial port.
+//! Haply 2DIY: a planar five-bar linkage on a serial port.
 
 mod board;
 #[cfg(unix)]

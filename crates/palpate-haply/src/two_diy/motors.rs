@@ -1,4 +1,4 @@
-//! Whether each motor turns its own joint, the right way.
+//! Check that each motor turns its own joint in the right direction.
 
 use std::time::{Duration, Instant};
 
@@ -8,36 +8,36 @@ use palpate_rt::StopFlag;
 
 use super::driver::TwoDiy;
 
-/// Torque of a pulse `[N m]`: a quarter of the largest, about 0.4 N at the end-point.
+/// Torque of a pulse `[N m]`: a quarter of the maximum, about 0.4 N at the end-point.
 const TORQUE: f32 = 0.03;
-/// A pulse ends after this, or when the arm has moved by that much `[degrees]`.
+/// A pulse ends after this time, or when the arm has moved by `FARTHEST` `[degrees]`.
 const LONGEST_PULSE: Duration = Duration::from_millis(80);
 const FARTHEST: f32 = 4.0;
-/// How often a pulse is tried, and a motor is tried until two verdicts in a row agree.
+/// Maximum number of attempts for a pulse, and for two equal verdicts in a row.
 const TRIES: u32 = 5;
-/// How long the arm is left alone between pulses, at least.
+/// Minimum time without torque between pulses.
 const REST: Duration = Duration::from_millis(250);
-/// The arm is at rest when no joint has turned by more than this many quanta for that long.
+/// The arm is at rest if no joint has turned by more than this many quanta for `AT_REST_FOR`.
 const AT_REST: f64 = 1.5;
 const AT_REST_FOR: Duration = Duration::from_millis(100);
-/// How long the arm may take to come to rest.
+/// Time limit for the arm to come to rest.
 const LONGEST_REST: Duration = Duration::from_secs(5);
 
-/// What a motor does.
+/// Result of the check of a motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// It turns its joint the right way.
+    /// The motor turns its joint in the right direction.
     Fine,
-    /// It turns its joint the wrong way: exchange its two wires, or its direction.
+    /// The motor turns its joint in the wrong direction: exchange its two wires, or change its direction setting.
     Reversed,
-    /// It turns the other joint: exchange the two motors' cables, or their ports.
+    /// The motor turns the other joint: exchange the two motors' cables, or their ports.
     Swapped,
-    /// Nothing moves: no power, a loose cable, or a hand that holds on.
+    /// Nothing moves: no power, a loose cable, or a hand that holds the arm.
     Dead,
 }
 
 impl Verdict {
-    /// Its name in reports.
+    /// Returns the name in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -48,7 +48,7 @@ impl Verdict {
         }
     }
 
-    /// What to do about it.
+    /// Returns a description with the remedy.
     #[must_use]
     pub fn text(self) -> &'static str {
         match self {
@@ -62,19 +62,19 @@ impl Verdict {
     }
 }
 
-/// A motor and what it moved.
+/// Verdict and measured motion of a motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Checked {
-    /// What it does.
+    /// Verdict.
     pub verdict: Verdict,
-    /// By how much a pulse forwards turned joints 1 and 2 farther than one backwards `[degrees]`.
+    /// Rotation of joints 1 and 2 in a forward pulse minus that in a backward pulse `[degrees]`.
     pub turned: [f32; 2],
 }
 
-/// Why motors were not checked. No torque is commanded any more.
+/// Reason why the motors were not checked. The commanded torque is zero.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Unchecked {
-    /// The flag was raised.
+    /// The stop flag was raised.
     #[error("ended before the motors were checked")]
     Stopped,
     /// The board does not answer, or this machine is too busy for short pulses.
@@ -83,10 +83,10 @@ pub enum Unchecked {
 }
 
 impl<C: Clock> TwoDiy<C> {
-    /// Gives each motor a short weak pulse forwards and one backwards, and looks at what turns.
-    /// **The arm moves**, by a few degrees: nobody should hold it, and whoever calls this has been
-    /// asked. It always ends without a torque, and within milliseconds once `stop` is raised: let
-    /// the signals that end the program raise it, or they leave a torque on.
+    /// Gives each motor a short weak forward pulse and a backward one, and measures which joint turns. **The arm
+    /// moves** by a few degrees: warn the user, and keep hands off the arm. The torque is zero on return. The check
+    /// ends within milliseconds after `stop` is raised. Connect the signals that end the program to `stop`, or they
+    /// leave a torque on.
     ///
     /// # Errors
     /// `stop` was raised, or the board does not answer.
@@ -98,8 +98,8 @@ impl<C: Clock> TwoDiy<C> {
         checked
     }
 
-    /// One pair of pulses can mislead: a program that stood still meanwhile, a hand that touched the
-    /// arm. Two in a row that agree do so only if the cause stays.
+    /// Requires two equal verdicts in a row: a single pair of pulses can be wrong because the program stalled or a hand
+    /// touched the arm.
     fn check(&mut self, joint: usize, stop: &StopFlag) -> Result<Checked, Unchecked> {
         let mut before = self.check_once(joint, stop)?;
         for _ in 0..TRIES {
@@ -134,8 +134,8 @@ impl<C: Clock> TwoDiy<C> {
         Ok(Checked { verdict, turned })
     }
 
-    /// How far the joints turn in a pulse `[degrees]`. One during which this program stood still says
-    /// nothing: the arm went on until it came back.
+    /// Returns the rotation of the joints in a pulse `[degrees]`. Repeats a pulse during which this program stalled,
+    /// because the torque then lasted too long.
     fn pulse(&mut self, joint: usize, torque: f32, stop: &StopFlag) -> Result<[f32; 2], Unchecked> {
         for _ in 0..TRIES {
             let (moved, took) = self.pulse_once(joint, torque, stop)?;
@@ -174,12 +174,12 @@ impl<C: Clock> TwoDiy<C> {
         Ok((moved, begun.elapsed()))
     }
 
-    /// The angles after the arm was left alone and has come to rest.
+    /// Commands zero torque and returns the angles once the arm is at rest.
     fn at_rest(&mut self, stop: &StopFlag) -> Result<[f32; 2], Unchecked> {
         self.command([0.0; 2])?;
         let begun = Instant::now();
         let farthest = AT_REST * self.board().coarsest_quantum(self.layout());
-        // The angles that the arm has kept, and since when.
+        // The angles that the arm has kept, and the time since when.
         let mut kept: Option<([f32; 2], Instant)> = None;
         while begun.elapsed() < LONGEST_REST {
             std::thread::sleep(Duration::from_millis(2));

@@ -1,7 +1,7 @@
-//! Bytes on the wire: little-endian, without frame, checksum or number.
+//! Bytes on the wire: little-endian, without frame, checksum or sequence number.
 //!
-//! What a board is told: RESET forgets the layout (and does **not** take the torques away), SETUP
-//! gives one, STATE commands torques and asks for the angles. Only STATE is answered.
+//! Packets to the board: RESET clears the layout (and does **not** remove the torques), SETUP sets the layout, STATE
+//! commands torques and requests the angles. The board answers only STATE.
 
 use super::layout::Layout;
 
@@ -12,21 +12,21 @@ pub const STATE_LENGTH: usize = 10;
 /// Length of a reply with two angles.
 pub const REPLY_LENGTH: usize = 9;
 
-/// Makes the board forget its layout. Torques stay: command none first.
+/// Clears the layout of the board. Torques stay on: command zero first.
 pub const RESET: [u8; 2] = [0, 0];
 /// Enough zeros to complete any packet that the board may be in the middle of; the rest are RESETs.
 pub const RECOVERY: [u8; 40] = [0; 40];
 
-/// Length of [`release`].
+/// Length of the packet of [`release`].
 pub const RELEASE_LENGTH: usize = 2 * STATE_LENGTH - 1;
-/// A byte that is no command, of which a board throws away any number. As the last byte of a torque it
-/// makes a number below 1e-37, which is no torque.
+/// A byte that is not a command; a board discards any number of them. As the last byte of a torque it makes a number
+/// below 1e-37, which is zero torque.
 const FILLER: u8 = 0x80;
 
 const SETUP_COMMAND: u8 = 1;
 const STATE_COMMAND: u8 = 2;
 
-/// Tells the board which motors and encoders the device has. The arm has to be in the start pose.
+/// Returns the packet that sets motors and encoders of the board. The arm must be in the start pose.
 #[must_use]
 pub fn setup(layout: &Layout) -> [u8; SETUP_LENGTH] {
     let mut packet = [0; SETUP_LENGTH];
@@ -52,7 +52,7 @@ pub fn setup(layout: &Layout) -> [u8; SETUP_LENGTH] {
     packet
 }
 
-/// Commands the torques of joints 1 and 2 `[N m]`, and asks for the angles.
+/// Returns the packet that commands the torques of joints 1 and 2 `[N m]` and requests the angles.
 #[must_use]
 pub fn state(layout: &Layout, torques: [f32; 2]) -> [u8; STATE_LENGTH] {
     let [low, high] = layout.by_motor_port(torques).map(f32::to_le_bytes);
@@ -62,10 +62,9 @@ pub fn state(layout: &Layout, torques: [f32; 2]) -> [u8; STATE_LENGTH] {
     packet
 }
 
-/// Takes off the torques of a board that may be in the middle of a STATE: enough bytes to complete that
-/// one with torques that it was told already or that are none, then a STATE without a torque. To a
-/// board between packets the first bytes are nothing. It does not forget its layout, whatever it was
-/// in the middle of. The answers are to one STATE or two.
+/// Returns the packet that removes the torques of a board that may be in the middle of a STATE. Its first bytes
+/// complete that STATE with torques that were already sent or are zero; a STATE without torque follows. A board between
+/// packets ignores the first bytes. The board keeps its layout in any case, and answers one or two STATEs.
 #[must_use]
 pub fn release(layout: &Layout) -> [u8; RELEASE_LENGTH] {
     let mut packet = [FILLER; RELEASE_LENGTH];
@@ -73,18 +72,18 @@ pub fn release(layout: &Layout) -> [u8; RELEASE_LENGTH] {
     packet
 }
 
-/// What came of a byte.
+/// Result of a received byte.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Heard {
-    /// A reply is not complete yet.
+    /// A reply is still incomplete.
     Part,
-    /// A reply: angles of joints 1 and 2 `[degrees]`, whatever their bits say.
+    /// A reply: angles of joints 1 and 2 `[degrees]`, unchecked.
     Angles([f32; 2]),
-    /// A byte where a reply should begin, and none of this device's does.
+    /// An unexpected byte at the start of a reply.
     Stray,
 }
 
-/// Takes replies apart, whatever comes.
+/// Parser of replies; accepts any input.
 #[derive(Clone, Copy, Debug)]
 pub struct Replies {
     layout: Layout,
@@ -93,7 +92,7 @@ pub struct Replies {
 }
 
 impl Replies {
-    /// Of a device with this layout.
+    /// Creates a parser for a device with this layout.
     #[must_use]
     pub fn new(layout: Layout) -> Self {
         Self {
@@ -103,7 +102,7 @@ impl Replies {
         }
     }
 
-    /// Takes a byte.
+    /// Parses a byte.
     pub fn hear(&mut self, byte: u8) -> Heard {
         if self.filled == 0 && byte != self.layout.device_id {
             return Heard::Stray;
@@ -121,13 +120,13 @@ impl Replies {
         Heard::Angles(self.layout.by_encoder_port(angles))
     }
 
-    /// Whether it is in the middle of a reply.
+    /// Returns whether a reply is incomplete.
     #[must_use]
     pub fn is_partial(&self) -> bool {
         self.filled > 0
     }
 
-    /// Forgets the beginning of a reply.
+    /// Discards an incomplete reply.
     pub fn forget(&mut self) {
         self.filled = 0;
     }
@@ -143,7 +142,7 @@ mod tests {
         hex.split_whitespace().map(byte).collect()
     }
 
-    /// Worked out by hand from the published host and firmware sources.
+    /// Computed by hand from the published host and firmware sources.
     #[test]
     fn packets_are_the_golden_ones() {
         for (generation, hex) in [

@@ -1,21 +1,21 @@
-//! Whether angles can be true, after those before.
+//! Plausibility check of joint angles against earlier ones.
 
 use std::time::Instant;
 
-/// Beyond this an angle is no angle of an arm `[degrees]`: it cannot go round.
+/// Limit of plausible angles `[degrees]`: a joint cannot make a full turn.
 const LARGEST_ANGLE: f32 = 720.0;
-/// Faster no hand turns a joint `[degrees/s]`: 1.8 m/s at the elbow.
+/// Limit of the joint rate `[degrees/s]`: 1.8 m/s at the elbow.
 const LARGEST_RATE: f64 = 1_500.0;
-/// What may be added to that for two samples that are close together `[degrees]`.
+/// Additional tolerance for samples that are close in time `[degrees]`.
 const SLACK: f64 = 2.0;
 
-/// Angles that cannot be.
+/// Implausible angles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Implausible {
-    /// This once; the next sample may be good.
+    /// A single implausible sample; the next sample may be good.
     Once(&'static str),
-    /// Twice, and they agree: it is what came before that is not true any more.
+    /// Two implausible samples that agree: the earlier angles are no longer valid.
     Stays(&'static str),
 }
 
@@ -24,23 +24,23 @@ const LOST: Implausible = Implausible::Stays(
      with the arm in its start pose",
 );
 
-/// The last angles that were believed, and the last that were not.
+/// Last accepted angles, and last rejected ones.
 #[derive(Clone, Copy, Debug)]
 pub struct Plausible {
     angles: [f32; 2],
     since: Instant,
     doubted: Option<Doubted>,
-    /// The count is lost: no angle is true any more, whatever it looks like.
+    /// Whether the encoder count is lost; then all angles are rejected.
     lost: bool,
 }
 
-/// Angles that were not believed.
+/// Rejected angles.
 #[derive(Clone, Copy, Debug)]
 struct Doubted {
     angles: [f32; 2],
     asked: Instant,
-    /// How far from those that were believed an angle could be when the doubt began `[degrees]`. It
-    /// does not grow while the doubt lasts: a wrong angle would only have to be waited for.
+    /// Largest plausible distance from the accepted angles when the doubt began `[degrees]`. It stays constant during
+    /// the doubt; otherwise any wrong angle would become plausible after some time.
     reach: f64,
 }
 
@@ -54,20 +54,20 @@ impl Plausible {
         }
     }
 
-    /// No angle is believed any more.
+    /// Rejects all further angles.
     pub fn lose_count(&mut self) -> Implausible {
         self.lost = true;
         LOST
     }
 
-    /// The last angles that were believed `[degrees]`.
+    /// Returns the last accepted angles `[degrees]`.
     pub fn angles(&self) -> [f32; 2] {
         self.angles
     }
 
-    /// Believes angles that were asked for at `asked` and are here `now`, or says why not. Once a
-    /// jump has stayed, none is believed any more: so the time between two samples is the longest
-    /// that it can have been, wherever this program stood still.
+    /// Accepts angles that were requested at `asked` and received at `now`, or returns the reason for rejecting them.
+    /// After a persistent jump it rejects all angles. The assumed time between two samples is therefore its upper
+    /// bound, even if this program stalled.
     pub fn take(
         &mut self,
         angles: [f32; 2],
@@ -115,14 +115,14 @@ impl Plausible {
     }
 }
 
-/// How far an arm can turn meanwhile `[degrees]`. A tenth of a second is the most that counts: it
-/// gets anywhere in that.
+/// Returns the largest rotation of a joint between two times `[degrees]`. The time is limited to 0.1 s, which is enough
+/// to reach any angle.
 fn reach(then: Instant, now: Instant) -> f64 {
     let seconds = now.saturating_duration_since(then).as_secs_f64().min(0.1);
     LARGEST_RATE * seconds + SLACK
 }
 
-/// By how much the joint turned that turned more `[degrees]`.
+/// Returns the larger rotation of the two joints `[degrees]`.
 fn distance(from: [f32; 2], to: [f32; 2]) -> f64 {
     from.iter()
         .zip(to)
@@ -152,7 +152,7 @@ mod tests {
                 "after {ms} ms"
             );
         }
-        // Nor is what looks as before: counts that were lost do not come back.
+        // The old angles are rejected too: lost counts do not come back.
         assert_eq!(plausible.take([130.0, 50.0], at(2000), at(2000)), Err(LOST));
     }
 
@@ -161,7 +161,7 @@ mod tests {
         let start = Instant::now();
         let at = |ms| start + Duration::from_millis(ms);
         let mut plausible = Plausible::starting_at([130.0, 50.0], start);
-        // Never near the one before, nor the believed: 40 degrees would be within reach after 26 ms.
+        // Never near the previous sample or the accepted angles; 40 degrees would be within reach after 26 ms.
         for ms in 1..2000 {
             let side = if ms % 2 == 0 { 40.0 } else { -40.0 };
             let taken = plausible.take([130.0 + side, 50.0], at(ms), at(ms));

@@ -1,4 +1,4 @@
-//! Serial ports that are there, and which of them may be a 2DIY.
+//! Serial ports of this machine, and which of them may be a 2DIY.
 
 #[cfg(target_os = "linux")]
 mod sysfs;
@@ -6,43 +6,43 @@ mod sysfs;
 /// A serial port.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Port {
-    /// What to open.
+    /// Path to open.
     pub path: String,
-    /// What it says of itself over USB, or how it is connected.
+    /// USB description, or the kind of connection.
     pub description: String,
-    /// What it may be.
+    /// Probable device.
     pub guess: Guess,
 }
 
-/// What a port may be; the likelier ones come first.
+/// Probable device on a port, in decreasing order of likelihood.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Guess {
-    /// It calls itself an Arduino Zero, as the M0 board does.
+    /// An Arduino Zero by its USB ids, as the M0 board is.
     M0,
-    /// It calls itself an Arduino Due, as the M3 and the development kit do.
+    /// An Arduino Due by its USB ids, as the M3 and the development kit are.
     M3,
-    /// An Arduino or a Haply that does not say which.
+    /// An Arduino or a Haply of unknown model.
     Arduino,
-    /// Another device on USB.
+    /// Another USB device.
     OtherUsb,
-    /// A port of the machine, or unknown.
+    /// A built-in port, or unknown.
     Other,
 }
 
 impl Guess {
-    /// Whether it may well be a 2DIY.
+    /// Returns whether the port is probably a 2DIY.
     #[must_use]
     pub fn is_likely(self) -> bool {
         self <= Self::Arduino
     }
 }
 
-/// Vendors of the boards: Arduino (two numbers).
+/// USB vendor ids of the boards (Arduino has two).
 const ARDUINO: [u16; 2] = [0x2341, 0x2a03];
 
-/// How a port is connected.
+/// Kind of connection of a port.
 #[derive(Clone, Debug, PartialEq, Eq)]
-// No system has them all.
+// No system has all of them.
 #[allow(dead_code)]
 enum Connection {
     Usb(Usb),
@@ -51,7 +51,7 @@ enum Connection {
     Other,
 }
 
-/// What a device on USB says of itself.
+/// USB identification of a device.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Usb {
     vendor: u16,
@@ -60,10 +60,10 @@ struct Usb {
     product_name: String,
 }
 
-/// Every serial port of this machine, the likeliest 2DIY first.
+/// Returns every serial port of this machine, the likeliest 2DIY first.
 ///
 /// # Errors
-/// What the system says.
+/// The error message of the operating system.
 pub fn ports() -> Result<Vec<Port>, String> {
     let mut ports: Vec<_> = connected()?
         .into_iter()
@@ -80,7 +80,7 @@ pub fn ports() -> Result<Vec<Port>, String> {
     Ok(ports)
 }
 
-/// What to open, and how it is connected.
+/// Returns the paths to open and the kinds of connection.
 #[cfg(target_os = "linux")]
 fn connected() -> Result<Vec<(String, Connection)>, String> {
     use std::path::Path;
@@ -88,7 +88,7 @@ fn connected() -> Result<Vec<(String, Connection)>, String> {
         .map_err(|error| format!("/sys/class/tty: {error}"))
 }
 
-/// What to open, and how it is connected.
+/// Returns the paths to open and the kinds of connection.
 #[cfg(not(target_os = "linux"))]
 fn connected() -> Result<Vec<(String, Connection)>, String> {
     use serialport::SerialPortType;

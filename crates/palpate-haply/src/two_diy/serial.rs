@@ -1,4 +1,4 @@
-//! A serial port that never makes anybody wait.
+//! Non-blocking serial port.
 
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::os::unix::fs::FileTypeExt;
@@ -15,18 +15,18 @@ use rustix::termios::{
     tcgetattr, tcsetattr,
 };
 
-/// On native USB any speed does, but for 1200 baud, which tells the board to wait for a new program.
+/// On native USB any rate works except 1200 baud, which puts the board into its boot loader.
 const BAUD: u32 = 115_200;
 
-/// The other end is gone: unplugged, or closed.
+/// The other end is gone: unplugged or closed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Gone;
 
-/// Bytes that are thrown away at most where the system has no call for it.
+/// Maximum number of bytes to discard if the system has no call for it.
 const MOST_FORGOTTEN: usize = 1 << 16;
 
-/// An open port, ours alone: a terminal in raw mode, or a Unix socket behind which a program serves a
-/// board, as an emulator does.
+/// An open port with exclusive access: a terminal in raw mode, or a Unix socket of a program that serves a board, such
+/// as an emulator.
 #[derive(Debug)]
 pub struct Serial {
     descriptor: OwnedFd,
@@ -34,7 +34,7 @@ pub struct Serial {
 }
 
 impl Serial {
-    /// Opens the port at `path` and throws away what came before.
+    /// Opens the port at `path` and discards earlier input.
     pub fn open(path: &Path) -> Result<Self, Errno> {
         if std::fs::metadata(path).is_ok_and(|it| it.file_type().is_socket()) {
             Self::connect(path)
@@ -43,7 +43,7 @@ impl Serial {
         }
     }
 
-    /// Who serves the socket lets in one driver at a time.
+    /// The server of the socket accepts one driver at a time.
     fn connect(path: &Path) -> Result<Self, Errno> {
         let system = |error: std::io::Error| Errno::from_io_error(&error).unwrap_or(Errno::IO);
         let stream = UnixStream::connect(path).map_err(system)?;
@@ -57,10 +57,10 @@ impl Serial {
     fn open_terminal(path: &Path) -> Result<Self, Errno> {
         let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
         let descriptor = open(path, flags, Mode::empty())?;
-        // Also says whether it is a terminal at all.
+        // Fails if it is not a terminal.
         let mut mode = tcgetattr(&descriptor)?;
-        // The kernel lets a privileged user open a terminal that is another's alone; a lock holds for
-        // every program that asks for it. A guardian shares the lock with its loop.
+        // The kernel lets a privileged user open a terminal in exclusive use; a lock works for every program that
+        // requests it. The watchdog process shares the lock with its loop.
         flock(&descriptor, FlockOperation::NonBlockingLockExclusive).map_err(
             |error| match error {
                 Errno::WOULDBLOCK => Errno::BUSY,
@@ -81,9 +81,9 @@ impl Serial {
         Ok(serial)
     }
 
-    /// Throws away what has come and was not read.
+    /// Discards unread input.
     pub fn forget_input(&self) {
-        // If that fails, whoever reads next finds out why.
+        // A failure shows in the next read.
         if !self.is_socket {
             let _ = tcflush(&self.descriptor, QueueSelector::IFlush);
             return;
@@ -98,7 +98,7 @@ impl Serial {
         }
     }
 
-    /// Reads what is there; 0 bytes if nothing is.
+    /// Reads the available bytes; returns 0 if there are none.
     pub fn read(&self, into: &mut [u8]) -> Result<usize, Gone> {
         loop {
             return match rustix::io::read(&self.descriptor, &mut *into) {
@@ -111,7 +111,7 @@ impl Serial {
         }
     }
 
-    /// Writes what finds room; 0 bytes if nothing does.
+    /// Writes as many bytes as the port accepts; returns 0 if it is full.
     pub fn write(&self, bytes: &[u8]) -> Result<usize, Gone> {
         loop {
             return match self.put(bytes) {
@@ -127,8 +127,8 @@ impl Serial {
         if !self.is_socket {
             return rustix::io::write(&self.descriptor, bytes);
         }
-        // A socket that the other side has closed raises a signal, which ends a program that does not
-        // ignore it; Apple's systems were told when the socket was made.
+        // Writing to a closed socket raises a signal, which ends a program that does not ignore it. On Apple systems
+        // this is disabled when the socket is created.
         #[cfg(target_vendor = "apple")]
         let flags = SendFlags::empty();
         #[cfg(not(target_vendor = "apple"))]
@@ -136,12 +136,12 @@ impl Serial {
         send(&self.descriptor, bytes, flags)
     }
 
-    /// Waits until there is something to read, at most `limit`.
+    /// Waits until input is available, at most `limit`.
     pub fn wait_readable(&self, limit: Duration) {
         self.wait(PollFlags::IN, limit);
     }
 
-    /// Waits until there is room to write, at most `limit`.
+    /// Waits until the port accepts bytes, at most `limit`.
     pub fn wait_writable(&self, limit: Duration) {
         self.wait(PollFlags::OUT, limit);
     }
@@ -152,13 +152,13 @@ impl Serial {
             tv_nsec: limit.subsec_nanos().into(),
         };
         let mut fds = [PollFd::new(&self.descriptor, events)];
-        // An interrupted wait is a short one.
+        // An interrupted wait is only shorter.
         let _ = poll(&mut fds, Some(&limit));
         let [fd] = fds;
         fd.revents()
     }
 
-    /// A terminal that has hung up reads as its end, in raw mode as one without bytes.
+    /// A terminal that has hung up reads as end of file, or as empty in raw mode.
     fn has_hung_up(&self) -> bool {
         self.wait(PollFlags::IN, Duration::ZERO)
             .intersects(PollFlags::HUP | PollFlags::ERR | PollFlags::NVAL)

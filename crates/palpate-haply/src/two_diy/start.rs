@@ -1,4 +1,4 @@
-//! From a path to a device that is set up, in a pose that is known.
+//! Opening and setup of the device in a known pose.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -15,52 +15,52 @@ use super::line::{Line, Unsent};
 use super::packet::{Heard, RECOVERY, RESET, Replies, setup};
 use super::serial::Serial;
 
-/// For how long the port may take no bytes while the device is opened.
+/// Time limit for the port to accept bytes while the device is opened.
 const LIMIT: Duration = Duration::from_millis(500);
-/// For how long the first answer may take: a board that was just plugged in is busy with itself.
+/// Time limit for the first answer: a board that was just plugged in is busy.
 const FIRST_ANSWER: Duration = Duration::from_millis(1000);
-/// How often it is looked for the first answer.
+/// Polling interval for the first answer.
 const LOOKS: Duration = Duration::from_millis(10);
-/// For how long nothing may come before the line is taken for quiet.
+/// Time without input after which the line is quiet.
 const QUIET: Duration = Duration::from_millis(20);
-/// How often the device is set up before it is given up, and how long it is left alone between.
+/// Number of setup attempts, and the pause between them.
 const ATTEMPTS: u32 = 3;
 const COMES_TO_REST: Duration = Duration::from_millis(300);
-/// For how long a board waits at most for bytes that are missing from a packet.
+/// Time after which a board stops waiting for the missing bytes of a packet.
 const GIVES_UP: Duration = Duration::from_millis(1100);
 
-/// In which pose the arm is while the device is opened: the encoders count from there.
+/// Pose of the arm while the device is opened; the encoders count from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Calibration {
-    /// Fully retracted, the pose that Haply's examples ask for.
+    /// Fully retracted, as Haply's examples require.
     Retracted,
-    /// Fully extended; known of the third generation.
+    /// Fully extended; known for the third generation only.
     Extended,
     /// These angles of joints 1 and 2 `[degrees]`.
     At([f32; 2]),
 }
 
-/// How to open a device.
+/// Options for opening a device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// Wiring and links.
     pub layout: Layout,
-    /// The board; `None`: found out from the first answer, where that tells.
+    /// The board; `None`: derived from the first answer, if that determines it.
     pub board: Option<Board>,
-    /// What to take it for where the answer does not tell.
+    /// Board to assume if the first answer does not determine it.
     pub usual_board: Board,
-    /// How long a [`read`](palpate_device::Device::read) waits for the board. Half a period
-    /// leaves room for the rest of a tick.
+    /// Time that a [`read`](palpate_device::Device::read) waits for the board. Half a period leaves time for the rest
+    /// of a tick.
     pub patience: Duration,
-    /// Its name in reports.
+    /// Name in reports.
     pub name: &'static str,
 }
 
 impl Options {
-    /// A generation as Haply sold it, with the arm in a known pose, for a loop of `period`.
+    /// Creates options for a generation as sold by Haply, with the arm in a known pose, for a loop of `period`.
     ///
     /// # Errors
-    /// The pose is not published for this generation, or is none.
+    /// The pose is not published for this generation, or is invalid.
     pub fn of(
         generation: Generation,
         calibration: Calibration,
@@ -89,49 +89,49 @@ impl Options {
     }
 }
 
-/// Why a device could not be opened. No torque was commanded.
+/// Reason why a device could not be opened. No torque was commanded.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OpenError {
-    /// There is no such file.
+    /// The file does not exist.
     #[error("{0}: there is no such port; `palpate devices` lists those that are there")]
     NotThere(PathBuf),
-    /// The system does not let us.
+    /// Permission denied.
     #[error(
         "{0}: no permission; on Linux, join the group that owns the port (often `dialout`) and log \
          in again"
     )]
     NotAllowed(PathBuf),
-    /// Somebody else has it.
+    /// Another program has opened the port.
     #[error("{0}: another program has opened this port")]
     InUse(PathBuf),
-    /// It is a file of another kind.
+    /// The file is not a serial port.
     #[error("{0}: not a serial port")]
     NotSerial(PathBuf),
-    /// Something else that the system says.
+    /// Another error of the operating system.
     #[error("{0}: {1}")]
     System(PathBuf, std::io::Error),
-    /// The port went away meanwhile.
+    /// The port disappeared during opening.
     #[error("the port went away while the device was being opened")]
     Gone,
-    /// The port takes no bytes.
+    /// The port accepts no bytes.
     #[error("the port takes no bytes: the board stands still; unplug it and plug it in again")]
     TakesNothing,
-    /// No answer at all.
+    /// There was no answer.
     #[error("no answer: not a Haply board, or one with other firmware; it was asked as device {0}")]
     NoAnswer(u8),
-    /// Bytes, but no answer.
+    /// Bytes arrived, but not an answer.
     #[error(
         "what came back is no answer of device {asked}: it begins with {first}; another \
          generation, or not a Haply board"
     )]
     WrongAnswer {
-        /// Device id that was asked.
+        /// Requested device id.
         asked: u8,
-        /// The first byte that came.
+        /// First received byte.
         first: u8,
     },
-    /// The right first byte, and then bytes that are too few or too many.
+    /// The first byte was right, but too few or too many bytes followed.
     #[error(
         "device {0} has answered, but not with one whole answer within a second: its bytes come late or are lost; try \
          again, on a machine that is less busy or with another cable"
@@ -143,44 +143,43 @@ pub enum OpenError {
         pair(.angles), found = .found.name(), told = .told.name()
     )]
     OtherBoard {
-        /// What came `[degrees]`.
+        /// Received angles `[degrees]`.
         angles: [f32; 2],
-        /// The board whose angles these are.
+        /// Board that matches these angles.
         found: Board,
-        /// The board that it was said to be.
+        /// Board given in the options.
         told: Board,
     },
-    /// The first angles are not those of the start pose.
+    /// The first angles do not match the start pose.
     #[error(
         "the first angles, {} degrees, are not those of the start pose, {}: hold the \
          arm still while the device is opened; or the counts per revolution are others",
         pair(.angles), pair(.start)
     )]
     NotInPose {
-        /// What came `[degrees]`.
+        /// Received angles `[degrees]`.
         angles: [f32; 2],
-        /// What was to come `[degrees]`.
+        /// Expected angles `[degrees]`.
         start: [f32; 2],
     },
-    /// The start pose is none.
+    /// The start pose is invalid.
     #[error("the start pose cannot be: {0}")]
     StartPose(NoPose),
-    /// Nobody has published the extended pose.
+    /// The angles of the extended pose are not published for this generation.
     #[error("the angles of the extended arm are known of generation 3 only; give them in degrees")]
     NotPublished,
 }
 
 impl<C: Clock> TwoDiy<C> {
-    /// Opens the device on the port at `path`. **The arm has to be in the start pose**, and held
-    /// still: the encoders count from there, and a device that was opened in another pose makes
-    /// forces in wrong directions. What is checked is that the first angles are those that the
-    /// board's own rounding makes of the start pose, which tells boards and counts apart; where the
-    /// arm really is nobody can see.
+    /// Opens the device on the port at `path`. **The arm must be in the start pose** and must be held still. The
+    /// encoders count from that pose; opening in another pose gives forces in wrong directions. The driver checks only
+    /// that the first angles equal the start pose as rounded by the board, which distinguishes boards and counts per
+    /// revolution. It cannot measure the true pose.
     ///
-    /// A torque that the board may still hold is taken off first.
+    /// Removes a torque that the board may still hold first.
     ///
     /// # Errors
-    /// The port cannot be had, or what answers there is no such device.
+    /// The port cannot be opened, or the device on it is not a 2DIY.
     pub fn open(path: &Path, options: &Options, clock: C) -> Result<Self, OpenError> {
         let serial = Serial::open(path).map_err(|error| refused(path, error))?;
         let line = Line::new(serial, options.layout)
@@ -201,24 +200,24 @@ impl<C: Clock> TwoDiy<C> {
                         angles,
                     }));
                 }
-                // The arm may still be coming to rest, from a torque that was just taken off.
+                // The arm may still be moving, because a torque was just removed.
                 Err(moved @ OpenError::NotInPose { .. }) if attempt + 1 < ATTEMPTS => {
                     std::thread::sleep(COMES_TO_REST);
                     moved
                 }
-                // Somebody may have left the board in the middle of a packet.
+                // An earlier program may have left the board in the middle of a packet.
                 Err(silent @ (OpenError::NoAnswer(_) | OpenError::WrongAnswer { .. }))
                     if attempt == 0 =>
                 {
                     recover(&line)?;
                     silent
                 }
-                // It is the board; a busy machine handed its bytes over late.
+                // The board is right; a busy machine delivered its bytes late.
                 Err(broken @ OpenError::BrokenAnswer(_)) if attempt + 1 < ATTEMPTS => {
                     recover(&line)?;
                     broken
                 }
-                // Bytes that came the first time say more than none.
+                // The error of the first attempt is more informative.
                 Err(OpenError::NoAnswer(_)) => return Err(failure),
                 Err(error) => return Err(error),
             };
@@ -247,27 +246,27 @@ impl From<Unsent> for OpenError {
     }
 }
 
-/// Takes the torque off and tells the board its layout, whatever it was in the middle of. Afterwards
-/// it holds no torque and the encoders count from the start pose. Takes more than a second.
+/// Commands zero torque and sends the layout, whatever state the board is in. Afterwards the board holds zero torque
+/// and the encoders count from the start pose. Takes more than a second.
 pub(super) fn begin_anew(line: &Line, layout: &Layout) -> Result<(), DeviceError> {
     recover(line)
         .and_then(|()| set_up(line, layout))
         .map_err(DeviceError::from)
 }
 
-/// Completes whatever packet the board is in the middle of.
+/// Completes any packet that the board is in the middle of.
 fn recover(line: &Line) -> Result<(), Unsent> {
     line.command_patiently([0.0; 2], LIMIT)?;
     line.send(&RECOVERY, LIMIT)?;
-    // Their number may have been odd for the board: the id that its last RESET is still waiting
-    // for must not be the beginning of what follows.
+    // The number of zeros may be odd for the board: its last RESET may still wait for an id, which must not be the
+    // first byte of the next packet.
     std::thread::sleep(GIVES_UP);
     Ok(())
 }
 
 fn set_up(line: &Line, layout: &Layout) -> Result<(), Unsent> {
-    // First of all: once it is reset it knows no motor whose torque it could take off. To a board
-    // that knows none already these bytes are nothing and four RESETs.
+    // Before RESET: afterwards the board knows no motor whose torque it could remove. A board without a layout reads
+    // these bytes as unknown bytes and four RESETs.
     line.command_patiently([0.0; 2], LIMIT)?;
     line.send(&RESET, LIMIT)?;
     line.send(&setup(layout), LIMIT)?;
@@ -276,7 +275,7 @@ fn set_up(line: &Line, layout: &Layout) -> Result<(), Unsent> {
 
 fn first_angles(line: &Line, options: &Options) -> Result<[f32; 2], OpenError> {
     set_up(line, &options.layout)?;
-    // The answers to all of that, if any.
+    // Discard the answers to the setup.
     until_quiet(line)?;
     line.command_patiently([0.0; 2], LIMIT)?;
     let mut replies = Replies::new(options.layout);
@@ -297,7 +296,7 @@ fn first_angles(line: &Line, options: &Options) -> Result<[f32; 2], OpenError> {
             first.get_or_insert(*byte);
             answer = match replies.hear(*byte) {
                 Heard::Angles(angles) => Some(angles),
-                // What was taken for an answer was none, or not the last: one question has one answer.
+                // The candidate was not an answer, or not the last one: one request has one answer.
                 Heard::Part | Heard::Stray => None,
             };
         }
@@ -310,8 +309,8 @@ fn first_angles(line: &Line, options: &Options) -> Result<[f32; 2], OpenError> {
     })
 }
 
-/// Throws away what comes until nothing does: a busy system may hand over late what the board sent long
-/// ago, and the tail of an answer can look like the beginning of another one.
+/// Discards input until the line is quiet. A busy system may deliver old bytes late, and the tail of an answer can look
+/// like the beginning of another one.
 fn until_quiet(line: &Line) -> Result<(), OpenError> {
     let begun = Instant::now();
     let mut bytes = [0; 64];
@@ -325,7 +324,7 @@ fn until_quiet(line: &Line) -> Result<(), OpenError> {
     Ok(())
 }
 
-/// The board, from what its rounding made of the start pose.
+/// Determines the board from its rounding of the start pose.
 fn board(options: &Options, angles: [f32; 2]) -> Result<Board, OpenError> {
     let joints = &options.layout.joints;
     let is_within = |board: Board, quanta: f64| {
@@ -338,7 +337,7 @@ fn board(options: &Options, angles: [f32; 2]) -> Result<Board, OpenError> {
                 (f64::from(angle) - first).abs() <= quanta * board.quantum(&options.layout, joint)
             })
     };
-    // What an f32 makes of it, and not a count more.
+    // Tolerance for `f32` rounding, well below one count.
     let is_exact = |board: &Board| is_within(*board, 0.05);
     let exact = Board::ALL.into_iter().find(is_exact);
     let told = options.board.unwrap_or(options.usual_board);
@@ -352,7 +351,7 @@ fn board(options: &Options, angles: [f32; 2]) -> Result<Board, OpenError> {
             found,
             told,
         }),
-        // A hand moved the arm by a count or two meanwhile.
+        // A hand moved the arm by one or two counts.
         (None, _) if is_within(told, 3.0) => Ok(told),
         (None, _) => Err(OpenError::NotInPose {
             angles,
@@ -366,7 +365,7 @@ fn capabilities(options: &Options, board: Board) -> Capabilities {
     let reach = geometry.proximal + geometry.distal;
     let middle = 0.5 * geometry.base;
     let quantum = board.coarsest_quantum(&options.layout);
-    // Along the middle line, where the arm can make more than a trace of a force.
+    // Evaluate along the centre line, away from singular poses.
     let (mut largest_force, mut encoder_quantum) = (f64::INFINITY, 0.0_f64);
     for step in 0..=100 {
         let opening = f64::from(step) / 100.0 * std::f64::consts::FRAC_PI_2;

@@ -1,8 +1,8 @@
-//! What is believed of bytes, of which the fuzzer makes millions up (`fuzz/`) and tests a few.
+//! Accepted values for arbitrary bytes. The fuzzer generates millions of inputs (`fuzz/`), the tests a few.
 
 use palpate_haply::inverse3::{FARTHEST, FASTEST, Frame};
 
-/// Whatever `bytes` are, what is believed of them is within bounds.
+/// Checks that the values accepted from any `bytes` are within bounds.
 pub fn read(bytes: &[u8]) {
     let Ok(text) = str::from_utf8(bytes) else {
         return;

@@ -1,4 +1,4 @@
-//! What is sent.
+//! Messages to the service.
 
 use palpate_haply::inverse3::{Commands, Form};
 use serde_json::{Value, json};
@@ -53,7 +53,7 @@ fn a_force_that_is_no_number_is_not_sent() {
     ] {
         assert_eq!(commands.force(force).unwrap_err().axis, axis);
     }
-    // What was not sent did not use up the configuration of the session.
+    // A rejected force does not use up the session's configuration.
     assert!(commands.probe().contains("configure"));
 }
 

@@ -1,4 +1,4 @@
-//! The driver against an emulated service.
+//! Driver with an emulated service.
 
 use std::time::Instant;
 
@@ -24,7 +24,7 @@ fn a_force_moves_the_device_in_both_forms() {
             let reading = next(&mut device);
             assert!(reading.time > last.time);
             last = reading;
-            // Towards 10 and -20 mm, where a hand of 100 N/m holds against it.
+            // Towards 10 and -20 mm, against a hand of 100 N/m.
             reading.position[0] > 0.008 && reading.position[2] < -0.016
         });
         assert_eq!(last.position[1], 0.0);
@@ -64,8 +64,8 @@ fn a_thread_that_panics_lets_go_of_the_device() {
     assert_eq!(emulator.received().last().unwrap().force, Some([0.0; 3]));
 }
 
-/// One that commands no force by itself, neither for a late answer nor for a loop that says nothing,
-/// however busy the machine.
+/// Opens a device that does not command zero force by itself, neither for a late answer nor for a silent loop, however
+/// busy the machine is.
 fn open_patient(emulator: &Emulator) -> Inverse3<MonotonicClock> {
     let patient = Inverse3Options {
         pace: Pace {
@@ -107,7 +107,7 @@ fn no_force_does_not_wait_for_an_answer() {
     wait_until("the force", || emulator.force(ID) == Some([1.0, 0.0, 0.0]));
     emulator.inject(Fault::Stall(ms(1000)));
     std::thread::sleep(ms(50));
-    // Another force waits, none does not.
+    // A non-zero force waits for the answer; zero force does not.
     let (sent, received) = (inspector.counts().sent, emulator.received().len());
     device.write([2.0, 0.0, 0.0].into()).unwrap();
     std::thread::sleep(ms(50));
@@ -121,7 +121,7 @@ fn no_force_does_not_wait_for_an_answer() {
 
 #[test]
 fn a_loop_that_says_nothing_any_more_holds_no_force() {
-    // Neither idles the service meanwhile, nor does it count as standing still.
+    // The service does not idle during the test and does not count as stalled.
     let emulator = Emulator::start(&EmulatorOptions {
         idle_after: ms(60_000),
         ..EmulatorOptions::default()
@@ -145,7 +145,7 @@ fn a_loop_that_says_nothing_any_more_holds_no_force() {
 
 #[test]
 fn the_service_idles_a_device_whose_program_was_killed() {
-    // What is left when nobody can send any more: a connection that says nothing.
+    // A silent connection is the state after all senders have failed.
     let emulator = emulator(Form::V35);
     let (mut socket, _) = tungstenite::connect(emulator.url()).unwrap();
     let force = r#"{"inverse3":[{"device_id":"049D","commands":{"set_cursor_force":{"vector":{"x":1,"y":0,"z":0}}}}]}"#;
@@ -183,7 +183,7 @@ fn each_message_has_one_answer_and_one_answer_is_one_sample() {
     );
     assert_eq!(counts.sent, served.messages - before.messages);
     assert_eq!((counts.surplus, counts.garbage, counts.lost), (0, 0, 0));
-    // None was read twice; those that came between two reads were not read.
+    // No sample was read twice, and samples that arrived between two reads were skipped.
     assert!(0 < fresh && fresh <= counts.fresh);
 }
 
@@ -211,7 +211,7 @@ fn a_loop_that_reads_faster_than_the_service_answers_finds_nothing_new() {
 
 #[test]
 fn a_slow_loop_keeps_its_force() {
-    // The service would idle after 0.3 s, and the loop's orders come 0.4 s apart.
+    // The service would idle after 0.3 s; the loop's orders are 0.4 s apart.
     let emulator = Emulator::start(&EmulatorOptions {
         idle_after: ms(300),
         ..EmulatorOptions::default()
@@ -232,7 +232,7 @@ fn a_slow_loop_keeps_its_force() {
     wait_until("the force", || emulator.force(ID) == Some([1.0, 0.0, 0.0]));
     for _ in 0..2 {
         std::thread::sleep(ms(400));
-        // A busy machine may have let go of it for a moment; a service that idles does for good.
+        // A busy machine may release the device briefly; an idle service releases it for good.
         wait_until("the force", || emulator.force(ID) == Some([1.0, 0.0, 0.0]));
         next(&mut device);
         device.write([1.0, 0.0, 0.0].into()).unwrap();

@@ -1,4 +1,4 @@
-//! What the driver does when the service does not do what it should.
+//! Driver with a faulty service.
 
 use std::net::TcpListener;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use crate::{ID, emulator, error_under, ms, next, open, options, wait_until};
 
 const FORCE: [f64; 3] = [1.0, 0.0, 0.0];
 
-/// A device that is read and written `times` times.
+/// Reads and writes a device `times` times.
 fn driven(device: &mut Inverse3<MonotonicClock>, times: u32) {
     for _ in 0..times {
         let _ = device.read();
@@ -25,7 +25,7 @@ fn driven(device: &mut Inverse3<MonotonicClock>, times: u32) {
     }
 }
 
-/// A device that is read and written until its counts are as `holds` says.
+/// Reads and writes a device until its counters satisfy `holds`.
 fn driven_until(
     device: &mut Inverse3<MonotonicClock>,
     what: &str,
@@ -39,7 +39,7 @@ fn driven_until(
     inspector.counts()
 }
 
-/// The counts once `fault` has come, as `has_come` says, and samples come again.
+/// Returns the counters once `fault` has occurred, by `has_come`, and samples arrive again.
 fn after(emulator: &Emulator, fault: Fault, has_come: impl Fn(&Counts) -> bool) -> Counts {
     let mut device = open(emulator);
     driven_until(&mut device, "samples", |counts| counts.fresh > 5);
@@ -77,7 +77,7 @@ fn an_answer_that_comes_twice_is_one_sample() {
         served.replies - before.replies,
         served.messages - before.messages + 20
     );
-    // 20 frames answered nothing: as many samples as messages at most.
+    // 20 frames answered no message; there are at most as many samples as messages.
     assert!(counts.surplus >= 19, "{counts:?}");
     assert!(
         counts.fresh + counts.late + counts.lost <= counts.sent,
@@ -137,8 +137,7 @@ fn a_service_that_stands_still_is_commanded_no_force_when_it_comes_back() {
     driven_until(&mut device, "a stall", |counts| counts.stalls > stalls);
     assert_eq!(emulator.received().len(), before, "it stands still");
     wait_until("it is back", || emulator.received().len() > before + 5);
-    // The message on its way when it stood still, then one that commands none; forces only once it
-    // has answered those.
+    // The message in flight at the stall, then one with zero force. Forces follow only after the answers to both.
     let received = emulator.received();
     assert_eq!(received[before + 1].force, Some([0.0; 3]));
     wait_until("the force again", || {
@@ -186,7 +185,7 @@ fn a_connection_that_ends_is_told_and_the_device_can_be_opened_again() {
         let error = error_under(&mut device, FORCE);
         assert_eq!(error.kind, DeviceErrorKind::Disconnected, "{fault:?}");
         assert!(error.what.contains(words), "{fault:?}: {error}");
-        // It stays so, and no force is taken.
+        // The error persists, and forces are refused.
         assert_eq!(device.read().unwrap_err(), error);
         assert_eq!(device.write(FORCE.into()).unwrap_err(), error);
         wait_until("the service to idle it", || {
@@ -229,7 +228,7 @@ fn the_events_channel_tells_why_first() {
     let error = error_under(&mut device, FORCE);
     assert_eq!(error.kind, DeviceErrorKind::Refused);
     assert!(error.what.contains("own safety has acted"), "{error}");
-    // Told once; a loop's safety stays tripped for it.
+    // The error is reported once; a loop's safety layer stays stopped.
     next(&mut device);
     emulator.set_present(ID, false);
     let error = error_under(&mut device, FORCE);
@@ -263,7 +262,7 @@ fn a_device_that_loses_its_power_takes_no_force_until_it_has_it_again() {
     assert!(error.what.contains("lost the power"), "{error}");
     assert_eq!(device.write(FORCE.into()).unwrap_err(), error);
     wait_until("no force", || emulator.force(ID) == Some([0.0; 3]));
-    // However often one is asked for.
+    // However often a force is written.
     driven(&mut device, 50);
     assert_eq!(emulator.force(ID), Some([0.0; 3]));
     assert_eq!(device.write([0.0; 3].into()), Ok([0.0; 3].into()));
@@ -274,7 +273,7 @@ fn a_device_that_loses_its_power_takes_no_force_until_it_has_it_again() {
     });
 }
 
-/// Nobody looked meanwhile: the force must not come back behind the loop's back.
+/// The loop does not read in between: the force must not return before the loop has seen the error.
 #[test]
 fn power_that_comes_back_between_two_looks_gives_no_force_before_the_loop_knows() {
     let emulator = emulator(Form::V35);
@@ -290,7 +289,7 @@ fn power_that_comes_back_between_two_looks_gives_no_force_before_the_loop_knows(
     wait_until("the force", || emulator.force(ID) == Some(FORCE));
     emulator.set_status(ID, |status| status.power_supply = Some(false));
     wait_until("no force", || emulator.force(ID) == Some([0.0; 3]));
-    // A device without power gives none, whatever the driver knows. It knows when it has answered a frame that said so.
+    // A device without power applies no force in any case. The driver knows once it has answered a frame that shows it.
     let messages = emulator.served().messages;
     wait_until("frames that say so", || {
         emulator.served().messages > messages + 3
@@ -303,7 +302,7 @@ fn power_that_comes_back_between_two_looks_gives_no_force_before_the_loop_knows(
     let error = device.read().unwrap_err();
     assert_eq!(error.kind, DeviceErrorKind::Refused);
     assert!(error.what.contains("lost the power"), "{error}");
-    // The order from before it was told is none any more.
+    // The order from before the report is no longer valid.
     let fresh = device.inspector().counts().fresh;
     let exchanged = |by| device.inspector().counts().fresh > fresh + by;
     wait_until("exchanges", || exchanged(20));
@@ -313,8 +312,7 @@ fn power_that_comes_back_between_two_looks_gives_no_force_before_the_loop_knows(
     wait_until("the force again", || emulator.force(ID) == Some(FORCE));
 }
 
-/// A service of its own, whose device is not calibrated in as many frames as the number that it
-/// returns says, and says in none of them where it is.
+/// Starts a service whose device is uncalibrated, without a position, in as many frames as the returned counter says.
 fn service_without_a_position() -> (String, Arc<AtomicU32>) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let url = format!("ws://{}", listener.local_addr().unwrap());
@@ -337,7 +335,7 @@ fn service_without_a_position() -> (String, Arc<AtomicU32>) {
     (url, left)
 }
 
-/// It does not know where its arms are, so it does not say: that must not hide that it does not know.
+/// An uncalibrated device has no position; the missing position must not hide the missing calibration.
 #[test]
 fn a_device_that_is_not_calibrated_for_a_moment_is_told_though_it_says_no_position() {
     let (url, left) = service_without_a_position();

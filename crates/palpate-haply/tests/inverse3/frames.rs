@@ -1,4 +1,4 @@
-//! What is read out of a frame, and what is refused.
+//! Parsing of frames: accepted and rejected values.
 
 use palpate_haply::inverse3::{Frame, FrameError, Model, Status, Unfit};
 use serde_json::{Value, json};
@@ -142,8 +142,8 @@ fn what_is_wrong_is_named() {
 
 #[test]
 fn numbers_that_are_none_are_refused() {
-    // JSON has no word for them: some writers make null of them, some a number beyond all bounds,
-    // some the word itself.
+    // JSON cannot represent these values: some writers emit null, some a number beyond the range of `f64`, some the
+    // word itself.
     for number in ["1e999", "-1e999", "NaN", "Infinity", "null"] {
         let text = full_3_5().to_string().replace("0.1994", number);
         let result = Frame::parse(&text).and_then(|frame| frame.devices()[0].sample());
@@ -183,6 +183,6 @@ fn a_device_that_cannot_be_used_is_refused_with_what_to_do() {
         assert_eq!(unfit(field, value), (Some(expected), Some(expected)));
         assert!(expected.to_string().contains(words));
     }
-    // Later on it is this program that uses it.
+    // Later frames show this program's own use.
     assert_eq!(unfit("in_use", true), (Some(Unfit::InUse), None));
 }

@@ -1,4 +1,4 @@
-//! The parser on what no service sends: it answers, and believes nothing absurd.
+//! Parser with invalid input: it returns without a panic and accepts no implausible values.
 
 use palpate_haply::inverse3::Frame;
 use proptest::prelude::*;
@@ -24,7 +24,7 @@ fn any_json() -> impl Strategy<Value = Value> {
     })
 }
 
-/// Places in a frame at which something else may stand.
+/// Paths in a frame that a test replaces by other values.
 const PLACES: [&str; 12] = [
     "/session_id",
     "/inverse3",

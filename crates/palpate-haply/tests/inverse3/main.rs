@@ -1,4 +1,4 @@
-//! The Inverse3: messages, driver and emulator.
+//! Inverse3: messages, driver and emulator.
 
 #![allow(clippy::print_stdout)] // tests show what they measured
 
@@ -45,7 +45,7 @@ pub(crate) fn ms(milliseconds: u64) -> Duration {
     Duration::from_millis(milliseconds)
 }
 
-/// Waits until `holds`; a busy machine may take its time, but not this much.
+/// Waits until `holds` returns true, for at most 10 s on a busy machine.
 #[track_caller]
 pub(crate) fn wait_until(what: &str, mut holds: impl FnMut() -> bool) {
     let deadline = Instant::now() + Duration::from_secs(10);
@@ -55,7 +55,7 @@ pub(crate) fn wait_until(what: &str, mut holds: impl FnMut() -> bool) {
     }
 }
 
-/// The next sample.
+/// Returns the next sample.
 #[track_caller]
 pub(crate) fn next(device: &mut Inverse3<MonotonicClock>) -> Pose {
     let mut found = None;
@@ -72,7 +72,7 @@ pub(crate) fn next(device: &mut Inverse3<MonotonicClock>) -> Pose {
     found.unwrap()
 }
 
-/// The first error that is not about a sample that is missing, while the device is held at `force`.
+/// Returns the first error other than a missing sample, while `force` is commanded.
 #[track_caller]
 pub(crate) fn error_under(device: &mut Inverse3<MonotonicClock>, force: [f64; 3]) -> DeviceError {
     let mut found = None;

@@ -1,4 +1,4 @@
-//! Finding the service and the device, and saying what to do where that fails.
+//! Finding the service and the device, and the remedies in the errors.
 
 use std::io::Write;
 use std::net::{Ipv6Addr, TcpListener};
@@ -40,7 +40,7 @@ fn somebody_else_who_answers_is_no_service() {
         stream
             .write_all(b"HTTP/1.1 200 OK\r\nContent-Length: 0\r\n\r\n")
             .unwrap();
-        // Until the other one has seen enough.
+        // Until the other end has read enough.
         let _ = std::io::Read::read_to_end(&mut stream, &mut Vec::new());
     });
     let said = refused(&Inverse3Options {
@@ -120,7 +120,7 @@ fn a_device_that_is_not_ready_is_waited_for_and_then_refused() {
     );
     let found = devices(&emulator.url(), ms(1000)).unwrap();
     assert_eq!(found[0].unfit, Some(Unfit::NotCalibrated));
-    // Nobody was commanded anything meanwhile.
+    // No device was commanded before.
     assert_eq!(emulator.served().messages, 0);
     std::thread::scope(|scope| {
         scope.spawn(|| {
@@ -137,7 +137,7 @@ fn a_device_that_is_not_ready_is_waited_for_and_then_refused() {
 
 #[test]
 fn a_name_of_this_machine_will_do() {
-    // Where it stands for ::1 first, nobody answers there, and 127.0.0.1 is next.
+    // If the name resolves to ::1 first, no server answers there, and 127.0.0.1 is next.
     let emulator = emulator(Form::V35);
     let port = emulator.address().port();
     let asked = Inverse3Options {

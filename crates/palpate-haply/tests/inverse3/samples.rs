@@ -1,8 +1,8 @@
-//! Frames as the service sends them, in both forms. Written after the vendor's documentation.
+//! Frames of the service in both interface versions, written from the vendor's documentation.
 
 use serde_json::{Value, json};
 
-/// A full frame of a service that speaks 3.5.
+/// Full frame of a service with interface 3.5.
 pub(crate) fn full_3_5() -> Value {
     json!({
         "session_id": 7,
@@ -40,7 +40,7 @@ pub(crate) fn full_3_5() -> Value {
     })
 }
 
-/// A full frame of a service that speaks 3.1: other names, and arrays that are not there.
+/// Full frame of a service with interface 3.1: other names, and missing arrays.
 pub(crate) fn full_3_1() -> Value {
     json!({
         "session_id": 16,

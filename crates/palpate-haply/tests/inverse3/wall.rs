@@ -1,4 +1,4 @@
-//! A loop in real time that renders a wall on an emulated Inverse3.
+//! Real-time loop that renders a wall on an emulated Inverse3.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -29,7 +29,7 @@ fn wall(method: MethodName) -> Rendering {
     scene.rendering(method).unwrap()
 }
 
-/// A device that a hand of 100 N/m and 5 N s/m pulls 10 mm into the wall, from 10 mm before it.
+/// Device that a hand of 100 N/m and 5 N s/m pulls 10 mm into the wall, starting 10 mm outside.
 fn pressed(form: Form, latency: Latency) -> Emulator {
     let mut body = Body {
         start: [-0.01, 0.0, 0.0],
@@ -51,9 +51,9 @@ struct Run {
     listener: Listener,
 }
 
-/// Everything that a loop told.
+/// Messages of a loop.
 struct Heard {
-    /// Whether a sample was missing, and the force that was sent `[N]`.
+    /// Whether a sample was missing, and the sent force `[N]`.
     ticks: Vec<(bool, f64)>,
     notes: Vec<Note>,
     end: LoopEnd<Inverse3<MonotonicClock>, MonotonicClock>,
@@ -109,7 +109,7 @@ impl Run {
 }
 
 impl Heard {
-    /// Of two ticks in a row without a sample the second commanded no force.
+    /// Checks that of two successive ticks without a sample the second commanded zero force.
     fn no_force_after_two_periods_without_a_sample(&self) {
         for (index, pair) in self.ticks.windows(2).enumerate() {
             if let [(true, _), (true, force)] = pair {
@@ -119,7 +119,7 @@ impl Heard {
     }
 }
 
-/// Force `[N]` and place `[m]` along x, of 31 looks within 60 ms.
+/// Returns the median force `[N]` and position `[m]` along x of 31 observations within 60 ms.
 fn at_the_median(emulator: &Emulator) -> (f64, f64) {
     let (mut forces, mut places) = (Vec::new(), Vec::new());
     for _ in 0..31 {
@@ -147,8 +147,8 @@ fn a_wall_pushes_back_through_latency_and_jitter() {
         let emulator = pressed(form, latency);
         let run = Run::on(&emulator);
         run.until_it_pushes(&emulator);
-        // 500 x = 100 (0.01 - x): 0.833 N at 1.667 mm. A busy machine lets go now and then; for 60 ms
-        // in a row it does not.
+        // 500 x = 100 (0.01 - x): 0.833 N at 1.667 mm. A busy machine sometimes releases the device, but not for 60 ms
+        // in a row.
         wait_until("force and place of hand and wall together", || {
             let (force, place) = at_the_median(&emulator);
             (place - 1.667e-3).abs() < 1e-4 && (force + 0.833).abs() < 0.05
@@ -163,7 +163,7 @@ fn a_wall_pushes_back_through_latency_and_jitter() {
         );
         assert_eq!(told.end.ending, Ending::Stopped);
         told.no_force_after_two_periods_without_a_sample();
-        // It was left without a force.
+        // The last command was zero force.
         drop(told);
         assert_eq!(emulator.received().last().unwrap().force, Some([0.0; 3]));
     }
@@ -198,7 +198,7 @@ fn what_passes_takes_the_force_away_and_gives_it_back() {
         );
         run.until_it_pushes(&emulator);
         let told = run.end();
-        // On a busy machine the loop itself may be the first that is late.
+        // On a busy machine the loop itself may be late first.
         let passing = [Trip::StaleSample, Trip::Stalled];
         let noted =
             |note: fn(Trip) -> Note| passing.iter().any(|trip| told.notes.contains(&note(*trip)));

@@ -10,17 +10,17 @@ struct Ran {
     notes: Vec<Noted>,
     ending: Ending,
     trip: Option<Trip>,
-    /// When the fault struck, since the loop's start `[s]`.
+    /// Time of the fault since the loop's start `[s]`.
     injected: f64,
     struck: Instant,
     emulator: Emulator,
 }
 
-/// A hand presses into a wall; when it does, `fault` strikes.
+/// Presses a hand into a wall, and injects `fault` once the wall pushes back.
 fn with(fault: Fault, comes_back: bool) -> Ran {
     let name = format!("{fault:?}");
     let emulator = Emulator::start(&on_a_socket(in_the_middle(Hand::at(THERE)))).unwrap();
-    // More than half of it, so that a machine that is only busy is not taken for the fault.
+    // Long patience, so that a busy machine is not taken for the fault.
     let device = open_in_the_middle(&emulator, 2 * PERIOD);
     let (tap, listener) = tap(1 << 15);
     let control = wall(device, 150.0, PERIOD, 100.0).tapped(tap);
@@ -33,7 +33,7 @@ fn with(fault: Fault, comes_back: bool) -> Ran {
     let injected = started.elapsed().as_secs_f64();
     emulator.suffer(fault);
     std::thread::sleep(Duration::from_millis(500));
-    // However busy the machine is: until the force was back for a while, if it is to come back.
+    // However busy the machine is: until the force has been back for a while, if it is expected back.
     let since = Instant::now();
     let pressed = |emulator: &Emulator| {
         let seen = emulator.seen();
@@ -73,7 +73,7 @@ fn with(fault: Fault, comes_back: bool) -> Ran {
 }
 
 impl Ran {
-    /// The first error that the device told for this reason.
+    /// Returns whether the device reported an error with these words.
     fn said(&self, words: &str) -> bool {
         self.notes.iter().any(|noted| match noted.note {
             Note::Device(error) => error.what.contains(words),
@@ -87,7 +87,7 @@ impl Ran {
             .any(|noted| noted.note == Note::Tripped(trip))
     }
 
-    /// A period without a good sample may go on with the last force; no second one may.
+    /// Checks that the last force is held for at most one period without a good sample.
     fn no_force_after_two_periods(&self, what: &str) {
         let is_bad = |row: &Row| row.tick.flags.has(Flags::DEVICE_FAULT);
         for pair in self.ticks.windows(2) {
@@ -107,7 +107,7 @@ impl Ran {
     }
 }
 
-/// What is wrong with an answer is over after it: no force while it lasts, then the wall again.
+/// A faulty answer has no lasting effect: zero force while it lasts, then the wall again.
 #[test]
 fn answers_that_are_not_right_cost_a_moment() {
     let _alone = alone();
@@ -119,11 +119,11 @@ fn answers_that_are_not_right_cost_a_moment() {
         Fault::Garbage(vec![0x05, 0xff, 0x00]),
         Fault::Garbage(vec![0x77; 40]),
         Fault::TwoAnswers,
-        // One bad sample: the last force is held for a period.
+        // One bad sample: the last force is held for one period.
         Fault::NotANumber,
     ] {
         let what = format!("{fault:?}");
-        // A machine that stands still just then has the next answer there, too, and takes that.
+        // A machine that stalls at that moment already has the next answer, and uses it.
         let ran = (0..6)
             .map(|_| with(fault.clone(), true))
             .find(|ran| {
@@ -140,7 +140,7 @@ fn answers_that_are_not_right_cost_a_moment() {
     }
 }
 
-/// While it stands still it cannot be reached; what it finds then ends in no force.
+/// A stalled board is unreachable; the packets that it processes afterwards end with zero torque.
 #[test]
 fn a_board_that_stands_still_finds_no_force_when_it_goes_on() {
     let _alone = alone();
@@ -159,7 +159,7 @@ fn a_board_that_stands_still_finds_no_force_when_it_goes_on() {
                 pair[1].at > ran.struck && pair[1].at - pair[0].at > stall.mul_f64(0.9)
             })
             .unwrap_or_else(|| panic!("{what}: it never stood still"));
-        // What was on its way when it stopped, and then none.
+        // The packets in flight at the stall, then zero torque.
         let after: Vec<_> = seen[gap + 1..].iter().take(5).collect();
         assert!(
             after.iter().any(|seen| is_none(seen.torques)),
@@ -218,7 +218,7 @@ fn a_cable_that_is_pulled_ends_the_run_and_can_be_put_back() {
         |note: &Note| matches!(note, Note::Device(error) if error.what.contains("port is gone"));
     assert!(said.iter().any(names_the_port), "{said:?}");
     wait_until("the port", || link.exists());
-    // The arm is wherever the hand holds it: that is its start pose now.
+    // The hand decides the arm's position; it is the new start pose.
     let angles = emulator.angles();
     #[expect(
         clippy::cast_possible_truncation,

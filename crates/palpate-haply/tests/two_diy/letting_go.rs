@@ -5,7 +5,7 @@ use palpate_rt::{Ending, LoopThread, StopFlag};
 
 use super::*;
 
-/// A device that panics or stands still when it is told to, in the loop's own thread.
+/// Device that panics or stalls on demand in the loop's own thread.
 struct Spoilt<D> {
     device: D,
     reads: u32,
@@ -46,7 +46,7 @@ fn pressing(emulator: &Emulator) {
     wait_until("a force", || !is_none(emulator.torques()));
 }
 
-/// A loop in a thread of its own, pressed into a wall.
+/// Loop in its own thread, with the device pressed into a wall.
 fn pressed_wall<D: Device + Send + 'static>(
     device: D,
     emulator: &Emulator,
@@ -87,7 +87,7 @@ fn a_loop_that_is_stopped_or_panics_leaves_no_torque() {
         let stop = StopFlag::new();
         let running = pressed_wall(device, &emulator, &stop);
         if !panics {
-            // What SIGTERM does.
+            // As SIGTERM does.
             stop.raise();
         }
         wait_until("the end", || running.has_ended());
@@ -102,8 +102,7 @@ fn a_loop_that_is_stopped_or_panics_leaves_no_torque() {
     }
 }
 
-/// The loop's thread stands still with a force on: the supervisor takes it off, and what the loop
-/// repeats when it goes on is no force.
+/// The loop's thread stalls with a force on. The supervisor removes the force, and the loop then repeats zero torque.
 #[test]
 fn a_loop_that_stands_still_is_cut_off() {
     let _alone = alone();
@@ -113,7 +112,7 @@ fn a_loop_that_stands_still_is_cut_off() {
     let stop = StopFlag::new();
     let running = pressed_wall(device, &emulator, &stop);
     let begun = Instant::now();
-    // 300 ms in which nobody else could have done it.
+    // 300 ms in which only the supervisor could have done it.
     let mut none_since = None;
     wait_until("a long time without a force", || {
         if is_none(emulator.torques()) {
@@ -125,7 +124,7 @@ fn a_loop_that_stands_still_is_cut_off() {
         }
     });
     assert!(begun.elapsed() < Duration::from_secs(15));
-    // It comes back softly, with no word on the wire in between that is not whole.
+    // The force returns through the soft start, and only complete packets are sent.
     wait_until("the force again", || !is_none(emulator.torques()));
     stop.raise();
     let end = running.join();
@@ -133,7 +132,7 @@ fn a_loop_that_stands_still_is_cut_off() {
     came_whole_and_without_torque_at_resets(&emulator.seen());
 }
 
-/// `write_zero` returns at once, and in the end there is none, though the board stands still.
+/// `write_zero` returns at once, and the torque is zero in the end although the board stalls.
 #[test]
 fn the_zero_writer_waits_for_nobody() {
     let _alone = alone();
@@ -153,14 +152,14 @@ fn the_zero_writer_waits_for_nobody() {
     }
     assert!(clock.now() - begun < Duration::from_millis(100));
     wait_until("no force", || is_none(emulator.torques()));
-    // The device knows that it was cut: what it repeats is none.
+    // The device has noticed the cut and repeats zero torque.
     let _ = device.read();
     std::thread::sleep(Duration::from_millis(20));
     assert!(is_none(emulator.torques()));
     came_whole_and_without_torque_at_resets(&emulator.seen());
 }
 
-/// Without its guardian a device is not opened: it is closed again, holds no torque and leaves its port.
+/// Without its watchdog process a device is not opened: it is closed again, holds zero torque and frees its port.
 #[test]
 fn a_device_whose_guardian_cannot_be_started_is_closed_again() {
     let _alone = alone();
@@ -177,7 +176,7 @@ fn a_device_whose_guardian_cannot_be_started_is_closed_again() {
         assert!(error.to_string().contains(words), "{program}: {error}");
         assert!(is_none(emulator.torques()), "{program}");
     }
-    // The port is free, and the board is as it was.
+    // The port is free, and the board is in its earlier state.
     sample(&mut open_in_the_middle(&emulator, SLOW));
     came_whole_and_without_torque_at_resets(&emulator.seen());
 }

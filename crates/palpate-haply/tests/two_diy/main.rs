@@ -1,4 +1,4 @@
-//! The 2DIY's driver against an emulated board and arm.
+//! Driver of the 2DIY with an emulated board and arm.
 
 #![cfg(unix)]
 
@@ -22,16 +22,16 @@ use palpate_haply_emulator::two_diy::{Did, Emulator, Hand, PortSettings, Seen, S
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Rendering};
 
-/// The third generation in the middle of its workspace `[degrees]`, and where that is `[m]`.
+/// Centre of the third generation's workspace `[degrees]`, and the end-point there `[m]`.
 const MIDDLE: [f32; 2] = [130.0, 50.0];
 const THERE: [f64; 2] = [0.019, 0.1169];
 
-/// A period in which even a busy machine comes round.
+/// A period that even a busy machine keeps.
 const SLOW: Duration = Duration::from_millis(40);
-/// That of the loops with faults: at 1 kHz a busy machine has faults of its own.
+/// Period of the loops with faults: at 1 kHz a busy machine has faults of its own.
 const PERIOD: Duration = Duration::from_millis(10);
 
-/// Boards and loops keep real time: one at a time, so that they have a processor each.
+/// Serialises the tests: boards and loops run in real time and need a processor each.
 fn alone() -> MutexGuard<'static, ()> {
     static ONE: Mutex<()> = Mutex::new(());
     ONE.lock().unwrap_or_else(PoisonError::into_inner)
@@ -45,8 +45,8 @@ fn in_the_middle(hand: Hand) -> Settings {
     }
 }
 
-/// The same board on a socket. The bytes of a terminal are handed over by a worker of the kernel, which may
-/// have to wait for seconds beside busy loops; here a test would take that for a fault of the board.
+/// The same board on a socket. A kernel worker transfers the bytes of a terminal and may be delayed by seconds beside
+/// busy loops, which the test would take for a fault of the board.
 fn on_a_socket(settings: Settings) -> Settings {
     static NEXT: AtomicU32 = AtomicU32::new(0);
     let number = NEXT.fetch_add(1, Ordering::Relaxed);
@@ -57,7 +57,7 @@ fn on_a_socket(settings: Settings) -> Settings {
     Settings { port, ..settings }
 }
 
-/// The clock of every loop here and of its device: stamps on another one are none.
+/// Common clock of every loop and its device, so that their time stamps are comparable.
 fn clock() -> MonotonicClock {
     static CLOCK: LazyLock<MonotonicClock> = LazyLock::new(MonotonicClock::new);
     *CLOCK
@@ -73,7 +73,7 @@ fn open_at(port: &Path, period: Duration) -> Result<TwoDiy<MonotonicClock>, Open
     TwoDiy::open(port, &options, clock())
 }
 
-/// Opens a device on a terminal as often as the kernel hands over its answers too late.
+/// Opens a device on a terminal, and retries if the kernel delivers its answers too late.
 fn open_on_a_terminal(port: &Path, options: &Options) -> TwoDiy<MonotonicClock> {
     let mut opened = TwoDiy::open(port, options, clock());
     wait_until("an answer over a terminal", || {
@@ -92,7 +92,7 @@ fn open_on_a_terminal(port: &Path, options: &Options) -> TwoDiy<MonotonicClock> 
     opened.unwrap()
 }
 
-/// The device's next sample: on a busy machine an answer may come too late for the read that asked.
+/// Returns the device's next sample; on a busy machine an answer may be too late for its read.
 fn sample(device: &mut impl Device) -> Pose {
     let mut read = device.read();
     wait_until("a sample", || {
@@ -105,7 +105,7 @@ fn sample(device: &mut impl Device) -> Pose {
     read.unwrap()
 }
 
-/// A wall into which a hand at [`THERE`] presses by some 4 mm.
+/// Wall into which a hand at [`THERE`] presses by about 4 mm.
 fn wall<D: Device>(
     device: D,
     stiffness: f64,
@@ -146,7 +146,7 @@ fn is_none(torques: [f64; 2]) -> bool {
     torques == [0.0; 2]
 }
 
-/// Nothing but whole packets came, and no layout was forgotten while a torque was on.
+/// Checks that only complete packets arrived, and no layout was cleared while a torque was on.
 fn came_whole_and_without_torque_at_resets(seen: &[Seen]) {
     for seen in seen {
         match seen.did {

@@ -45,8 +45,8 @@ fn motors_that_are_wired_wrong_are_found() {
         .unwrap();
         let options = Options::of(generation, Calibration::Retracted, SLOW).unwrap();
         let mut device = TwoDiy::open(&emulator.path(), &options, MonotonicClock::new()).unwrap();
-        // Where the machine is busy the emulated arm may stand still in the middle of a pulse. What is
-        // wired wrong stays so, and is found at the second or third time.
+        // On a busy machine the emulated arm may stall during a pulse. A wiring error persists, so it is found in the
+        // second or third check.
         let mut checks = Vec::new();
         while checks.last() != Some(&verdicts) && checks.len() < 3 {
             let checked = device.check_motors(&StopFlag::new()).unwrap();
@@ -68,7 +68,7 @@ fn motors_that_are_wired_wrong_are_found() {
     }
 }
 
-/// A check takes seconds. Answers that are lost on the way do not make the board a silent one.
+/// A check takes seconds. Lost answers do not make the board count as silent.
 #[test]
 fn a_check_gets_over_answers_that_are_lost() {
     let _alone = alone();
@@ -77,11 +77,11 @@ fn a_check_gets_over_answers_that_are_lost() {
         palpate_haply::two_diy::Board::M0,
     )))
     .unwrap();
-    // Not waited for long, so that a lost answer counts as many samples that did not come.
+    // Short patience, so that a lost answer counts as many missing samples.
     let period = Duration::from_millis(2);
     let options = Options::of(Generation::Three, Calibration::Retracted, period).unwrap();
     let mut device = TwoDiy::open(&emulator.path(), &options, MonotonicClock::new()).unwrap();
-    // A board is called silent a second after its last good answer.
+    // A board counts as silent one second after its last good answer.
     std::thread::sleep(Duration::from_millis(1100));
     device.check_motors(&StopFlag::new()).unwrap();
     for _ in 0..3 {

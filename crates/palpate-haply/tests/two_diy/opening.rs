@@ -31,7 +31,7 @@ fn every_generation_opens_on_every_board_and_makes_the_force_it_is_asked_for() {
                     let off = f64::from(read) - true_angle;
                     assert!(off.abs() <= 1.01 * quantum, "{what}: {off}");
                 }
-                // The judge's kinematics, not the driver's.
+                // Kinematics of the testbed as reference solution, not the driver's.
                 let links = options.layout.geometry;
                 let judge = Geometry::new(links.proximal, links.distal, links.base).unwrap();
                 let angles = device.angles().map(|angle| f64::from(angle).to_radians());
@@ -70,11 +70,11 @@ fn the_board_is_found_by_its_first_angles() {
     for (generation, board, found) in [
         (Generation::Three, Board::M0, Board::M0),
         (Generation::Three, Board::M3, Board::M3),
-        // No different from an M3 for a driver.
+        // Identical to an M3 for the driver.
         (Generation::Three, Board::DevKit, Board::M3),
         (Generation::Two, Board::M0, Board::M0),
         (Generation::Two, Board::M3, Board::M3),
-        // 180 and 0 degrees are whole counts of all of them.
+        // 180 and 0 degrees are whole counts of every board.
         (Generation::One, Board::M0, Board::M3),
     ] {
         let emulator = Emulator::start(&Settings::of(generation, board)).unwrap();
@@ -123,7 +123,7 @@ fn a_board_told_wrong_and_a_device_that_is_not_there_are_named() {
     );
 }
 
-/// A system that was busy hands over what a board said before the arm moved, and then what it says now.
+/// A busy system delivers an answer from before the arm moved, and then a current one.
 #[test]
 fn the_first_angles_are_those_of_the_last_answer() {
     let folder = tempfile::tempdir().unwrap();
@@ -141,7 +141,7 @@ fn the_first_angles_are_those_of_the_last_answer() {
             };
             let answers = [answer(MIDDLE), answer(moved)].concat();
             let mut packets = [0; 64];
-            // Until the driver is gone.
+            // Until the driver disconnects.
             while stream.read(&mut packets).is_ok_and(|read| read > 0) {
                 if stream.write_all(&answers).is_err() {
                     break;
@@ -156,7 +156,7 @@ fn the_first_angles_are_those_of_the_last_answer() {
     });
 }
 
-/// A board whose answers are not whole is a board all the same; whatever begins with another number is none.
+/// Incomplete answers still identify a board; another first byte does not.
 #[test]
 fn an_answer_that_is_not_whole_is_told_from_one_of_another_device() {
     let id = Generation::Three.layout().device_id;
@@ -185,7 +185,7 @@ fn an_answer_that_is_not_whole_is_told_from_one_of_another_device() {
     assert!(is_another, "{other}");
 }
 
-/// Whoever they are: the kernel alone lets a privileged user in.
+/// Also for a privileged user, whom the kernel alone would let in.
 #[test]
 fn a_port_belongs_to_one_program_at_a_time() {
     let _alone = alone();
@@ -202,14 +202,14 @@ fn a_port_belongs_to_one_program_at_a_time() {
     let error = open_at(&emulator.path(), SLOW).unwrap_err();
     assert!(matches!(error, OpenError::InUse(_)), "{error}");
     assert_eq!(set_up(), before, "the board was spoken to");
-    // And it is free as soon as it is closed.
+    // The port is free as soon as it is closed.
     device.close().unwrap();
     open_on_a_terminal(&emulator.path(), &options);
 }
 
 const PORT: &str = "PALPATE_TEST_PORT";
 
-/// The program that the test below kills.
+/// Program that the test below kills.
 #[test]
 #[ignore = "the body of a child process of another test"]
 fn a_program_that_holds_a_torque() {
@@ -222,7 +222,7 @@ fn a_program_that_holds_a_torque() {
     }
 }
 
-/// Somebody was killed while a torque was on, in the middle of a packet.
+/// A program was killed while a torque was on, in the middle of a packet.
 #[test]
 fn a_board_left_with_a_torque_in_the_middle_of_a_packet_is_taken_over_without_one() {
     let _alone = alone();
@@ -261,8 +261,8 @@ fn a_board_left_with_a_torque_in_the_middle_of_a_packet_is_taken_over_without_on
 #[test]
 fn a_wrong_start_pose_is_no_secret_of_the_wiring() {
     let _alone = alone();
-    // The arm is elsewhere than it is said to be: nothing can tell. But a hand that moves it
-    // between SETUP and the first answer is noticed.
+    // The driver cannot detect an arm that is not in the declared pose. It does detect a hand that moves the arm
+    // between SETUP and the first answer.
     let emulator = Emulator::start(&on_a_socket(Settings {
         wiring: Wiring::default(),
         ..in_the_middle(Hand::Push([30.0, 0.0]))

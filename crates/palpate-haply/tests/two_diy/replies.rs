@@ -10,7 +10,7 @@ proptest! {
         ..ProptestConfig::with_cases(2000)
     })]
 
-    /// Whatever comes, each byte is counted once, and a quiet line is understood again.
+    /// For any input, each byte is counted once, and parsing resumes after a quiet line.
     #[test]
     fn any_bytes_are_taken_apart(
         bytes in prop::collection::vec(any::<u8>(), 0..200),
@@ -46,7 +46,7 @@ proptest! {
         prop_assert_eq!(heard.last(), Some(&Heard::Angles(angles)));
     }
 
-    /// Whatever the angles and the force, a torque is finite and within what a motor has.
+    /// For any angles and force, the torques are finite and within the motors' range.
     #[test]
     fn any_angles_and_any_force_make_torques_that_can_be(
         angles in [any::<f64>(), any::<f64>()],

@@ -6,7 +6,7 @@ use super::*;
 
 const MILLISECOND: Duration = Duration::from_millis(1);
 
-/// The whole way: the hand presses, the wall holds it, at 1 kHz.
+/// Complete system: a hand presses against a wall at 1 kHz.
 #[test]
 fn a_wall_holds_a_hand() {
     let _alone = alone();
@@ -35,7 +35,7 @@ fn a_wall_holds_a_hand() {
         .iter()
         .filter(|row| !row.tick.flags.has(Flags::DEVICE_FAULT))
         .collect();
-    // A busy machine answers late now and then.
+    // A busy machine sometimes answers late.
     assert!(
         2 * fresh.len() > ticks.len(),
         "{} of {}",
@@ -46,8 +46,7 @@ fn a_wall_holds_a_hand() {
         .iter()
         .filter(|row| row.contact.force_on_device < -0.3);
     assert!(pressing.count() > fresh.len() / 5);
-    // 18 mm by the hand alone; 200 N/m against 300 leave 7 of them. A busy machine makes it lose the
-    // wall now and then.
+    // 18 mm by the hand alone; with 200 N/m against 300 N/m, 7 mm remain. A busy machine sometimes loses the wall.
     let mut depths: Vec<_> = fresh.iter().map(|row| row.contact.penetration).collect();
     depths.sort_by(f64::total_cmp);
     let deep = depths[depths.len() * 9 / 10];
@@ -57,7 +56,7 @@ fn a_wall_holds_a_hand() {
         if tick.flags.has(Flags::SAFETY_LIMITED) || contact.force_on_device == 0.0 {
             continue;
         }
-        // A step of the duty on each motor, and no more.
+        // Within one duty step on each motor.
         assert!(
             (contact.force_on_device - asked).abs() < 0.01,
             "{contact:?}"

@@ -1,47 +1,47 @@
-//! What a line of the input of a world is: the positions of all devices, a header, or neither.
+//! Parser of an input line of a world: the positions of all devices, or a header.
 
 use palpate_record::unit::LengthUnit;
 use palpate_world::{NOT_TURNED, Quaternion, Vector};
 
 use crate::line::{Refusal, is_named};
 
-/// What the lines hold, as the flags say it.
+/// Format of the lines, from the flags.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WorldFormat {
-    /// Whether a time stands before the positions.
+    /// Whether a time precedes the positions.
     pub time: bool,
     /// Unit of the positions.
     pub unit: LengthUnit,
-    /// Whether the unit was said by a flag.
+    /// Whether a flag set the unit.
     pub is_unit_given: bool,
-    /// The devices, in the order in which their positions stand in a line.
+    /// The devices, in the order of their positions in a line.
     pub devices: Vec<DeviceColumns>,
 }
 
-/// A device as far as the columns say it.
+/// Columns of a device.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DeviceColumns {
-    /// What the device is called.
+    /// Name of the device.
     pub name: String,
-    /// Whether it measures six axes: an orientation behind the position.
+    /// Whether the device measures six axes: an orientation follows the position.
     pub turns: bool,
-    /// Whether it gives a torque, which stands behind the force.
+    /// Whether the device outputs a torque, which follows the force.
     pub gives_torque: bool,
 }
 
-/// A line that was understood.
+/// A valid line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorldSample {
     /// Time `[s]`, if the lines have one.
     pub time: Option<f64>,
     /// Position of each device `[m]`.
     pub positions: Vec<Vector>,
-    /// How each is turned, `[w, x, y, z]`.
+    /// Orientation of each device, `[w, x, y, z]`.
     pub orientations: Vec<Quaternion>,
 }
 
 impl WorldFormat {
-    /// The columns of the input.
+    /// Returns the columns of the input.
     #[must_use]
     pub fn columns(&self) -> Vec<String> {
         let unit = self.unit.position_column().trim_start_matches("position_");
@@ -54,7 +54,7 @@ impl WorldFormat {
         time.into_iter().chain(positions).collect()
     }
 
-    /// The columns of the output.
+    /// Returns the columns of the output.
     #[must_use]
     pub fn forces(&self) -> Vec<String> {
         let torques = ["tx_n_m", "ty_n_m", "tz_n_m"];
@@ -68,7 +68,7 @@ impl WorldFormat {
     /// Whether the first line is the header of these columns.
     ///
     /// # Errors
-    /// A header of other columns, of another order or of another unit: every line after it would be taken for something else.
+    /// The header has other columns, another order or another unit.
     pub fn is_header(&self, text: &str) -> Result<bool, String> {
         let names: Vec<&str> = text.split(',').map(str::trim).collect();
         let columns = self.columns();
@@ -86,10 +86,10 @@ impl WorldFormat {
         Ok(false)
     }
 
-    /// What a line says.
+    /// Parses a line.
     ///
     /// # Errors
-    /// It is no sample.
+    /// The line is not a sample.
     pub fn parse(&self, text: &str) -> Result<WorldSample, Refusal> {
         let shape = format!("`{}`", self.columns().join(","));
         if text.is_empty() {
@@ -136,7 +136,7 @@ impl WorldFormat {
             orientations: Vec::with_capacity(self.devices.len()),
         };
         let mut numbers = positions.iter().copied();
-        // As many as were counted above.
+        // The count has been checked above.
         let mut next = || numbers.next().unwrap_or(f64::NAN);
         for device in &self.devices {
             let position: Vector = std::array::from_fn(|_| next());
@@ -152,7 +152,8 @@ impl WorldFormat {
     }
 }
 
-/// A column for each axis of each device, and `more` of it; of several devices with the device's name.
+/// Returns a column for each axis of each device, and its columns `more`. With several devices, the names of the
+/// columns contain the device's name.
 fn named<'m>(
     devices: &[DeviceColumns],
     column: impl Fn(char) -> String,
@@ -224,7 +225,7 @@ mod tests {
             format.parse("1,2,3,4,5,6"),
             Err(Refusal::Stream(_))
         ));
-        // One that its hand turns has no torque.
+        // A tool that is turned by the hand has no torque.
         format.devices[0].gives_torque = false;
         assert_eq!(format.columns().join(","), columns);
         assert_eq!(format.forces()[2..4], ["tool.fz_n", "finger.fx_n"]);

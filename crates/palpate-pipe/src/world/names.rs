@@ -1,4 +1,4 @@
-//! How the tools and bodies of a world are called.
+//! Names of the tools and bodies of a world in messages.
 
 use palpate_study::text::digits;
 use palpate_world::{ContactState, Side, World};
@@ -11,7 +11,7 @@ pub struct Names {
 }
 
 impl Names {
-    /// Those of `world`.
+    /// Returns the names of `world`.
     #[must_use]
     pub fn of(world: &World) -> Self {
         Self {
@@ -27,21 +27,21 @@ impl Names {
         }
     }
 
-    /// One that is inside the other, a mesh, in words.
+    /// Describes a tool or body inside a mesh.
     #[must_use]
     pub fn inside(&self, between: [Side; 2]) -> String {
         let [one, mesh] = between.map(|side| self.side(side));
         format!("\"{one}\" begins inside \"{mesh}\", and nothing pushes it until it has come out")
     }
 
-    /// One that has come out of the far side of the other, in words.
+    /// Describes a tool or body that has come out of the far side of a solid.
     #[must_use]
     pub fn through(&self, between: [Side; 2]) -> String {
         let [one, solid] = between.map(|side| self.side(side));
         format!("\"{one}\" went through \"{solid}\" and is pushed out of its far side")
     }
 
-    /// Two that overlap, in words.
+    /// Describes an overlap.
     #[must_use]
     pub fn overlap(&self, contact: &ContactState) -> String {
         let [one, other] = contact.between.map(|side| self.side(side));

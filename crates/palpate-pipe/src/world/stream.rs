@@ -19,51 +19,51 @@ use crate::number;
 use crate::serving::{Answering, Stopped};
 use crate::summary::stop_in_words;
 
-/// Refused lines that are told one by one; of more, each doubling is.
+/// Number of rejected lines that are reported one by one; beyond it each doubling is reported.
 const TOLD_EACH: u64 = 8;
 
-/// The renderer of a world between two streams, and what it needs between two lines.
+/// The renderer of a world between two streams, with its state between two lines.
 pub struct WorldStream {
     /// Renderer, state and limits.
     pub world: BoundedWorld,
-    /// How tools and bodies are called.
+    /// Names of tools and bodies.
     pub names: Names,
     /// Nominal time from line to line `[s]`.
     pub period: f64,
-    /// What the lines hold.
+    /// Format of the input lines.
     pub format: WorldFormat,
-    /// Whether the names of the columns come first.
+    /// Whether the output begins with a header.
     pub is_header_asked: bool,
-    /// Where the answers go; flushed after each.
+    /// Output of the answers, flushed after each.
     pub output: Box<dyn Write + Send>,
-    /// None once the end has been told.
+    /// `None` once the end has been reported.
     pub messages: Option<Messages>,
-    /// How the caller calls what is likely to be a mistake.
+    /// Wording of likely mistakes.
     pub mistakes: Mistakes,
-    /// What was done so far.
+    /// Summary so far.
     pub summary: WorldSummary,
-    /// What is known from the lines before.
+    /// State from the previous lines.
     pub memory: WorldMemory,
 }
 
-/// What is known from the lines before.
+/// State from the previous lines.
 #[derive(Default)]
 pub struct WorldMemory {
     /// Time of the last line that had one `[s]`.
     last_time: Option<f64>,
     /// Sum of the times between samples that were used `[s]`.
     followed: f64,
-    /// How far each device went along each axis.
+    /// Range and path of each device's motion along each axis.
     motion: Vec<[HandMotion; 3]>,
     /// Whether a line has been answered.
     is_begun: bool,
     /// Whether a force has been limited.
     is_limited: bool,
-    /// Whether an avatar was as far from its device as it may be.
+    /// Whether a proxy reached its largest distance from its device.
     is_far: bool,
     /// Whether the last line of the output has been written.
     is_ended: bool,
-    /// The line of the output that is being made.
+    /// Buffer of the output line.
     text: String,
 }
 
@@ -74,14 +74,14 @@ impl WorldStream {
         }
     }
 
-    /// The forces for a sample, or for a line without one.
+    /// Renders a sample, or a line without one.
     fn render(
         &mut self,
         number: u64,
         sample: Option<line::WorldSample>,
         unread: Option<String>,
     ) -> Result<(), Stopped> {
-        // The renderer is told that a sample came and is lost.
+        // NaN informs the renderer of a lost sample.
         let devices = self.format.devices.len();
         let (time, positions, orientations) = sample.map_or_else(
             || {
@@ -110,8 +110,7 @@ impl WorldStream {
             self.follow(number, &positions, elapsed.unwrap_or(self.period))?;
         }
         let shortened = limited.force || limited.torque || bounded.force;
-        // As for one contact: a time that was refused is kept, or all lines after a clock that was set would
-        // be refused.
+        // Keep the time of a rejected line, or all lines after a clock that was set would be rejected.
         self.memory.last_time = time.or(self.memory.last_time);
         if let Some(why) = unread.or_else(|| fault.map(|fault| self.in_words(&fault))) {
             self.tell_refused(number, &why);
@@ -159,7 +158,7 @@ impl WorldStream {
         Ok(())
     }
 
-    /// Says which tool or body has come out of the far side of a solid.
+    /// Reports tools and bodies that have come out of the far side of a solid.
     fn tell_if_through(&mut self, number: u64) {
         let through = self.world.state().gone_through();
         let through: Vec<String> = through.map(|pair| self.names.through(pair)).collect();
@@ -171,7 +170,7 @@ impl WorldStream {
         }
     }
 
-    /// The limits of each device.
+    /// Describes the limits of each device.
     fn limit_in_words(&self) -> String {
         let limits = self.world.limits();
         let gives_torque = self.format.devices.iter().any(|device| device.gives_torque);
@@ -185,7 +184,7 @@ impl WorldStream {
         }
     }
 
-    /// Refuses a motion that no hand makes, unless a flag said the unit.
+    /// Rejects an implausible motion, unless a flag set the unit.
     fn follow(&mut self, number: u64, positions: &[Vector], elapsed: f64) -> Result<(), Stopped> {
         let memory = &mut self.memory;
         memory.followed += elapsed;
@@ -221,9 +220,9 @@ impl WorldStream {
         }
     }
 
-    /// Says that a tool begins inside a body.
+    /// Reports tools that begin inside a body.
     fn tell_if_inside(&mut self, number: u64) {
-        // A box has a contact at each of its corners: the deepest one says it.
+        // A box has a contact at each of its corners; report the deepest one.
         let mut deepest: Vec<ContactState> = Vec::new();
         for contact in self.world.state().contacts() {
             match deepest
@@ -267,7 +266,7 @@ impl WorldStream {
     }
 }
 
-/// Puts the forces, and the torques of devices that give some, into the line of the output.
+/// Formats the forces, and the torques of devices with a torque output, into the output line.
 fn answer(text: &mut String, wrenches: &[Wrench], format: &WorldFormat) {
     text.clear();
     let devices = wrenches.iter().zip(&format.devices);
@@ -301,7 +300,7 @@ impl Answering for WorldStream {
         if number == 1
             && let Ok(first) = &mut text
         {
-            // What spreadsheets write before the first line.
+            // Spreadsheets write a byte order mark before the first line.
             *first = first.trim_start_matches('\u{feff}');
             let header = self.format.is_header(first);
             if header.map_err(|why| Stopped::at_line(number, &why))? {

@@ -1,6 +1,6 @@
-//! Text that comes from files, as text of a page.
+//! Escaping of text from files for HTML.
 
-/// `text` with what a page would take for markup written so that it is text, in elements and in attributes.
+/// Returns `text` with HTML markup escaped, for elements and attributes.
 pub fn escaped(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for character in text.chars() {
@@ -10,9 +10,9 @@ pub fn escaped(text: &str) -> String {
             '>' => safe.push_str("&gt;"),
             '"' => safe.push_str("&quot;"),
             '\'' => safe.push_str("&#39;"),
-            // Not allowed in a page, and nothing to see.
+            // Control characters are invalid in HTML and invisible.
             control if control.is_control() && control != '\n' => safe.push(' '),
-            // Characters that turn the direction of writing would turn what follows, too.
+            // Bidirectional controls would also change the direction of the text after them.
             '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => {}
             other => safe.push(other),
         }

@@ -1,4 +1,4 @@
-//! The figures of a card, each as SVG that stands in a page.
+//! Figures of a device report, each as inline SVG of an HTML page.
 
 use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series, Size, SizeError, svg};
 use palpate_study::advise::Reach;
@@ -6,24 +6,24 @@ use palpate_study::card::{ContactCard, Distribution, MethodReachCard, MotionCard
 
 use super::escape::escaped;
 
-/// Height of an empty bin, as the logarithm of a count: below that of one tick.
+/// Height of an empty bin, as the logarithm of a count: below the height of one tick.
 const EMPTY: f64 = -0.4;
 
-/// Numbers the figures of a page, so that names within them are told apart.
+/// Counter of the figures on a page, for unique names inside them.
 #[derive(Default)]
 pub struct Figures {
     drawn: usize,
 }
 
 impl Figures {
-    /// A figure of so many millimetres, with what it shows for those who do not see it.
+    /// Draws a figure of `size` in millimetres; `says` is its text alternative.
     fn draw(&mut self, figure: &Figure, size: &str, says: &str) -> Result<String, SizeError> {
         let size: Size = size.parse()?;
         let drawn = svg(figure, size)?;
         self.drawn += 1;
         let own = format!("figure-{}-panel-", self.drawn);
         let begin = drawn.find("<svg").unwrap_or(0);
-        // In a page the namespace is known, and names are those of the whole page.
+        // HTML needs no SVG namespace, and its ids must be unique in the whole page.
         let inner = drawn[begin..]
             .replace(" xmlns=\"http://www.w3.org/2000/svg\"", "")
             .replace("\"panel-", &format!("\"{own}"))
@@ -32,7 +32,7 @@ impl Figures {
         Ok(inner.trim_end().replacen("<svg", &says, 1))
     }
 
-    /// How often durations come, one curve for each recording.
+    /// Draws histograms of durations, one curve per recording.
     pub fn histogram(
         &mut self,
         name: &str,
@@ -102,15 +102,15 @@ impl Figures {
         self.draw(&figure, "85x50", &format!("Histogram: {name}"))
     }
 
-    /// Measured against fitted.
+    /// Draws measured and fitted motion.
     pub fn calibration(&mut self, motion: &MotionCard) -> Result<String, SizeError> {
         let figure = crate::motion(motion);
         self.draw(&figure, "110x92", "Calibration: measured against fitted")
     }
 
-    /// How stiff over the object's mass.
+    /// Draws the renderable stiffness over the object's mass.
     pub fn reach(&mut self, reach: &ReachCard) -> Result<String, SizeError> {
-        // In grams, and newtons per millimetre.
+        // Units are grams and newtons per millimetre.
         let masses = reach
             .object_masses_kg
             .iter()
@@ -156,7 +156,7 @@ impl Figures {
         )
     }
 
-    /// Positions, forces and energy of a contact.
+    /// Draws positions, forces and energy of a contact.
     pub fn contact(&mut self, contact: &ContactCard) -> Result<String, SizeError> {
         let begins = contact.begins_s;
         let curve = |name: &str, quantity: &str, kind, role, unit: f64| {

@@ -1,4 +1,4 @@
-//! A card as a page: HTML with its figures inside.
+//! The device report as an HTML page with inline figures.
 
 mod escape;
 mod figures;

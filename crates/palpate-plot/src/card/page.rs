@@ -1,4 +1,4 @@
-//! The page: one HTML file without scripts, and without anything that lies elsewhere.
+//! One self-contained HTML file without scripts and external resources.
 
 use std::fmt::Write as _;
 
@@ -9,13 +9,13 @@ use super::figures::Figures;
 use super::sections;
 use palpate_figure::SizeError;
 
-/// How it looks on a screen, on a phone and on paper.
+/// Style sheet for screens, phones and paper.
 const STYLE: &str = include_str!("style.css");
 
-/// The page of a card.
+/// Returns the HTML page of a device report.
 ///
 /// # Errors
-/// A figure that does not fit its size.
+/// A figure does not fit its size.
 pub fn html(card: &Card) -> Result<String, SizeError> {
     let mut figures = Figures::default();
     let name = escaped(&card.device.name);

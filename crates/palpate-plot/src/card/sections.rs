@@ -1,4 +1,4 @@
-//! The sections of a page, each from a part of the card.
+//! Sections of the page, each from a part of the device report.
 
 use std::fmt::Write as _;
 
@@ -13,7 +13,7 @@ use super::escape::escaped;
 use super::figures::Figures;
 use palpate_figure::SizeError;
 
-/// A table; cells are markup.
+/// Returns a table; the cells are markup.
 fn table(head: &[&str], rows: &[Vec<String>]) -> String {
     let mut text = String::from("<div class=\"wide\"><table><thead><tr>");
     for cell in head {
@@ -34,7 +34,7 @@ fn figure(drawn: &str, caption: &str) -> String {
     format!("<figure>{drawn}<figcaption>{caption}</figcaption></figure>\n")
 }
 
-/// A key of a file as words, with the factor and the symbol of the unit that people read it in.
+/// Returns the name of a key in words, with the factor and the symbol of its display unit.
 fn readable(key: &str) -> (String, f64, &'static str) {
     let units = [
         ("_n_s_per_m", 1.0, "N s/m"),
@@ -66,7 +66,7 @@ fn value(key: &str, value: f64, deviation: Option<f64>) -> (String, String) {
     )
 }
 
-/// What is not as it should be, with its remedy, and what was looked at besides.
+/// Lists the warnings with their remedies, then the passed and the skipped checks.
 pub fn checks(card: &Card) -> String {
     let mut text = String::new();
     let warnings: Vec<&Check> = card.warnings().collect();
@@ -102,7 +102,7 @@ pub fn checks(card: &Card) -> String {
     text
 }
 
-/// Text in which commands stand between backticks.
+/// Converts text with commands in backticks to markup.
 pub fn prose(text: &str) -> String {
     let safe = escaped(text);
     let mut parts = safe.split('`');
@@ -124,7 +124,7 @@ fn capital(text: &str) -> String {
     })
 }
 
-/// What is known of the device.
+/// Lists the known properties of the device.
 pub fn device(device: &DeviceCard) -> String {
     let rows: Vec<Vec<String>> = device
         .numbers
@@ -147,7 +147,7 @@ pub fn device(device: &DeviceCard) -> String {
     text + &table(&["quantity", "value", "from"], &rows)
 }
 
-/// How its loops kept time.
+/// Describes the timing of the loops.
 pub fn timing(all: &[TimingCard], figures: &mut Figures) -> Result<String, SizeError> {
     let mut text = String::new();
     type Of = fn(&TimingCard) -> &Option<Distribution>;
@@ -157,7 +157,7 @@ pub fn timing(all: &[TimingCard], figures: &mut Figures) -> Result<String, SizeE
         ("tick time", |of| &of.tick_s),
         ("device's answer", |of| &of.round_trip_s),
     ];
-    // Of the first three, which have a histogram.
+    // Captions of the first three distributions, which have a histogram.
     let captions = [
         "Period: from a sample to the next.",
         "Lateness: of a sample after its planned instant; early ones count at the left.",
@@ -207,9 +207,9 @@ pub fn timing(all: &[TimingCard], figures: &mut Figures) -> Result<String, SizeE
     Ok(text + "</div>\n")
 }
 
-/// What a device file says, and how it was found.
+/// Lists the values of a device file and how they were identified.
 pub fn calibration(of: &CalibrationCard, figures: &mut Figures) -> Result<String, SizeError> {
-    // Several quantities are found in the same way.
+    // Several quantities can share an identification method.
     let mut ways: Vec<&str> = Vec::new();
     let rows: Vec<Vec<String>> = of
         .found
@@ -255,7 +255,7 @@ pub fn calibration(of: &CalibrationCard, figures: &mut Figures) -> Result<String
     Ok(text + "</div>\n")
 }
 
-/// What can be rendered.
+/// Describes the renderable contacts.
 pub fn reach(of: &ReachCard, figures: &mut Figures) -> Result<String, SizeError> {
     let limit = |limit: &Reach, factor: f64, beyond: &str| match limit.value {
         Some(value) if limit.or_beyond => format!("{beyond}\u{a0}{}", digits(factor * value)),
@@ -299,7 +299,7 @@ pub fn reach(of: &ReachCard, figures: &mut Figures) -> Result<String, SizeError>
     Ok(text + "</div>\n")
 }
 
-/// Why there is no contact, or no recorded one.
+/// States the reason for a missing contact, or for a missing recording of it.
 pub fn no_contact(card: &Card) -> String {
     let why = card.no_contact.iter().map(|why| escaped(why));
     let why: Vec<String> = why.collect();
@@ -309,7 +309,7 @@ pub fn no_contact(card: &Card) -> String {
     format!("<p>{}.</p>\n", capital(&why.join("; ")))
 }
 
-/// One contact.
+/// Describes one contact.
 pub fn contact(of: &ContactCard, figures: &mut Figures) -> Result<String, SizeError> {
     let in_percent = |value: Option<f64>| {
         value.map_or_else(|| "-".into(), |value| format!("{} %", percent(value)))

@@ -13,32 +13,32 @@ use palpate_study::text::{lines, number, percent, plain_table};
 
 use crate::method_by_method;
 
-/// What the paper measured on its device: FRE in percent, or that the method failed.
+/// FRE in percent measured on the paper's device, or that the method failed.
 pub type Measured = [(MethodName, &'static str); 3];
-/// Of its first experiment.
+/// Values of the first experiment.
 pub const MEASURED_1: Measured = [
     (MethodName::Hfcr, "17.1"),
     (MethodName::PopcRef, "51.1"),
     (MethodName::VirtualDamper, "84.9"),
 ];
-/// Of its second experiment.
+/// Values of the second experiment.
 pub const MEASURED_2: Measured = [
     (MethodName::Hfcr, "52.2"),
     (MethodName::PopcRef, "failed"),
     (MethodName::VirtualDamper, "failed"),
 ];
 
-/// Period of the loop that the paper takes for the truth `[s]`.
+/// Period of the paper's reference loop `[s]`.
 const FINE_PERIOD: f64 = 0.001;
 
-/// The report of an experiment, its figure, and the table beside what the paper measured.
+/// The report of an experiment, its figure, and the table with the paper's measurements.
 pub type Compared = (Report, Sheet, String);
 
-/// The paper's five methods and coupled rendering on one of its experiments, against the ideal and, as
-/// the paper does, against the basic model at 1 kHz.
+/// Runs the paper's five methods and coupled rendering on one of its experiments. Evaluates them against the ideal
+/// and, as in the paper, against the basic model at 1 kHz.
 ///
 /// # Errors
-/// A scene that cannot be simulated.
+/// The scene cannot be simulated.
 pub fn experiment(scene: &Scene, measured: &Measured) -> Result<Compared, LoopError> {
     const METHODS: [(MethodName, &str); 6] = [
         (MethodName::Basic, "basic model"),
@@ -60,7 +60,7 @@ pub fn experiment(scene: &Scene, measured: &Measured) -> Result<Compared, LoopEr
         .zip(&runs)
         .map(|((_, name), run)| (*name, run))
         .collect();
-    // The paper takes this loop for the truth: how far it is off the ideal belongs beside its name.
+    // The paper's reference loop deviates from the ideal; its name shows by how much.
     let off = fine_runs[0]
         .force
         .fidelity
@@ -78,7 +78,7 @@ pub fn experiment(scene: &Scene, measured: &Measured) -> Result<Compared, LoopEr
     Ok((report, figure, comparison))
 }
 
-/// FRE against the ideal and against the basic model at 1 kHz, beside what the paper measured.
+/// Returns the table of FRE against the ideal and against the basic model at 1 kHz, with the paper's measurements.
 fn beside_the_paper(runs: &[Run], fine: &Run, measured: &Measured) -> String {
     let header = [
         "method",

@@ -8,18 +8,18 @@ use palpate_figure::{Beside, Drawing, Pen, drawing};
 
 /// Pixels per metre.
 const SCALE: f64 = 480.0;
-/// Where the frame's origin stands on the page `[px]`.
+/// Position of the frame's origin on the page `[px]`.
 const ORIGIN: (f64, f64) = (400.0, 545.0);
-/// Radius of the ball in the drawing `[m]`: the paper's 0.01 m would be a dot here.
+/// Radius of the ball in the drawing `[m]`: the paper's 0.01 m would appear as a dot.
 const BALL: f64 = 0.055;
 /// Gap between ball and end-point in the drawing `[m]`.
 const GAP: f64 = 0.06;
 const LINK: &str = "#d5e6f2";
 
-/// The mechanism in its home pose, to scale.
+/// Draws the mechanism in its home pose, to scale.
 ///
 /// # Errors
-/// A home pose that does not exist.
+/// The home pose does not exist.
 pub fn drawing(linkage: &Linkage) -> Result<Drawing, NoPose> {
     let geometry = linkage.params.geometry;
     let pose = geometry.forward(linkage.params.home)?;
@@ -59,7 +59,7 @@ pub fn drawing(linkage: &Linkage) -> Result<Drawing, NoPose> {
         drawing::SMALL,
     );
 
-    // Links, thick below thin, so that they have an outline.
+    // A thin line on a thick line gives each link an outline.
     for arm in 0..2 {
         let elbow = on_page(elbows[arm]);
         let links = [[on_page(motors[arm]), elbow], [elbow, tip]];
@@ -150,7 +150,7 @@ pub fn drawing(linkage: &Linkage) -> Result<Drawing, NoPose> {
     Ok(page)
 }
 
-/// The end-point `[m]`, with x from half-way between the motors.
+/// Returns the end-point `[m]`, with x from half-way between the motors.
 fn end_point(pose: &ArmPose, elbow: (f64, f64), distal: f64) -> [f64; 2] {
     let [dx, dy] = pose.distal[0];
     [elbow.0 + distal * dx, elbow.1 + distal * dy]
@@ -167,11 +167,11 @@ fn joints(page: &mut Drawing, motors: [(f64, f64); 2], elbows: [(f64, f64); 2], 
     page.circle(tip, 10.0, Pen::BODY, "#fbe3cf");
 }
 
-/// The ball above the end-point, the heights that are measured, and the forces.
+/// Draws the ball above the end-point, the measured heights, and the forces.
 fn contact(page: &mut Drawing, tip: (f64, f64), at: impl Fn(f64, f64) -> (f64, f64)) {
     let height = |y_on_page: f64| (ORIGIN.1 - y_on_page) / SCALE;
     let top = height(tip.1);
-    // The end-point's place is its middle: nothing else has an extent but the ball.
+    // The end-point is a point; only the ball has an extent.
     let (surface, centre) = (at(0.0, top + GAP), at(0.0, top + GAP + BALL));
     page.circle(centre, SCALE * BALL, Pen::BODY, "#f4f4f4");
     page.circle(centre, 2.5, Pen::BODY, "#111111");

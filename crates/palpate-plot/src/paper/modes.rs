@@ -2,24 +2,24 @@
 
 use palpate_figure::{Beside, Drawing, Pen, drawing};
 
-/// What sets the two modes apart on the page.
+/// Layout and captions of one mode.
 struct Mode {
-    /// Middle of its column `[px]`.
+    /// Centre of its column `[px]`.
     middle: f64,
     head: &'static str,
     condition: &'static str,
     equations: [&'static str; 3],
-    /// Height of the object's end that meets the device, η, and of the device, ξ `[px]`.
+    /// Heights of the object's contact end, η, and of the device, ξ `[px]`.
     heights: (f64, f64),
 }
 
-/// Length of the contact spring without a force `[px]`.
+/// Length of the unloaded contact spring `[px]`.
 const FREE_LENGTH: f64 = 130.0;
 const OBJECT: (f64, f64) = (110.0, 46.0);
 const DEVICE: (f64, f64) = (150.0, 30.0);
 const FILLS: (&str, &str) = ("#fbe3cf", "#d5e6f2");
 
-/// The two modes beside each other, free motion and contact.
+/// Draws the two modes side by side: free motion and contact.
 #[must_use]
 pub fn drawing() -> Drawing {
     let mut page = Drawing::new(860.0, 560.0);
@@ -46,7 +46,7 @@ pub fn drawing() -> Drawing {
     for mode in &modes {
         draw(&mut page, mode);
     }
-    // From mode to mode.
+    // Transitions between the modes.
     page.arrow((395.0, 245.0), (465.0, 245.0), Pen::THIN);
     page.words("device and", (430.0, 216.0), Beside::Middle, drawing::SMALL);
     page.words(
@@ -67,7 +67,7 @@ fn draw(page: &mut Drawing, mode: &Mode) {
     page.words(mode.head, (x, 30.0), Beside::Middle, drawing::HEAD);
     page.words(mode.condition, (x, 54.0), Beside::Middle, drawing::WORDS);
 
-    // The object hangs its spring down; the end without a force is the object's place, η.
+    // The spring hangs below the object; its unloaded end is the object's position η.
     let object = eta - FREE_LENGTH - 0.5 * OBJECT.1;
     let end = eta - pressed;
     page.spring((x, object + 0.5 * OBJECT.1), (x, end), 5, 30.0, Pen::BODY);
@@ -88,7 +88,7 @@ fn draw(page: &mut Drawing, mode: &Mode) {
     page.block((x, xi + 0.5 * DEVICE.1), DEVICE, FILLS.1);
     page.words("device, m", (x, xi + 20.0), Beside::Middle, drawing::WORDS);
 
-    // Positions, on an axis of their own.
+    // Positions, on a separate axis.
     let axis = x + 105.0;
     page.arrow((axis, 450.0), (axis, 92.0), Pen::THIN);
     page.words(
@@ -120,7 +120,7 @@ fn draw(page: &mut Drawing, mode: &Mode) {
         );
     }
 
-    // Forces, with the name beside the tail of each.
+    // Forces, each with its name beside the tail.
     let force = |page: &mut Drawing, from: (f64, f64), to: (f64, f64), name: &str| {
         page.arrow(from, to, Pen::FORCE);
         let place = (from.0 - 9.0, 0.5 * (from.1 + to.1) + 5.0);

@@ -8,7 +8,7 @@ use palpate_study::report::{Report, Subject};
 
 use crate::step_by_step;
 
-/// Dampings of HFCR that are beside each other over many collisions `[N s/m]`, and what they are.
+/// Dampings of HFCR compared over many collisions `[N s/m]`, with their labels.
 const DAMPINGS: [(f64, &str); 4] = [
     (0.0, "b = 0 N s/m"),
     (0.0125, "b = 0.0125 N s/m"),
@@ -16,10 +16,10 @@ const DAMPINGS: [(f64, &str); 4] = [
     (0.05, "b = 0.05 N s/m"),
 ];
 
-/// Fig. 2 of `scene`: from the basic model to HFCR, and then what is shown `besides`.
+/// Returns Fig. 2 of `scene`: the steps from the basic model to HFCR, then the methods `besides`.
 ///
 /// # Errors
-/// A scene that cannot be simulated.
+/// The scene cannot be simulated.
 pub fn fig2(
     scene: &Scene,
     besides: &[(MethodName, &'static str)],
@@ -44,10 +44,10 @@ pub fn fig2(
     Ok((report, figure))
 }
 
-/// Fig. 2 of `scene`, which has many collisions: HFCR with several dampings.
+/// Returns Fig. 2 of `scene` over many collisions: HFCR with several dampings.
 ///
 /// # Errors
-/// A scene that cannot be simulated.
+/// The scene cannot be simulated.
 pub fn fig2_long(scene: &Scene) -> Result<(Report, Figure, String), LoopError> {
     let mut runs = Vec::with_capacity(DAMPINGS.len());
     for (damping, _) in DAMPINGS {

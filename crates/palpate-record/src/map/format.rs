@@ -1,21 +1,21 @@
-//! The versions of the format.
+//! Versions of the map format.
 
 use super::row::COLUMNS;
 
-/// A version of the format; each has the columns of those before it, and more.
+/// A version of the format. Each contains the columns of the earlier ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Format {
-    /// Bounces alone.
+    /// Bounces only.
     Bounces,
-    /// Bounces, and contacts that stay.
+    /// Bounces and sustained contacts.
     BouncesAndStays,
 }
 
 impl Format {
-    /// All, the newest first.
+    /// All versions, the newest first.
     pub const ALL: [Self; 2] = [Self::BouncesAndStays, Self::Bounces];
 
-    /// The column that names format and version.
+    /// Returns the name of the column that identifies format and version.
     #[must_use]
     pub fn column(self) -> &'static str {
         match self {
@@ -24,7 +24,7 @@ impl Format {
         }
     }
 
-    /// The version.
+    /// Returns the version number.
     #[must_use]
     pub fn version(self) -> u32 {
         match self {
@@ -33,7 +33,7 @@ impl Format {
         }
     }
 
-    /// What a file of this format has, in words.
+    /// Returns a description of the contents.
     #[must_use]
     pub fn contents(self) -> &'static str {
         match self {
@@ -42,7 +42,7 @@ impl Format {
         }
     }
 
-    /// The columns of a line, in order.
+    /// Returns the columns of a line, in order.
     #[must_use]
     pub fn columns(self) -> &'static [&'static str] {
         match self {
@@ -51,7 +51,7 @@ impl Format {
         }
     }
 
-    /// The first line of a file, with its end.
+    /// Returns the first line of a file, with its line end.
     pub(super) fn head(self) -> String {
         format!("{},{}\n", self.columns().join(","), self.column())
     }

@@ -1,4 +1,4 @@
-//! Parts of a map, joined.
+//! Merging of the parts of a map.
 
 use std::collections::BTreeMap;
 
@@ -6,14 +6,14 @@ use thiserror::Error;
 
 use super::{CELLS, Format, LINES_PER_CELL, Map, Row, SHARD};
 
-/// Why parts do not make a map.
+/// Reason why parts cannot be merged.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum MergeError {
-    /// No part at all.
+    /// There are no parts.
     #[error("there are no parts to merge")]
     NoParts,
-    /// Two parts are not of one map.
+    /// Two parts belong to different maps.
     #[error(
         "{first} and {other} are not parts of one map: {key} is {expected} in the first and {found} in the other"
     )]
@@ -22,14 +22,14 @@ pub enum MergeError {
         first: String,
         /// The part that differs from it.
         other: String,
-        /// What differs.
+        /// Key with different values.
         key: String,
         /// Its value in the first part.
         expected: String,
         /// Its value in the other.
         found: String,
     },
-    /// Two parts have not looked at the same.
+    /// Two parts have different formats.
     #[error(
         "{first} and {other} are not parts of one map: {first} has {}, {other} has {}; compute the older \
          one again",
@@ -40,12 +40,12 @@ pub enum MergeError {
         first: String,
         /// The part that differs from it.
         other: String,
-        /// Format of the first part; none where its lines differ.
+        /// Format of the first part; `None` if its lines have different formats.
         expected: Option<Format>,
-        /// Format of the other.
+        /// Format of the other part.
         found: Option<Format>,
     },
-    /// A part does not say what a map must.
+    /// A part lacks required metadata.
     #[error("{file}: the receipt has no number under {key}")]
     Receipt {
         /// The part.
@@ -53,36 +53,36 @@ pub enum MergeError {
         /// The key.
         key: &'static str,
     },
-    /// A cell is in two parts.
+    /// A cell occurs in two parts.
     #[error("cell {cell} is in {first} and in {other}; name each part once")]
     Doubled {
         /// The cell.
         cell: u64,
-        /// One part that has it.
+        /// First part with the cell.
         first: String,
-        /// The other.
+        /// Second part with the cell.
         other: String,
     },
-    /// A cell that the map does not have, or not with so many lines.
+    /// A cell is outside the map, or has a wrong number of lines.
     #[error("{file}: cell {cell} has {lines} lines, but must have {expected}")]
     Lines {
         /// The part.
         file: String,
         /// The cell.
         cell: u64,
-        /// Its lines.
+        /// Number of its lines.
         lines: usize,
-        /// How many it must have; 0 for a cell beyond the last.
+        /// Required number of lines; 0 for a cell beyond the last one.
         expected: usize,
     },
-    /// Cells are in no part.
+    /// Some cells are in no part.
     #[error("{missing} of {cells} cells are missing{}", parts_in_words(.parts))]
     Missing {
-        /// How many.
+        /// Number of missing cells.
         missing: u64,
-        /// How many there should be.
+        /// Number of cells of the map.
         cells: u64,
-        /// The parts that are not there, `2/3`.
+        /// Missing parts, such as `2/3`.
         parts: Vec<String>,
     },
 }
@@ -99,7 +99,7 @@ fn parts_in_words(parts: &[String]) -> String {
     }
 }
 
-/// Joins parts, each with the name to call it by, in any order.
+/// Merges parts in any order. Each part has a name for messages.
 ///
 /// # Errors
 /// [`MergeError`], which names the part.
@@ -166,7 +166,7 @@ pub fn merge(parts: Vec<(String, Map)>) -> Result<Map, MergeError> {
     Ok(Map { receipt, rows })
 }
 
-/// The parts of a series that are not among the given ones.
+/// Returns the parts of a series that are missing in `given`.
 fn absent(given: &[String]) -> Vec<String> {
     let Some(of) = given
         .first()

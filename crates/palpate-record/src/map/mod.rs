@@ -1,8 +1,8 @@
-//! Maps: what each method can render, as a CSV table, in parts or as a whole.
+//! Maps: the stability of each method over plants, as a CSV table, in parts or as a whole.
 //!
-//! One line per cell, plant and method. The last column, [`Format::column`], holds, in the first line,
-//! what made the map as a JSON object of strings: its parameters, which part it is, the number of lines
-//! and their checksum, so that a torn part is told from a whole one.
+//! The table has one line per cell, plant and method. In the first line, the last column, [`Format::column`],
+//! contains the metadata as a JSON object of strings: parameters, index of the part, number of lines and their
+//! checksum. The checksum detects an incomplete part.
 
 mod format;
 mod merge;
@@ -25,40 +25,40 @@ use palpate_files::bounded::TABLE;
 
 use crate::run::receipt;
 
-/// Keys of the receipt that the file itself is answerable for.
+/// Metadata keys that the file format computes itself.
 const OWN: [&str; 2] = ["lines", "checksum"];
 
-/// Key of the receipt that says which part a file is, `2/3`.
+/// Metadata key of the index of a part, `2/3`.
 pub const SHARD: &str = "shard";
 
-/// Key of the receipt that says how many cells the whole map has.
+/// Metadata key of the number of cells of the whole map.
 pub const CELLS: &str = "cells_in_all";
 
-/// Key of the receipt that says how many lines each cell has.
+/// Metadata key of the number of lines per cell.
 pub const LINES_PER_CELL: &str = "lines_per_cell";
 
 /// A map, or a part of one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Map {
-    /// What made it, in order; number of lines and checksum are not among these.
+    /// Metadata in order, without number of lines and checksum.
     pub receipt: Vec<(String, String)>,
-    /// Its lines, by increasing cell.
+    /// Lines in the order of their cells.
     pub rows: Vec<Row>,
 }
 
-/// Why a file is no map.
+/// Reason why a file is not a valid map.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum MapError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("cannot read `{file}`: {source}")]
     Unreadable {
         /// The file.
         file: String,
-        /// What the system says.
+        /// Error of the system.
         source: io::Error,
     },
-    /// It is something else.
+    /// The file is not a map.
     #[error(
         "{file}:1: this is not a map of palpate; its first line must name the column {}, or {} of older \
          versions",
@@ -69,28 +69,28 @@ pub enum MapError {
         /// The file.
         file: String,
     },
-    /// A line is not a line of a map.
+    /// A line is invalid.
     #[error("{file}:{line}: {fault}")]
     Line {
         /// The file.
         file: String,
         /// The line, counted from 1.
         line: usize,
-        /// What is wrong.
+        /// Description of the error.
         fault: String,
     },
-    /// Lines are missing, or are not what was written.
+    /// Lines are missing or damaged.
     #[error("{file} is torn: {fault}; make this part again")]
     Torn {
         /// The file.
         file: String,
-        /// How it shows.
+        /// Description of the damage.
         fault: String,
     },
 }
 
 impl Map {
-    /// The value of a key of the receipt.
+    /// Returns the value of a metadata key.
     #[must_use]
     pub fn value(&self, key: &str) -> Option<&str> {
         self.receipt
@@ -99,8 +99,7 @@ impl Map {
             .map(|(_, value)| value.as_str())
     }
 
-    /// The format of the file it is written to; none where only some of the lines have contacts that
-    /// stay.
+    /// Returns the format in which the map is written; `None` if only some of the lines have sustained contacts.
     #[must_use]
     pub fn format(&self) -> Option<Format> {
         let format = self.rows.first()?.format();
@@ -111,7 +110,7 @@ impl Map {
     /// Writes the map.
     ///
     /// # Errors
-    /// What the writer says, a key of the receipt that stands twice, or lines of different formats.
+    /// An error of the writer, a duplicate metadata key, or lines of different formats.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         let format = self.written_format()?;
         let lines: Vec<String> = self.rows.iter().map(Row::to_line).collect();
@@ -141,10 +140,10 @@ impl Map {
         self.format().ok_or_else(|| io::Error::other(mixed))
     }
 
-    /// Reads a map; `file` is what to call it in errors.
+    /// Reads a map; `file` is its name in errors.
     ///
     /// # Errors
-    /// [`MapError`], which names the file, and the line where there is one.
+    /// [`MapError`], which names the file and, if there is one, the line.
     pub fn read(mut source: impl Read, file: &str) -> Result<Self, MapError> {
         let file = file.to_owned();
         let mut bytes = Vec::new();
@@ -221,7 +220,7 @@ impl Map {
 pub(crate) mod tests {
     use super::*;
 
-    /// A map, or a part, with the cells of an index rule.
+    /// Creates a map, or a part, whose cells follow from their index.
     pub(crate) fn part(shard: usize, of: usize) -> Map {
         let receipt = [
             ("palpate_version", "0.1.0".to_owned()),
@@ -262,7 +261,7 @@ pub(crate) mod tests {
         );
     }
 
-    /// The same part as an older version wrote it.
+    /// Converts a part to an older version.
     pub(crate) fn of_bounces(mut part: Map) -> Map {
         for row in &mut part.rows {
             row.stay = None;

@@ -1,4 +1,4 @@
-//! A map as Parquet: the columns of the CSV file, the receipt as the file's metadata.
+//! Export of a map as Parquet: the columns of the CSV file, with its metadata as the file's metadata.
 
 use std::io::{self, Write};
 
@@ -7,10 +7,10 @@ use parquet::data_type::ByteArray;
 use super::{Format, Map, Row};
 use crate::parquet_table::{self, ColumnValues, count};
 
-/// Writes a map as Parquet. A wall's swing at rest, of which there is none, is a NaN.
+/// Writes a map as Parquet. The resting swing of a wall, which does not exist, is NaN.
 ///
 /// # Errors
-/// What the writer says, or lines of different formats.
+/// An error of the writer, or lines of different formats.
 pub fn write_parquet(map: &Map, out: &mut dyn Write) -> io::Result<()> {
     let format = map.written_format()?;
     let receipt = [(format.column().to_owned(), format.version().to_string())]

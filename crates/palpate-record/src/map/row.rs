@@ -2,7 +2,7 @@
 
 use super::Format;
 
-/// One method on one plant in one cell; `[median, worst]` over the start heights.
+/// One method on one plant in one cell. Pairs are `[median, worst]` over the start heights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     /// Index of the cell, counted from 0.
@@ -19,31 +19,31 @@ pub struct Row {
     pub plant: String,
     /// Name of the method.
     pub method: String,
-    /// Growth of the energy per collision; infinite where the loop diverged.
+    /// Growth of the energy per collision; infinite if the loop diverged.
     pub growth: [f64; 2],
     /// Mean-force error E `[%]`.
     pub error: [f64; 2],
-    /// Force rendering error over the hold floor.
+    /// Ratio of the force rendering error to the zero-order-hold bound.
     pub error_over_floor: [f64; 2],
-    /// Hold floor `[%]`.
+    /// Zero-order-hold bound `[%]`.
     pub hold_floor: [f64; 2],
-    /// Start heights from which the loop was stable, grew, diverged.
+    /// Number of start heights with a stable, growing and diverging loop.
     pub classes: [u64; 3],
-    /// Contacts that stay; none in a file of [`Format::Bounces`], which says nothing of them.
+    /// Sustained contacts; `None` in a file of [`Format::Bounces`], which does not contain them.
     pub stay: Option<StaySwing>,
 }
 
-/// Standard deviation of the force of a contact that stays, over what presses it; infinite where the
-/// contact was lost or diverged.
+/// Ratio of the standard deviation of the force of a sustained contact to the pressing force; infinite if the contact
+/// was lost or diverged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StaySwing {
-    /// Of an object that lies on the device by its weight; none for a wall.
+    /// Ratio for an object that rests on the device by its weight; `None` for a wall.
     pub resting: Option<f64>,
-    /// Of an object or a wall that is pressed.
+    /// Ratio for a pressed object or wall.
     pub pressed: f64,
 }
 
-/// The columns of a line, in order.
+/// Columns of a line, in order.
 pub(super) const COLUMNS: [&str; 20] = [
     "cell",
     "kappa",
@@ -67,14 +67,14 @@ pub(super) const COLUMNS: [&str; 20] = [
     "pressed_swing",
 ];
 
-/// The fields of the columns, and what follows them.
+/// Splits a line into the fields of the columns and the rest.
 pub(super) fn split(line: &str, format: Format) -> Option<(&str, &str)> {
     let (at, _) = line.match_indices(',').nth(format.columns().len() - 1)?;
     Some((&line[..at], &line[at + 1..]))
 }
 
 impl Row {
-    /// The format of a file that has this row.
+    /// Returns the format of a file with this row.
     pub(super) fn format(&self) -> Format {
         if self.stay.is_some() {
             Format::BouncesAndStays
@@ -83,14 +83,14 @@ impl Row {
         }
     }
 
-    /// The numbers of the columns after the names, in order.
+    /// Returns the numeric columns after the names, in order.
     pub(super) fn numbers(&self) -> [f64; 8] {
         let ([a, b], [c, d]) = (self.growth, self.error);
         let ([e, f], [g, h]) = (self.error_over_floor, self.hold_floor);
         [a, b, c, d, e, f, g, h]
     }
 
-    /// The row as text, fields separated by commas.
+    /// Returns the row as text with comma-separated fields.
     #[must_use]
     pub fn to_line(&self) -> String {
         let mut line = self.cell.to_string();
@@ -121,10 +121,10 @@ impl Row {
         line
     }
 
-    /// Reads what [`to_line`](Self::to_line) wrote in a file of this format.
+    /// Parses the output of [`to_line`](Self::to_line) in this format.
     ///
     /// # Errors
-    /// Which column does not hold what it should.
+    /// The column with an invalid value.
     pub fn from_line(line: &str, format: Format) -> Result<Self, String> {
         let fields: Vec<&str> = line.split(',').collect();
         let columns = format.columns().len();
@@ -168,7 +168,7 @@ impl Row {
     }
 }
 
-/// The fewest digits that read back to the same bits.
+/// Returns the shortest text that parses to the same bits.
 fn text(number: f64) -> String {
     let size = number.abs();
     if size == 0.0 || (1e-5..1e15).contains(&size) || !size.is_finite() {

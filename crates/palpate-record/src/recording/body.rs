@@ -1,10 +1,10 @@
-//! What a recording has of each body of a world that moves.
+//! Recorded data of each moving body of a world.
 
 use super::row::part_of_row;
 
 part_of_row! {
-    /// What is seen of one body of a world at one tick. Fixed bodies are left out; behind the bodies stand the
-    /// avatars of the tools, which are what the bodies touch in the place of the devices.
+    /// Data of one body of a world at one tick. Fixed bodies are left out. After the bodies follow the proxy states
+    /// of the tools, which are in contact with the bodies in place of the devices.
     ///
     /// Vectors are along the axes of the world; NaN where there is no value.
     BodyTick as body;

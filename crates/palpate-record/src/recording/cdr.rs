@@ -1,12 +1,12 @@
-//! Messages as bytes: little-endian CDR, the encoding of ROS 2.
+//! Encoding of messages: little-endian CDR, as in ROS 2.
 //!
-//! Four bytes say so; after them each number stands at a multiple of its own size, counted from
-//! their end, and a text is its length with a closing 0, and itself with that 0.
+//! A mark of four bytes identifies the encoding. Each following number is aligned to a multiple of its size, counted
+//! from the end of the mark. A text consists of its length, including a closing 0, the text and that 0.
 
 /// Little-endian CDR without options.
 const MARK: [u8; 4] = [0, 1, 0, 0];
 
-/// Appends the fields of one message.
+/// Writer of the fields of one message.
 pub(super) struct Writer<'a> {
     bytes: &'a mut Vec<u8>,
     start: usize,
@@ -33,7 +33,7 @@ impl<'a> Writer<'a> {
         self.bytes.extend(value.to_le_bytes());
     }
 
-    /// A text, up to a first NUL if it has one: none can stand in it.
+    /// Writes a text up to its first NUL, because the encoding cannot contain one.
     pub fn text(&mut self, text: &str) {
         let text = text.split('\0').next().unwrap_or_default();
         let length = u32::try_from(text.len() + 1).expect("the writer refuses long texts");
@@ -49,7 +49,7 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// Takes the fields of one message.
+/// Reader of the fields of one message.
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -81,7 +81,7 @@ impl<'a> Reader<'a> {
         std::str::from_utf8(text).ok()
     }
 
-    /// Passes over a number of so many bytes.
+    /// Skips a number of `size` bytes.
     pub fn skip(&mut self, size: usize) -> Option<()> {
         let end = self.at.next_multiple_of(size).checked_add(size)?;
         self.bytes.get(..end)?;

@@ -1,4 +1,4 @@
-//! The ticks and events of one chunk.
+//! Ticks and events of one chunk.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -19,34 +19,34 @@ use super::{
 
 #[derive(Clone)]
 enum Channel {
-    /// Ticks, contacts, bodies or devices, with where the columns stand in a message.
+    /// Ticks, contacts, bodies or devices, with the layout of their messages.
     Rows(Arc<Layout>),
     Events,
-    /// Somebody else's.
+    /// Channel of another program.
     Other,
 }
 
-/// What is known from the chunks so far: which channel is which, and which ticks are there.
+/// State after the chunks read so far: channels, layouts and ticks.
 #[derive(Clone)]
 pub(super) struct Content {
-    /// What the types of ticks, contacts, bodies and devices say, by their numbers.
+    /// Layouts of the types of ticks, contacts, bodies and devices, by their numbers.
     layouts: BTreeMap<u16, Arc<Layout>>,
     channels: BTreeMap<u16, Channel>,
-    /// The ticks where the file does not say how they are laid out.
+    /// Layout of ticks whose type the file does not contain.
     ticks_by_format: Arc<Layout>,
     gather: Gather,
     pub loss: Loss,
 }
 
 impl Content {
-    /// Nothing is known yet of a recording of this format.
+    /// Creates the initial state for a recording of this format.
     pub fn of_format(format: u32) -> Self {
         let ticks = Arc::new(match format {
             1 => Layout::of_format_1(),
             _ => Layout::of_tick(),
         });
         let of_ticks = Channel::Rows(Arc::clone(&ticks));
-        // As they are written; a chunk that says otherwise is heard.
+        // Channels as this program writes them; a chunk with other channels overrides them.
         let channels = match format {
             1 => [(1, of_ticks), (2, Channel::Events)].into(),
             _ => {
@@ -72,8 +72,8 @@ impl Content {
         }
     }
 
-    /// The entries of a chunk; why it is not to be believed. `may_lack_sum`: a checksum of 0 says that
-    /// there is none, as the tools of others may write it.
+    /// Returns the entries of a chunk, or the reason why it is invalid. `may_lack_sum`: a checksum of 0 means that
+    /// there is none, as other tools may write it.
     pub fn chunk(&mut self, body: &[u8], may_lack_sum: bool) -> Result<Vec<Entry>, String> {
         let Ok(Record::Chunk { header, data }) = parse_record(op::CHUNK, body) else {
             return Err("its head is not what was written".into());
@@ -101,9 +101,8 @@ impl Content {
         Ok(entries)
     }
 
-    /// The entries of a chunk whose end is not there, up to the last message that is whole. No checksum
-    /// covers them. That last message itself is left out: a system that went down may have put zeros in
-    /// place of its end.
+    /// Returns the entries of a chunk without its end, up to the last complete message. No checksum covers them. The
+    /// last message is left out: a system that went down may have replaced its end by zeros.
     pub fn torn_chunk(&mut self, body: &[u8]) -> Vec<Entry> {
         let mut entries = Vec::new();
         let Some((header, data)) = head_of(body) else {
@@ -127,9 +126,9 @@ impl Content {
         entries
     }
 
-    /// The tick or event in a record, if there is one; why it cannot be believed.
+    /// Returns the tick or event of a record, if it contains one, or the reason why it is invalid.
     pub fn record(&mut self, opcode: u8, record: &[u8]) -> Result<Option<Entry>, String> {
-        // Nothing else is of interest, and the library does not expect everything everywhere.
+        // Other records are ignored; the library does not accept every record everywhere.
         if ![op::SCHEMA, op::CHANNEL, op::MESSAGE].contains(&opcode) {
             return Ok(None);
         }
@@ -191,7 +190,7 @@ impl Content {
 }
 
 impl Content {
-    /// The tick that is whole with this message, if one is.
+    /// Adds a message; returns the tick that it completes, if any.
     fn row(&mut self, layout: &Layout, message: &[u8]) -> Result<Option<Entry>, String> {
         let row = layout.decode(message).ok_or(match layout.holds {
             Holds::Contact => "a message is not a contact",
@@ -223,9 +222,9 @@ impl Content {
     }
 }
 
-/// Head and data of a chunk, as much as there is of them.
+/// Returns the header and the available data of a chunk.
 fn head_of(body: &[u8]) -> Option<(ChunkHeader, &[u8])> {
-    // The library reads a head only where all of the data follows it: with a length of 0 it does.
+    // The library parses a header only if all of the data follows it: set its length to 0.
     let compression = body.get(28..32)?;
     let name = usize::try_from(u32::from_le_bytes(compression.try_into().ok()?)).ok()?;
     let end = 32_usize.checked_add(name)?;

@@ -1,4 +1,4 @@
-//! What a column of a row is, whatever file it stands in.
+//! Columns of a row, independent of the file format.
 
 use std::borrow::Cow;
 
@@ -6,36 +6,36 @@ use super::cdr::{Reader, Writer};
 use super::state::{Flags, Phase};
 use super::{BodyTick, ContactTick, Row, Tick};
 
-/// A column of a tick or of a contact. [`Tick::COLUMNS`] and [`ContactTick::COLUMNS`] have all of them: every
-/// file, the live page and the documentation are made from these lists.
+/// A column of a tick or of a contact. [`Tick::COLUMNS`] and [`ContactTick::COLUMNS`] list all of them. Every file,
+/// the live page and the documentation are generated from these lists.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
-    /// Its name, with the unit at its end (`penetration_m`).
+    /// Name, ending with the unit (`penetration_m`).
     pub name: &'static str,
-    /// Its unit (`m`); `1` if it has none.
+    /// Unit (`m`); `1` for a pure number.
     pub unit: &'static str,
-    /// What it is, and which sign it has.
+    /// Meaning and sign.
     pub meaning: &'static str,
-    /// Who is shown it.
+    /// Outputs with this column.
     pub shown: Shown,
-    /// What its values are.
+    /// Kind of its values.
     pub kind: Kind,
     pub(super) get: fn(&Row) -> Value,
     pub(super) set: fn(&mut Row, Value),
 }
 
-/// Who is shown a column.
+/// Outputs with a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shown {
-    /// Tables, and the live page.
+    /// Tables and the live page.
     Live,
     /// Tables.
     InTables,
-    /// Tables of recordings in which not every tick has one contact.
+    /// Tables of recordings in which some ticks do not have exactly one contact.
     OfSeveralContacts,
 }
 
-/// What the values of a column are.
+/// Kind of the values of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Numbers.
@@ -53,7 +53,7 @@ pub enum Kind {
 /// A value of a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
-    /// A number, in the column's unit; NaN where there is none.
+    /// A number in the column's unit; NaN: missing.
     Number(f64),
     /// A count.
     Count(u64),
@@ -66,8 +66,8 @@ pub enum Value {
 }
 
 impl Column {
-    /// The column of this name, with its unit; that of the tick where the contact has one of that name
-    /// too.
+    /// Returns the column of this name, including the unit. If tick and contact both have one, returns that of the
+    /// tick.
     #[must_use]
     pub fn named(name: &str) -> Option<&'static Self> {
         let contacts = Tick::COLUMNS.iter().chain(ContactTick::COLUMNS);
@@ -75,19 +75,19 @@ impl Column {
         all.find(|column| column.name == name)
     }
 
-    /// Its value in a row.
+    /// Returns its value in a row.
     #[must_use]
     pub fn value(&self, row: &Row) -> Value {
         (self.get)(row)
     }
 
-    /// Whether the live page is sent it.
+    /// Returns whether the live page shows it.
     #[must_use]
     pub const fn is_live(&self) -> bool {
         matches!(self.shown, Shown::Live)
     }
 
-    /// Its name without the unit: `penetration` for `penetration_m`.
+    /// Returns its name without the unit: `penetration` for `penetration_m`.
     #[must_use]
     pub fn short_name(&self) -> &'static str {
         self.name
@@ -96,7 +96,7 @@ impl Column {
     }
 }
 
-/// What the name of a column with this unit ends with.
+/// Returns the end of the name of a column with this unit.
 fn suffix(unit: &str) -> &'static str {
     match unit {
         "s" => "_s",
@@ -111,7 +111,7 @@ fn suffix(unit: &str) -> &'static str {
 }
 
 impl Kind {
-    /// What the type of a message calls it, in ROS 2.
+    /// Returns the name of the type in ROS 2.
     #[must_use]
     pub fn message_type(self) -> &'static str {
         match self {
@@ -122,7 +122,7 @@ impl Kind {
         }
     }
 
-    /// How many bytes of a message a value takes, after as many as bring it to a multiple of that.
+    /// Returns the size of a value in a message, which is also its alignment `[bytes]`.
     #[must_use]
     pub fn size(self) -> usize {
         match self {
@@ -132,7 +132,7 @@ impl Kind {
         }
     }
 
-    /// The next value of a message; none if it ends before, or has none of this kind there.
+    /// Reads the next value of a message; `None` if the message ends before or has an invalid value.
     pub(super) fn decode(self, bytes: &mut Reader<'_>) -> Option<Value> {
         Some(match self {
             Self::Number => Value::Number(f64::from_bits(bytes.u64()?)),
@@ -145,7 +145,7 @@ impl Kind {
 }
 
 impl Value {
-    /// As a table of text has what is no number: counts in digits, flags and phases by their names.
+    /// Returns a value that is not a number as text: counts in digits, flags and phases by their names.
     #[must_use]
     pub fn text(self) -> Cow<'static, str> {
         match self {
@@ -157,7 +157,7 @@ impl Value {
         }
     }
 
-    /// As a number: flags by their bits, a phase by its number in a recording.
+    /// Returns the value as a number: flags by their bits, a phase by its number in a recording.
     #[must_use]
     pub fn number(self) -> f64 {
         match self {
@@ -180,15 +180,15 @@ impl Value {
     }
 }
 
-/// A field of a row: the values of one column, or of several by their place.
+/// A field of a row: the values of one column, or of several by their index.
 pub(super) trait Cells {
     const KIND: Kind;
-    /// What stands for no value.
+    /// Value that means unknown.
     const UNKNOWN: Self;
 
     fn get(&self, place: usize) -> Value;
 
-    /// Takes a value of its kind; another changes nothing.
+    /// Sets a value of the field's kind; a value of another kind changes nothing.
     fn set(&mut self, place: usize, value: Value);
 }
 
@@ -251,7 +251,7 @@ mod tests {
             assert!(units.contains(&unit), "{name}");
             assert!(name.ends_with(suffix(unit)), "{name} in {unit}");
             assert_eq!(format!("{}{}", column.short_name(), suffix(unit)), name);
-            // A number has a unit, but in a quaternion or a unit vector, and nothing else has one.
+            // A number has a unit, except in a quaternion or a unit vector, and other kinds have none.
             let is_pure = name.contains("_orientation_") || name.starts_with("contact_normal_");
             assert_eq!(
                 unit == "1",
@@ -265,8 +265,8 @@ mod tests {
         }
     }
 
-    /// Two columns that give or take the same quantity would show: each is set in a row in which no
-    /// other has a value, and is found there, alone.
+    /// Detects two columns that access the same quantity: each column is set alone in an empty row, and no other may
+    /// then have a value.
     #[test]
     fn each_column_gives_what_it_took_and_nothing_else() {
         let all = all();

@@ -1,14 +1,14 @@
-//! What a recording has of each contact of a tick.
+//! Recorded data of each contact of a tick.
 
 use super::row::part_of_row;
 use super::state::{Flags, Phase};
 
 part_of_row! {
-    /// What is seen of one contact at one tick.
+    /// Data of one contact at one tick.
     ///
-    /// Positions, velocities and forces that are one number are along the contact's normal and in the user's frame,
-    /// positive along it; NaN where there is no value. `docs/signs.md` draws the axis. Those of a contact of a world
-    /// are vectors along the axes of the world.
+    /// Scalar positions, velocities and forces are along the contact's normal and in the user's frame, positive along
+    /// it; NaN: missing. `docs/signs.md` draws the axis. Those of a contact of a world are vectors along the axes of
+    /// the world.
     ContactTick as contact;
 
     sequence: u64, "1", several,

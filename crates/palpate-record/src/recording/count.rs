@@ -1,4 +1,4 @@
-//! What the loop itself counted, at the end of its recording.
+//! Counters of the loop, at the end of its recording.
 
 use std::time::Duration;
 
@@ -6,7 +6,7 @@ use mcap::records::Metadata;
 
 use super::receipt::{CHECKSUM, checksum};
 
-/// Name of the metadata record that holds the count.
+/// Name of the metadata record with the counters.
 pub(super) const RECORD: &str = "palpate end";
 const TICKS: &str = "ticks_made";
 const EVENTS: &str = "events_made";
@@ -15,36 +15,35 @@ const MOTORS_OFF_FOR: &str = "motors_off_s";
 const LASTED: &str = "lasted_s";
 const ENDING: &str = "ending";
 
-/// How long a loop ran, and for how much of that no force was delivered.
+/// Duration of a loop, and the part of it without a delivered force.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LoopTime {
-    /// From the first tick to the last command.
+    /// Time from the first tick to the last command.
     pub lasted: Duration,
-    /// For so long a trip of the safety kept the motors off, or a supervisor or a guardian had taken
-    /// the force off a loop that stood still.
+    /// Time for which a safety stop kept the motors off, or a supervisor or a watchdog process had removed the force
+    /// of a stalled loop.
     pub motors_off: Duration,
 }
 
-/// What a loop counted while it was recorded. It comes to the recording by another way than the ticks,
-/// so a recording that has lost ticks or events, the last ones too, has the number of them all the
-/// same.
+/// Counters of a recorded loop. They do not pass through the ring buffer of the ticks, so they are exact also in a
+/// recording that lacks ticks or events, including the last ones.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LoopCount {
-    /// Ticks that the loop made, from the recording's first on.
+    /// Ticks of the loop, from the recording's first on.
     pub ticks: u64,
-    /// Events that the loop told.
+    /// Events of the loop.
     pub events: u64,
-    /// Ticks at whose end a trip of the safety kept the motors off.
+    /// Ticks at whose end a safety stop kept the motors off.
     pub motors_off: u64,
-    /// How long the loop ran, and for how much of that no force was delivered; `None` where nobody said,
-    /// as in recordings of older versions and in those that begin after their loop.
+    /// Duration of the loop, and the part of it without a delivered force; `None` if unknown, as in recordings of
+    /// older versions and in recordings that start after their loop.
     pub time: Option<LoopTime>,
-    /// Why the loop ended, in words; `None` if the recording ended before its loop.
+    /// Reason for the end of the loop, as text; `None` if the recording ended before its loop.
     pub ending: Option<String>,
 }
 
 impl LoopCount {
-    /// The metadata record.
+    /// Returns the metadata record.
     pub(super) fn to_metadata(&self) -> Metadata {
         let mut entries: std::collections::BTreeMap<String, String> = [
             (TICKS, self.ticks),
@@ -68,7 +67,7 @@ impl LoopCount {
         }
     }
 
-    /// Reads the metadata record; `None` if it is not what was written.
+    /// Reads the metadata record; `None` if it is invalid.
     pub(super) fn from_metadata(record: Metadata) -> Option<Self> {
         let mut entries = record.metadata;
         let claimed = entries.remove(CHECKSUM);
@@ -89,7 +88,7 @@ impl LoopCount {
     }
 }
 
-/// In seconds, to the nanosecond.
+/// Returns the duration in seconds, to the nanosecond.
 fn seconds(duration: Duration) -> String {
     format!("{}.{:09}", duration.as_secs(), duration.subsec_nanos())
 }
@@ -118,7 +117,7 @@ mod tests {
         }
     }
 
-    /// As versions before this one wrote it.
+    /// The format of earlier versions.
     #[test]
     fn a_count_without_times_is_read() {
         let before = LoopCount {

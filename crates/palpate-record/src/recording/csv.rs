@@ -1,4 +1,4 @@
-//! A recording as tables of text.
+//! Export of a recording as text tables.
 
 use std::borrow::Cow;
 use std::io::{self, Write};
@@ -8,12 +8,11 @@ use super::{BodyTick, Column, DeviceTick, Entry, Recording, Row, Value, event};
 use crate::run::{Cell, RunWriter};
 
 impl Recording {
-    /// Writes every tick that is there as a [run file](crate::run), with the receipt and what is
-    /// to be known of the recording in its first row. A tick has a line for each of its contacts, and
-    /// one without them where it has none.
+    /// Writes every recorded tick as a [run file](crate::run), with the metadata and the facts about the recording in
+    /// its first row. A tick has a line for each of its contacts, and one line if it has none.
     ///
     /// # Errors
-    /// There is no tick; the recording cannot be read any more; what `out` says.
+    /// There are no ticks; the recording cannot be read any more; an error of `out`.
     pub fn write_csv(&self, out: &mut dyn Write) -> io::Result<()> {
         let columns = columns(self);
         let mut rows = RunWriter::new(out, &receipt(self), &names(&columns))?;
@@ -27,7 +26,7 @@ impl Recording {
     /// Writes every body of every tick of a world as a [run file](crate::run).
     ///
     /// # Errors
-    /// There is no body; the recording cannot be read any more; what `out` says.
+    /// There are no bodies; the recording cannot be read any more; an error of `out`.
     pub fn write_bodies_csv(&self, out: &mut dyn Write) -> io::Result<()> {
         let receipt = [("recording", self.path().display().to_string())];
         let time = Column::named("t_s").into_iter();
@@ -49,10 +48,10 @@ impl Recording {
         Ok(())
     }
 
-    /// Writes every device of every tick of a loop that has several as a [run file](crate::run).
+    /// Writes every device of every tick of a loop with several devices as a [run file](crate::run).
     ///
     /// # Errors
-    /// There is no such device; the recording cannot be read any more; what `out` says.
+    /// There are no such devices; the recording cannot be read any more; an error of `out`.
     pub fn write_devices_csv(&self, out: &mut dyn Write) -> io::Result<()> {
         let receipt = [("recording", self.path().display().to_string())];
         let columns: Vec<_> = DeviceTick::COLUMNS.iter().collect();
@@ -75,7 +74,7 @@ impl Recording {
     /// Writes every event as a [run file](crate::run).
     ///
     /// # Errors
-    /// There is no event; the recording cannot be read any more; what `out` says.
+    /// There are no events; the recording cannot be read any more; an error of `out`.
     pub fn write_events_csv(&self, out: &mut dyn Write) -> io::Result<()> {
         let receipt = [("recording", self.path().display().to_string())];
         let mut rows = RunWriter::new(out, &receipt, &event::COLUMNS.map(|column| column.name))?;

@@ -1,11 +1,11 @@
-//! What a recording has of each device of a loop that has several.
+//! Recorded data of each device of a loop with several devices.
 
 use super::row::part_of_row;
 use super::state::Flags;
 
 part_of_row! {
-    /// What is seen of one device at one tick of a loop with several devices. A loop with one has none of these:
-    /// its tick says all of it. Columns have the names of those of a tick.
+    /// Data of one device at one tick of a loop with several devices. A loop with one device has none of these: its
+    /// tick contains all of the data. Columns have the same names as those of a tick.
     ///
     /// Vectors are in the frame of the device itself; NaN where there is no value.
     DeviceTick as device;

@@ -1,29 +1,29 @@
-//! What happened beside the ticks.
+//! Events between ticks.
 
 use super::cdr::{Reader, Writer};
 
-/// Something that happened at a tick: a fault, a change of parameters, the end.
+/// An event at a tick: a fault, a change of parameters, the end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event {
-    /// Number of the tick it belongs to. That tick is known to have been, even where it was lost.
+    /// Number of the tick of the event. That tick was made, even if it is lost.
     pub sequence: u64,
-    /// When, since the loop's start `[s]`.
+    /// Time since the loop's start `[s]`.
     pub time: f64,
-    /// What kind of thing, in kebab case.
+    /// Kind of the event, in kebab case.
     pub kind: String,
-    /// What happened, in words. Up to a first NUL character, which no text can hold.
+    /// Description. It ends at the first NUL character, which the encoding cannot contain.
     pub text: String,
 }
 
 /// A column of the events.
 pub(super) struct EventColumn {
     pub name: &'static str,
-    /// What the type of the message calls its values, in ROS 2.
+    /// Name of the type of its values in ROS 2.
     pub message_type: &'static str,
     pub meaning: &'static str,
 }
 
-/// The columns of the events, in the order in which files have them.
+/// Columns of the events, in the order of the files.
 pub(super) const COLUMNS: [EventColumn; 4] = [
     EventColumn {
         name: "sequence",
@@ -56,7 +56,7 @@ impl Event {
         out.text(&self.text);
     }
 
-    /// Reads a message; none if it is not that of an event.
+    /// Reads a message; `None` if it is not an event.
     pub(super) fn decode(message: &[u8]) -> Option<Self> {
         let mut bytes = Reader::begin(message)?;
         let event = Self {
@@ -109,7 +109,7 @@ mod tests {
             ..event()
         };
         odd.encode(&mut message);
-        // 16 bytes of numbers, a length, five of text, and three of padding.
+        // 16 bytes of numbers, a length, five bytes of text, and three of padding.
         assert_eq!(message[4 + 25..4 + 28], [0, 0, 0]);
         assert_eq!(Event::decode(&message), Some(odd));
     }

@@ -1,9 +1,9 @@
-//! What the tables of a recording have in common: columns, and a receipt.
+//! Columns and metadata common to the tables of a recording.
 
 use super::table::table;
 use super::{Column, Recording};
 
-/// The columns of the rows.
+/// Returns the columns of the rows.
 pub(super) fn columns(recording: &Recording) -> Vec<&'static Column> {
     table(
         recording.format,
@@ -11,13 +11,12 @@ pub(super) fn columns(recording: &Recording) -> Vec<&'static Column> {
     )
 }
 
-/// The names of columns.
+/// Returns the names of columns.
 pub(super) fn names(columns: &[&'static Column]) -> Vec<&'static str> {
     columns.iter().map(|column| column.name).collect()
 }
 
-/// What made the ticks and what is not there of them, then the texts of the receipt under `receipt
-/// NAME`.
+/// Returns the facts about the ticks and the missing data, then the metadata texts under `receipt NAME`.
 pub(super) fn receipt(recording: &Recording) -> Vec<(String, String)> {
     let facts = [
         ("recording", recording.path().display().to_string()),

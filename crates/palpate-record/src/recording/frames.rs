@@ -1,4 +1,4 @@
-//! The records of an MCAP file, one after the other, as far as they are whole.
+//! Complete records of an MCAP file, in sequence.
 
 use std::io::{self, Read};
 
@@ -6,20 +6,20 @@ use mcap::MAGIC;
 
 use super::LONGEST_RECORD;
 
-/// Takes records off a file and keeps the checksum of what it has passed.
+/// Reader of records that computes the checksum of the bytes passed.
 pub(super) struct Frames<R> {
     source: R,
-    /// Bytes that were taken as whole records, with the magic at the start.
+    /// Bytes of complete records taken so far, with the magic at the start.
     pub offset: u64,
     passed: crc32fast::Hasher,
 }
 
-/// What comes next in a file.
+/// Next item of a file.
 pub(super) enum Frame {
-    /// A whole record.
+    /// A complete record.
     Record {
         opcode: u8,
-        /// Where it begins.
+        /// Offset of its first byte.
         at: u64,
         body: Vec<u8>,
         /// Checksum of everything before it, since the last [`Frames::forget`].
@@ -29,19 +29,19 @@ pub(super) enum Frame {
     End,
     /// The file ends within a record.
     Torn {
-        /// Bytes that are there of it.
+        /// Available bytes of the record.
         size: u64,
-        /// What it was to be, if that much is there.
+        /// Opcode, if available.
         opcode: Option<u8>,
-        /// The part of its body that is there.
+        /// Available part of its body.
         body: Vec<u8>,
     },
-    /// No record is this long: its length is not what was written.
+    /// The record's length is invalid, because no record is this long.
     Endless,
 }
 
 impl<R: Read> Frames<R> {
-    /// A file that must begin as MCAP files do; none if it does not.
+    /// Starts reading a file; `None` if it does not start with the MCAP magic.
     pub fn begin(mut source: R) -> io::Result<Option<Self>> {
         let mut magic = [0; MAGIC.len()];
         if fill(&mut source, &mut magic)? < magic.len() || magic != *MAGIC {
@@ -97,12 +97,12 @@ impl<R: Read> Frames<R> {
         })
     }
 
-    /// Begins the checksum anew.
+    /// Restarts the checksum.
     pub fn forget(&mut self) {
         self.passed = crc32fast::Hasher::new();
     }
 
-    /// What follows the last record, as much as should, and how many bytes stand behind that.
+    /// Returns the magic after the last record, as far as available, and the number of bytes after it.
     pub fn rest(&mut self) -> io::Result<(Vec<u8>, u64)> {
         let mut rest = [0; MAGIC.len()];
         let taken = fill(&mut self.source, &mut rest)?;
@@ -111,10 +111,10 @@ impl<R: Read> Frames<R> {
     }
 }
 
-/// A record: its opcode, and its body.
+/// A record: opcode and body.
 type RawRecord<'a> = (u8, &'a [u8]);
 
-/// The records within a chunk, as far as they are whole; and whether that is to its end.
+/// Returns the complete records within a chunk, and whether they extend to its end.
 pub(super) fn records(mut bytes: &[u8]) -> (Vec<RawRecord<'_>>, bool) {
     let mut records = Vec::new();
     while !bytes.is_empty() {
@@ -127,7 +127,7 @@ pub(super) fn records(mut bytes: &[u8]) -> (Vec<RawRecord<'_>>, bool) {
     (records, true)
 }
 
-/// The first record, and what follows it.
+/// Returns the first record and the remaining bytes.
 fn first_record(bytes: &[u8]) -> Option<(RawRecord<'_>, &[u8])> {
     let head = bytes.first_chunk::<9>()?;
     let length = usize::try_from(length(head)).ok()?;
@@ -136,13 +136,13 @@ fn first_record(bytes: &[u8]) -> Option<(RawRecord<'_>, &[u8])> {
     Some(((head[0], body), &bytes[end..]))
 }
 
-/// Length of a record, after its opcode.
+/// Returns the length of a record, without its opcode.
 fn length(head: &[u8; 9]) -> u64 {
     let [_, length @ ..] = *head;
     u64::from_le_bytes(length)
 }
 
-/// Reads until `buffer` is full or the source ends; how many bytes.
+/// Reads until `buffer` is full or the source ends; returns the number of bytes.
 fn fill(source: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
     let mut filled = 0;
     while filled < buffer.len() {

@@ -1,23 +1,23 @@
-//! Ticks and their contacts, put together again.
+//! Reassembly of ticks and their contacts.
 
 use super::{BodyTick, ContactTick, DeviceTick, Tick};
 
-/// A tick with its contacts, its bodies and its devices.
+/// A complete tick with its contacts, bodies and devices.
 pub(super) type Whole = (Tick, Vec<ContactTick>, Vec<BodyTick>, Vec<DeviceTick>);
 
 /// The tick whose contacts and bodies are being read.
 ///
-/// The devices of a tick stand before it, then it, its contacts and its bodies. One whose devices, contacts or bodies are
-/// not all there is none: it is missing by its number.
+/// The devices of a tick precede it; its contacts and its bodies follow. A tick with missing devices, contacts or
+/// bodies is discarded and counts as missing.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Gather {
     waiting: Option<Whole>,
-    /// Devices whose tick is still to come.
+    /// Devices of the next tick.
     devices: Vec<DeviceTick>,
 }
 
 impl Gather {
-    /// Takes the next tick; gives it back if it has nothing to wait for.
+    /// Adds the next tick; returns it if no contacts or bodies follow.
     pub fn tick(&mut self, tick: Tick) -> Result<Option<Whole>, String> {
         let mut devices = std::mem::take(&mut self.devices);
         devices.retain(|device| device.sequence == tick.sequence);
@@ -33,7 +33,7 @@ impl Gather {
         Ok(self.complete())
     }
 
-    /// Takes a device of the tick that comes next.
+    /// Adds a device of the next tick.
     pub fn device(&mut self, device: DeviceTick) -> Result<(), String> {
         self.devices
             .retain(|before| before.sequence == device.sequence);
@@ -49,8 +49,8 @@ impl Gather {
         Ok(())
     }
 
-    /// Takes a contact; gives its tick with everything if it was the last to come. A contact whose
-    /// tick is not there is passed over: it is missing with its tick.
+    /// Adds a contact; returns the complete tick if nothing else follows. A contact without its tick is skipped: it
+    /// is missing with its tick.
     pub fn contact(&mut self, contact: ContactTick) -> Result<Option<Whole>, String> {
         let Some((tick, contacts, ..)) = &mut self.waiting else {
             return Ok(None);
@@ -70,7 +70,7 @@ impl Gather {
         Ok(self.complete())
     }
 
-    /// Takes a body, as [`contact`](Self::contact) does a contact.
+    /// Adds a body in the same way.
     pub fn body(&mut self, body: BodyTick) -> Option<Whole> {
         let (_, _, bodies, _) = self
             .waiting
@@ -178,13 +178,13 @@ mod tests {
         let devices = vec![device(0, 0), device(0, 1)];
         let whole = Some((tick(0, 0), vec![], vec![], devices));
         assert_eq!(gather.tick(tick(0, 0)), Ok(whole));
-        // Those of the tick before are not those of the next.
+        // Devices of the tick before do not belong to the next one.
         let alone = Some((tick(1, 0), vec![], vec![], vec![]));
         assert_eq!(gather.tick(tick(1, 0)), Ok(alone));
         gather.device(device(2, 0)).unwrap();
         let error = gather.tick(tick(2, 0)).unwrap_err();
         assert_eq!(error, "tick 2 has 1 of its 2 devices");
-        // A tick that was lost leaves its devices behind.
+        // The devices of a lost tick are discarded.
         gather.device(device(3, 0)).unwrap();
         gather.device(device(4, 0)).unwrap();
         let error = gather.device(device(4, 2)).unwrap_err();

@@ -1,7 +1,7 @@
-//! Where the columns stand in the messages of a recording, as the recording itself says.
+//! Layout of the messages of a recording, as stored in the recording.
 //!
-//! A recording carries the types of its messages. So one that was made before a column was there is read
-//! without it, and one with a column that this version does not know is read but for that column.
+//! A recording contains the types of its messages. A recording from before a column existed is read without it, and
+//! an unknown column of a newer one is skipped.
 
 use super::cdr::Reader;
 use super::column::Column;
@@ -9,17 +9,17 @@ use super::state::Flags;
 use super::table::FORMAT_1;
 use super::{BodyTick, ContactTick, DeviceTick, Row, Tick, schema};
 
-/// The fields of a message, one after the other.
+/// The fields of a message, in order.
 #[derive(Debug)]
 pub(super) struct Layout {
     pub holds: Holds,
     fields: Vec<Field>,
 }
 
-/// What a message holds of a row.
+/// Part of a row in a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Holds {
-    /// The tick; its contacts are messages of their own.
+    /// The tick; its contacts are separate messages.
     Tick,
     /// One of the contacts of a tick.
     Contact,
@@ -27,22 +27,22 @@ pub(super) enum Holds {
     Body,
     /// One of the devices of a tick.
     Device,
-    /// Tick and contact, the contact being the only one: a message of format 1.
+    /// Tick and its only contact: a message of format 1.
     Both,
 }
 
 #[derive(Clone, Copy, Debug)]
 enum Field {
-    /// A column that is known.
+    /// A known column.
     Column(&'static Column),
-    /// A field that is not, of so many bytes.
+    /// An unknown field of this number of bytes.
     Unknown(usize),
-    /// A text that is not.
+    /// An unknown text.
     UnknownText,
 }
 
 impl Holds {
-    /// The column of this name, if it is one of these messages.
+    /// Returns the column of this name, if these messages have one.
     fn column(self, name: &str) -> Option<&'static Column> {
         let of = |columns: &'static [Column]| columns.iter().find(|column| column.name == name);
         match self {
@@ -54,7 +54,7 @@ impl Holds {
         }
     }
 
-    /// The columns without which a message says nothing.
+    /// Returns the columns that a message must have.
     fn needed(self) -> [&'static str; 2] {
         match self {
             Self::Tick | Self::Both => ["sequence", "t_s"],
@@ -66,38 +66,38 @@ impl Holds {
 }
 
 impl Layout {
-    /// As this version writes a tick.
+    /// Returns the layout in which this version writes a tick.
     pub fn of_tick() -> Self {
         let fields = Tick::COLUMNS.iter().map(Field::Column).collect();
         Self::new(Holds::Tick, fields)
     }
 
-    /// As this version writes a contact.
+    /// Returns the layout in which this version writes a contact.
     pub fn of_contact() -> Self {
         let fields = ContactTick::COLUMNS.iter().map(Field::Column).collect();
         Self::new(Holds::Contact, fields)
     }
 
-    /// As this version writes a body.
+    /// Returns the layout in which this version writes a body.
     pub fn of_body() -> Self {
         let fields = BodyTick::COLUMNS.iter().map(Field::Column).collect();
         Self::new(Holds::Body, fields)
     }
 
-    /// As this version writes a device.
+    /// Returns the layout in which this version writes a device.
     pub fn of_device() -> Self {
         let fields = DeviceTick::COLUMNS.iter().map(Field::Column).collect();
         Self::new(Holds::Device, fields)
     }
 
-    /// As format 1 has a tick and its contact.
+    /// Returns the layout of a tick and its contact in format 1.
     pub fn of_format_1() -> Self {
         let columns = FORMAT_1.iter().filter_map(|name| Column::named(name));
         Self::new(Holds::Both, columns.map(Field::Column).collect())
     }
 
-    /// As the type of a message of this name says; why it is not that of a tick, a contact, a body or a device. A tick
-    /// that does not say how many contacts it has is one of format 1.
+    /// Parses the type of a message of this name, or returns the reason why it is not that of a tick, a contact, a
+    /// body or a device. A tick without the number of its contacts is one of format 1.
     pub fn of_schema(name: &str, text: &str) -> Result<Self, String> {
         let mut fields = Vec::new();
         for line in text.lines() {
@@ -134,7 +134,7 @@ impl Layout {
         Self { holds, fields }
     }
 
-    /// Reads what a message holds of a row; none if it is no such message.
+    /// Decodes a message into a row; `None` if the message is invalid.
     pub fn decode(&self, message: &[u8]) -> Option<Row> {
         let mut bytes = Reader::begin(message)?;
         let mut row = Row::UNKNOWN;
@@ -187,7 +187,7 @@ mod tests {
     use super::super::stream::{encode_contact, encode_tick};
     use super::*;
 
-    /// The messages of a tick and of its second contact.
+    /// Returns the messages of a tick and of its second contact.
     fn messages() -> [Vec<u8>; 2] {
         let Row { tick, contact, .. } = row(7, 1);
         let [mut of_tick, mut of_contact] = [Vec::new(), Vec::new()];
@@ -229,7 +229,7 @@ mod tests {
         message.extend(*b"\x04\0\0\0red\0");
         message.extend(0.25_f64.to_le_bytes());
         message.extend(36.6_f32.to_le_bytes());
-        // The next stands at a multiple of eight.
+        // The next field is aligned to a multiple of eight.
         message.extend([0; 4]);
         message.extend((-0.5_f64).to_le_bytes());
         let Row { tick, contact, .. } = layout.decode(&message).unwrap();

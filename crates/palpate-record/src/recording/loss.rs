@@ -1,25 +1,25 @@
-//! What is missing, told from the numbers of what is there.
+//! Detection of missing ticks from the numbers of the others.
 
-/// Ticks that were and that a recording does not have.
+/// A gap of missing ticks in a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Gap {
-    /// Number of the last tick before them; none if they are the first.
+    /// Number of the last tick before the gap; `None` at the start.
     pub after: Option<u64>,
-    /// How many they are.
+    /// Number of missing ticks.
     pub count: u64,
 }
 
-/// Counts what is missing.
+/// Counter of missing ticks.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Loss {
     last: Option<u64>,
-    /// Highest number that anything has named.
+    /// Highest tick number mentioned by any item.
     known: Option<u64>,
     gaps: Vec<Gap>,
 }
 
 impl Loss {
-    /// A tick is there; false if its number does not rise.
+    /// Adds a recorded tick; returns false if its number does not increase.
     #[must_use]
     pub fn tick(&mut self, sequence: u64) -> bool {
         if self.last.is_some_and(|last| sequence <= last) {
@@ -30,12 +30,12 @@ impl Loss {
         true
     }
 
-    /// Something names a tick, which may be there or not.
+    /// Adds a tick number mentioned by an item, whether or not the tick is recorded.
     pub fn named(&mut self, sequence: u64) {
         self.known = self.known.max(Some(sequence));
     }
 
-    /// All gaps, with the one between the last tick and the last that was named.
+    /// Returns all gaps, including that between the last tick and the last mentioned one.
     pub fn gaps(mut self) -> Vec<Gap> {
         if let Some(beyond) = self.known.and_then(|known| known.checked_add(1)) {
             self.up_to(beyond);
@@ -43,7 +43,7 @@ impl Loss {
         self.gaps
     }
 
-    /// Books what is missing below `sequence`.
+    /// Counts the missing ticks below `sequence`.
     fn up_to(&mut self, sequence: u64) {
         let next = self.last.map_or(0, |last| last + 1);
         let count = sequence.saturating_sub(next);

@@ -1,14 +1,15 @@
-//! Recordings: what a loop with a device really did, tick by tick, as it happens.
+//! Recordings of a device loop, tick by tick, written while the loop runs.
 //!
-//! A recording is an [MCAP](https://mcap.dev) file, so Foxglove and PlotJuggler show it as it is.
-//! Its first record is the [`Receipt`]: the configuration as text. After it come [`Tick`]s on the
+//! A recording is an [MCAP](https://mcap.dev) file, so Foxglove and PlotJuggler can open it. Its first record is the
+//! [`Receipt`], the metadata: the configuration as text. Then follow in chunks with checksums: [`Tick`]s on the
 //! channel `/tick`, the [`ContactTick`]s of each tick on `/contact`, the [`BodyTick`]s of a world on `/body`, the
-//! [`DeviceTick`]s of a loop with several devices on `/device`, and [`Event`]s on `/event`, in chunks with checksums; `docs/formats.md` has every byte. A live recording is called `NAME.part`. What [`RecordingWriter::flush`] has handed on
-//! outlives the program, and [`RecordingWriter::finish`] gives the file its name. Before it,
-//! [`RecordingWriter::count`] writes what the loop itself counted ([`LoopCount`]).
+//! [`DeviceTick`]s of a loop with several devices on `/device`, and [`Event`]s on `/event`. `docs/formats.md`
+//! documents every byte. An unfinished recording is called `NAME.part`. Data handed on by [`RecordingWriter::flush`]
+//! survive the program. [`RecordingWriter::count`] writes the counters of the loop ([`LoopCount`]), and
+//! [`RecordingWriter::finish`] then gives the file its name.
 //!
-//! [`Recording::open`] reads whatever there is of one, and says what is not there: ticks that were
-//! lost, by their numbers, an end that was cut off, and chunks that are not what was written.
+//! [`Recording::open`] reads the available part of a recording and reports missing data: lost ticks by their numbers,
+//! a truncated end, and damaged chunks.
 //!
 //! ```
 //! use palpate_record::recording::{ContactTick, Receipt, Recording, RecordingWriter, Tick};
@@ -60,12 +61,12 @@ mod unpack;
 mod walk;
 mod write;
 
-/// The bytes with which every recording begins, finished or not.
+/// First bytes of every recording, finished or not.
 pub const BEGINS: &[u8] = mcap::MAGIC;
 
-/// How damage begins that is of the file as a whole: nothing is left out for it.
+/// Start of a message about damage to the file as a whole, which removes no data.
 pub const WHOLE: &str = "the file as a whole";
-/// Text of the receipt of a loop with several devices that has their names, a line each, in the order of their numbers.
+/// Metadata entry with the names of several devices, one per line in the order of their numbers.
 pub const DEVICES: &str = "devices";
 
 pub use body::BodyTick;
@@ -83,9 +84,9 @@ pub use table::columns;
 pub use tick::Tick;
 pub use write::{RecordingWriter, Summary};
 
-/// The version that is written.
+/// Version of the format that is written.
 const VERSION: u32 = 2;
-/// The versions that are read.
+/// Versions of the format that are read.
 const READ: [u32; 2] = [1, VERSION];
 /// Topics of the channels.
 const TICK_TOPIC: &str = "/tick";
@@ -93,8 +94,8 @@ const CONTACT_TOPIC: &str = "/contact";
 const BODY_TOPIC: &str = "/body";
 const DEVICE_TOPIC: &str = "/device";
 const EVENT_TOPIC: &str = "/event";
-/// How messages are encoded, and how their types are written down.
+/// Encoding of messages and of their types.
 const MESSAGE_ENCODING: &str = "cdr";
 const SCHEMA_ENCODING: &str = "ros2msg";
-/// Longest record that is written or believed [bytes].
+/// Largest accepted record [bytes].
 const LONGEST_RECORD: u64 = 64 << 20;

@@ -1,4 +1,4 @@
-//! A recording as Parquet: the columns of the CSV file, the receipt as the file's metadata.
+//! Export of a recording as Parquet: the columns of the CSV file, with its metadata as the file's metadata.
 
 use std::io::{self, Write};
 
@@ -8,14 +8,14 @@ use super::export::{columns, names, receipt};
 use super::{Column, Kind, Recording, Row, Value};
 use crate::parquet_table::{self, count};
 
-/// Rows that are gathered before they are written: about 21 MB.
+/// Rows per group: about 21 MB.
 const GROUP: usize = 1 << 16;
 
 impl Recording {
-    /// Writes every tick that is there as Parquet, in the rows of [`write_csv`](Self::write_csv).
+    /// Writes every recorded tick as Parquet, in the rows of [`write_csv`](Self::write_csv).
     ///
     /// # Errors
-    /// The recording cannot be read any more; what the writer says.
+    /// The recording cannot be read any more; an error of the writer.
     pub fn write_parquet(&self, out: &mut dyn Write) -> io::Result<()> {
         let columns = columns(self);
         let mut rows = self.rows().map_err(io::Error::other)?;
@@ -26,7 +26,7 @@ impl Recording {
                 Ok(group) => group,
                 Err(error) => return Some(Err(io::Error::other(error))),
             };
-            // A table without rows has its columns too.
+            // A table without rows has one empty group, for its columns.
             let last = group.is_empty() && begun;
             begun = true;
             (!last).then(|| Ok(values(&columns, &group)))

@@ -1,4 +1,4 @@
-//! Reading a recording: whatever there is of it.
+//! Reader of complete and incomplete recordings.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Take};
@@ -10,51 +10,51 @@ use thiserror::Error;
 use super::walk::{Refused, Step, Walk};
 use super::{BodyTick, ContactTick, DeviceTick, Event, Gap, LoopCount, Receipt, Row, Tick};
 
-/// Why a recording could not be read.
+/// Reason why a recording could not be read.
 #[derive(Debug, Error)]
 pub enum RecordingError {
-    /// The bytes could not be had.
+    /// The bytes cannot be read.
     #[error("{file}: cannot be read: {source}")]
     Unreadable {
-        /// The path the caller gave.
+        /// Path given by the caller.
         file: String,
-        /// What the system said.
+        /// Error of the system.
         source: io::Error,
     },
-    /// The file is no recording, or none that this version reads.
+    /// The file is not a recording, or not in a format that this version reads.
     #[error("{file}: {fault}")]
     Invalid {
-        /// The path the caller gave.
+        /// Path given by the caller.
         file: String,
-        /// What is wrong.
+        /// Description of the error.
         fault: String,
     },
 }
 
-/// Kind of the event that says that the loop has ended, at its last tick.
+/// Kind of the event at the end of a loop, at its last tick.
 const ENDED: &str = "ended";
 
-/// Something that was recorded.
-// A tick is most of what comes.
+/// An item of a recording.
+// Most entries are ticks, so the size difference of the variants wastes little memory.
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Entry {
-    /// A tick of the loop, with all its contacts in their order, the bodies of a world that move, and the devices of a
-    /// loop that has several: none where it has one.
+    /// A tick of the loop, with all its contacts in their order, the moving bodies of a world, and the devices of a
+    /// loop with several devices (empty for a single device).
     Tick(Tick, Vec<ContactTick>, Vec<BodyTick>, Vec<DeviceTick>),
-    /// Something that happened at one.
+    /// An event.
     Event(Event),
 }
 
-/// A recording, as far as it is there. It has been read once from start to end, so what is missing
-/// is known before anything is made of the rest.
+/// An opened recording, complete or not. Opening reads it once from start to end, so missing data are known before
+/// the rest is used.
 #[derive(Debug)]
 pub struct Recording {
-    /// What made it.
+    /// Metadata of the recording.
     pub receipt: Receipt,
     /// Version of its format.
     pub format: u32,
-    /// Number of ticks that are there.
+    /// Number of recorded ticks.
     pub ticks: u64,
     /// Number of events.
     pub events: u64,
@@ -64,42 +64,40 @@ pub struct Recording {
     pub last: Option<Tick>,
     /// Highest generation of parameters of any tick.
     pub generation: u32,
-    /// Whether each of the ticks has one contact, as a loop that touches one thing writes it.
+    /// Whether each tick has exactly one contact, as in a loop with a single contact.
     pub has_one_contact_each: bool,
-    /// Whether ticks have bodies, as a loop that renders a world writes them.
+    /// Whether ticks have bodies, as in a loop that renders a world.
     pub has_bodies: bool,
-    /// How many devices the loop has.
+    /// Number of devices of the loop.
     pub devices: usize,
-    /// Whether it was finished, and its end is there.
+    /// Whether the recording was finished and its end is present.
     pub finished: bool,
-    /// How it ends if it is not finished, in words.
+    /// Description of the end of an unfinished recording.
     pub tail: Option<String>,
-    /// What within it is not what was written, in words; none of that is believed.
+    /// Descriptions of damaged parts, which are ignored.
     pub damage: Vec<String>,
-    /// Ticks that are not there, told from the numbers of those that are, and from what the loop
-    /// counted.
+    /// Missing ticks, derived from the numbers of the recorded ones and from the counters of the loop.
     pub missing: Vec<Gap>,
-    /// What the loop itself counted; `None` where it was cut off, or recorded by
-    /// an older version.
+    /// Counters of the loop; `None` if the recording is truncated or of an older version.
     pub counted: Option<LoopCount>,
-    /// Ticks and events of a last chunk that is cut off: they are read, and no checksum covers them.
+    /// Ticks and events of a truncated last chunk: they are read, and no checksum covers them.
     pub unchecked: u64,
     /// Size of the file `[bytes]`.
     pub bytes: u64,
-    /// The tick that the event of the loop's end names.
+    /// Tick of the event at the loop's end.
     ended: Option<u64>,
     path: PathBuf,
-    /// Bytes in which entries are looked for.
+    /// Bytes of the file that contain entries.
     length: u64,
 }
 
 impl Recording {
-    /// Reads the recording at `path`, finished or not: one that was cut off, and one that is being
-    /// written, as far as it has been flushed.
+    /// Opens the recording at `path`, finished or not: also a truncated one, and one that is being written, as far as
+    /// it has been flushed.
     ///
     /// # Errors
-    /// The file cannot be read; it is not a recording, its receipt is torn or damaged, or it is of
-    /// another format.
+    /// The file cannot be read; it is not a recording; its metadata are incomplete or damaged; it is in another
+    /// format.
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
         let named = |error| in_file(path, error);
         let source = File::open(path).map_err(|error| named(error.into()))?;
@@ -166,15 +164,15 @@ impl Recording {
         Ok(recording)
     }
 
-    /// Number of ticks that the loop made; `None` where the recording does not say.
+    /// Returns the number of ticks of the loop; `None` if unknown.
     #[must_use]
     pub fn ticks_made(&self) -> Option<u64> {
         let counted = self.counted.as_ref().map(|count| count.ticks);
         counted.or(self.ended.map(|last| last.saturating_add(1)))
     }
 
-    /// Number of ticks that were and are not there. Where [`ticks_made`](Self::ticks_made) is `None`,
-    /// those that were lost after the last one are not among them.
+    /// Returns the number of missing ticks. If [`ticks_made`](Self::ticks_made) is `None`, it excludes ticks lost
+    /// after the last recorded one.
     #[must_use]
     pub fn lost(&self) -> u64 {
         self.missing
@@ -182,16 +180,15 @@ impl Recording {
             .fold(0, |sum, gap| sum.saturating_add(gap.count))
     }
 
-    /// Number of events that were and are not there, as far as the recording says.
+    /// Returns the number of missing events, as far as known.
     #[must_use]
     pub fn lost_events(&self) -> u64 {
         let made = self.counted.as_ref().map_or(0, |count| count.events);
         made.saturating_sub(self.events)
     }
 
-    /// Whether it was finished, everything in it is as it was written, and nothing is known to be
-    /// missing. Where [`ticks_made`](Self::ticks_made) is `None`, ticks may be missing at its end all
-    /// the same.
+    /// Returns whether the recording is finished and undamaged, without known missing data. If
+    /// [`ticks_made`](Self::ticks_made) is `None`, ticks may still be missing at its end.
     #[must_use]
     pub fn is_whole(&self) -> bool {
         self.finished
@@ -200,13 +197,13 @@ impl Recording {
             && self.lost_events() == 0
     }
 
-    /// Whether it is whole and holds as many ticks as the loop itself counted.
+    /// Returns whether the recording is whole and contains as many ticks as the loop counted.
     #[must_use]
     pub fn is_complete(&self) -> bool {
         self.is_whole() && self.ticks_made() == Some(self.ticks)
     }
 
-    /// The loop cannot have made less than there is.
+    /// Checks that the loop did not count fewer ticks than are recorded.
     fn check_count(&mut self) {
         let Some(counted) = &self.counted else {
             return;
@@ -224,13 +221,13 @@ impl Recording {
         }
     }
 
-    /// The file.
+    /// Returns the path of the file.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Ticks and events, in the order in which they were written.
+    /// Returns an iterator over ticks and events in the order of writing.
     ///
     /// # Errors
     /// The file cannot be opened any more.
@@ -246,8 +243,8 @@ impl Recording {
         })
     }
 
-    /// The rows of all ticks, in the order in which they were written: one for each contact, and a
-    /// single one whose contact is unknown where a tick has none.
+    /// Returns an iterator over the rows of all ticks in the order of writing: one for each contact, and one with an
+    /// unknown contact if a tick has none.
     ///
     /// # Errors
     /// The file cannot be opened any more.
@@ -279,11 +276,10 @@ impl Recording {
     }
 }
 
-/// What is in a recording, one after the other; chunk by chunk, so that one of any length can be
-/// read.
+/// Iterator over the entries of a recording. It reads chunk by chunk, so the length of the recording is unlimited.
 pub struct Entries {
     path: PathBuf,
-    /// Until the end, or an error.
+    /// `None` after the end or an error.
     walk: Option<Walk<Take<BufReader<File>>>>,
     chunk: vec::IntoIter<Entry>,
 }
@@ -296,7 +292,7 @@ impl Iterator for Entries {
             if let Some(entry) = self.chunk.next() {
                 return Some(Ok(entry));
             }
-            // An end of the walk is an end once what it gave has been handed on.
+            // Return all entries of a step before the end.
             match self.walk.as_mut()?.next() {
                 Ok(Step::Chunk(entries)) => self.chunk = entries.into_iter(),
                 Ok(Step::TornChunk { entries, .. }) => {
@@ -314,7 +310,7 @@ impl Iterator for Entries {
     }
 }
 
-/// The rows of a recording, one after the other.
+/// Iterator over the rows of a recording.
 pub struct Rows {
     entries: Entries,
     of_tick: vec::IntoIter<Row>,

@@ -1,4 +1,4 @@
-//! What made a recording.
+//! Metadata of a recording.
 
 use std::collections::BTreeMap;
 
@@ -7,30 +7,30 @@ use palpate_files::checksum::Checksum;
 
 use super::{READ, VERSION};
 
-/// Name of the metadata record that holds the receipt.
+/// Name of the metadata record.
 pub(super) const RECORD: &str = "palpate";
 const FORMAT: &str = "recording_format";
 const PROGRAM: &str = "palpate_version";
 pub(super) const CHECKSUM: &str = "checksum";
-/// What a file that the scene names is called: this, and its name in the scene.
+/// Prefix of the entry of a file that the scene names; the name in the scene follows.
 const FILE: &str = "file ";
-/// Longest receipt [bytes].
+/// Largest size of the metadata [bytes].
 const LONGEST: usize = 16 << 20;
 
-/// What made a recording: the whole configuration as text, by name.
+/// Metadata of a recording: the whole configuration as named texts.
 ///
-/// The text `scene` is the scene file that was run; a file that it names is the text `file NAME`,
-/// with the name that stands in the scene. Other names are free: `device`, `safety`, `started`.
+/// The entry `scene` is the scene file of the run. A file that it names is the entry `file NAME`, with the name from
+/// the scene. Other names are free: `device`, `safety`, `started`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Receipt {
-    /// Version of palpate that recorded.
+    /// Version of palpate that wrote the recording.
     pub palpate_version: String,
     /// Configuration, by name.
     pub texts: BTreeMap<String, String>,
 }
 
 impl Receipt {
-    /// A receipt without any text.
+    /// Creates metadata without texts.
     #[must_use]
     pub fn new(palpate_version: &str) -> Self {
         Self {
@@ -39,26 +39,26 @@ impl Receipt {
         }
     }
 
-    /// The receipt with one more text.
+    /// Adds a text.
     #[must_use]
     pub fn with(mut self, name: &str, text: &str) -> Self {
         self.texts.insert(name.to_owned(), text.to_owned());
         self
     }
 
-    /// The receipt with the text of a file that the scene calls `name`.
+    /// Adds the text of a file that the scene calls `name`.
     #[must_use]
     pub fn with_file(self, name: &str, text: &str) -> Self {
         self.with(&format!("{FILE}{name}"), text)
     }
 
-    /// The text of a file that the scene calls `name`.
+    /// Returns the text of a file that the scene calls `name`.
     #[must_use]
     pub fn file(&self, name: &str) -> Option<&str> {
         self.texts.get(&format!("{FILE}{name}")).map(String::as_str)
     }
 
-    /// The metadata record; why there can be none.
+    /// Returns the metadata record, or the reason why an entry is invalid.
     pub(super) fn to_metadata(&self) -> Result<Metadata, String> {
         for name in self.texts.keys() {
             if name.is_empty() || [FORMAT, PROGRAM, CHECKSUM].contains(&name.as_str()) {
@@ -88,7 +88,8 @@ impl Receipt {
         })
     }
 
-    /// Reads the metadata record: the format of the recording, and its receipt; what is wrong with it.
+    /// Reads the metadata record. Returns the format of the recording and its metadata, or a description of the
+    /// error.
     pub(super) fn from_metadata(record: Metadata) -> Result<(u32, Self), String> {
         let mut entries = record.metadata;
         let format = entries.get(FORMAT).filter(|_| record.name == RECORD);
@@ -114,7 +115,8 @@ impl Receipt {
     }
 }
 
-/// Of all names and texts, each closed by its length: nothing can move from one to the next.
+/// Returns the checksum of all names and texts, each followed by its length, so that no character can move between
+/// them unnoticed.
 pub(super) fn checksum(entries: &BTreeMap<String, String>) -> String {
     let mut checksum = Checksum::new();
     for text in entries.iter().flat_map(|(key, text)| [key, text]) {

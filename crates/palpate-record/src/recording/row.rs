@@ -1,25 +1,25 @@
-//! Rows of a recording, and the macro that makes them together with their columns.
+//! Rows of a recording, and the macro that defines them together with their columns.
 
 use super::{BodyTick, ContactTick, DeviceTick, Tick};
 
-/// A line of a table: a tick, and one of its contacts.
+/// A line of a table: a tick and one of its contacts.
 ///
-/// A loop with one contact has one for each tick. The columns that the [`Tick`] and the [`ContactTick`]
-/// have in common, such as the number of the tick, are those of the tick.
+/// A loop with one contact has one row per tick. Columns that the [`Tick`] and the [`ContactTick`] have in common,
+/// such as the number of the tick, are those of the tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Row {
     /// The tick.
     pub tick: Tick,
     /// The contact.
     pub contact: ContactTick,
-    /// A body, in the table of bodies; unknown in that of ticks and contacts.
+    /// A body, in the table of bodies; unknown in the table of ticks and contacts.
     pub body: BodyTick,
-    /// A device, in the table of devices; unknown in that of ticks and contacts.
+    /// A device, in the table of devices; unknown in the table of ticks and contacts.
     pub device: DeviceTick,
 }
 
 impl Row {
-    /// A row of which nothing is known: NaN for each number, nothing counted, no flag.
+    /// A row without known values: NaN for each number, zero counts, no flags.
     pub const UNKNOWN: Self = Self {
         tick: Tick::UNKNOWN,
         contact: ContactTick::UNKNOWN,
@@ -27,8 +27,7 @@ impl Row {
         device: DeviceTick::UNKNOWN,
     };
 
-    /// The rows of a tick: one for each contact, and a single one whose contact is unknown where there
-    /// is none.
+    /// Returns the rows of a tick: one for each contact, or one with an unknown contact if there is none.
     pub fn of(tick: Tick, contacts: &[ContactTick]) -> impl Iterator<Item = Self> {
         let none = contacts.is_empty().then_some(ContactTick::UNKNOWN);
         let contacts = contacts.iter().copied().chain(none);
@@ -40,11 +39,11 @@ impl Row {
     }
 }
 
-/// Makes a part of a row and the list of its columns.
+/// Defines a part of a row and the list of its columns.
 ///
-/// A line is a field and its type, the unit, who is shown it (`live`: tables and the live page, `table`:
-/// tables, `several`: tables of several contacts), what it means with its sign, and the name of its
-/// column; a field of several columns gives each its place.
+/// A line contains a field and its type, the unit, the outputs with the column (`live`: tables and the live page,
+/// `table`: tables, `several`: tables of several contacts), the meaning with its sign, and the name of the column. A
+/// field of several columns gives each its index.
 macro_rules! part_of_row {
     (
         $(#[$about:meta])*
@@ -62,12 +61,12 @@ macro_rules! part_of_row {
         )+}
 
         impl $part {
-            /// One of which nothing is known: NaN for each number, nothing counted, no flag.
+            /// A part without known values: NaN for each number, zero counts, no flags.
             pub const UNKNOWN: Self = Self {
                 $($field: <$type as $crate::recording::column::Cells>::UNKNOWN,)+
             };
 
-            /// Its columns, in the order in which its messages have them.
+            /// Columns in the order of the messages.
             pub const COLUMNS: &[$crate::recording::Column] = &[$($(
                 $crate::recording::Column {
                     name: $name,

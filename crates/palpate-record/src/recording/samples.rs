@@ -1,8 +1,8 @@
-//! Rows to test with.
+//! Rows for tests.
 
 use super::{BodyTick, ContactTick, DeviceTick, Flags, Phase, Row, Tick};
 
-/// A row of a tick with two contacts, in which every quantity has a value of its own.
+/// Returns a row of a tick with two contacts, in which every quantity has a distinct value.
 pub fn row(sequence: u64, contact: u32) -> Row {
     let of = |quantity: u32| sequence as f64 * 1e-3 + f64::from(quantity + 100 * contact) / 3.0;
     let tick = |quantity: u32| sequence as f64 * 1e-3 + f64::from(quantity) / 3.0;
@@ -54,7 +54,7 @@ pub fn row(sequence: u64, contact: u32) -> Row {
     }
 }
 
-/// One of the two devices of a tick, in which every quantity has a value of its own.
+/// Returns one of the two devices of a tick, in which every quantity has a distinct value.
 pub fn device(sequence: u64, device: u32) -> DeviceTick {
     let of = |quantity: u32| sequence as f64 * 1e-3 + f64::from(quantity + 100 * device) / 3.0;
     let three = |first: u32| [of(first), of(first + 1), of(first + 2)];
@@ -74,7 +74,7 @@ pub fn device(sequence: u64, device: u32) -> DeviceTick {
     }
 }
 
-/// A body of a tick, in which every quantity has a value of its own.
+/// Returns a body of a tick, in which every quantity has a distinct value.
 pub fn body(sequence: u64, body: u32) -> BodyTick {
     let of = |quantity: u32| sequence as f64 * 1e-3 + f64::from(quantity + 100 * body) / 3.0;
     BodyTick {

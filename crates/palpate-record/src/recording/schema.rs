@@ -1,5 +1,4 @@
-//! The types of the messages, as ROS 2 writes them: what tells Foxglove and PlotJuggler which bytes are
-//! what.
+//! Types of the messages in ROS 2 syntax, which describe their bytes to Foxglove and PlotJuggler.
 
 use std::fmt::Write;
 
@@ -7,18 +6,18 @@ use super::column::{Column, Kind};
 use super::state::{Flags, Phase};
 use super::{BodyTick, ContactTick, DeviceTick, Tick, event};
 
-/// Name of the type of a tick.
+/// Type name of a tick.
 pub(super) const TICK: &str = "palpate_msgs/msg/Tick";
-/// Name of the type of a contact.
+/// Type name of a contact.
 pub(super) const CONTACT: &str = "palpate_msgs/msg/Contact";
-/// Name of the type of a body.
+/// Type name of a body.
 pub(super) const BODY: &str = "palpate_msgs/msg/Body";
-/// Name of the type of a device.
+/// Type name of a device.
 pub(super) const DEVICE: &str = "palpate_msgs/msg/Device";
-/// Name of the type of an event.
+/// Type name of an event.
 pub(super) const EVENT: &str = "palpate_msgs/msg/Event";
 
-/// The type of a tick.
+/// Returns the type of a tick.
 pub(super) fn tick() -> String {
     let mut text = String::from(
         "# One tick of a haptic loop, palpate recording format 2. SI units, each in the name of its field.\n\
@@ -28,7 +27,7 @@ pub(super) fn tick() -> String {
     text
 }
 
-/// The type of a contact.
+/// Returns the type of a contact.
 pub(super) fn contact() -> String {
     let mut text = String::from(
         "# One contact of a tick of a haptic loop, palpate recording format 2. SI units, each in the name of \
@@ -40,7 +39,7 @@ pub(super) fn contact() -> String {
     text
 }
 
-/// The type of a body.
+/// Returns the type of a body.
 pub(super) fn body() -> String {
     let mut text = String::from(
         "# One body of a world at a tick of a haptic loop, palpate recording format 2. SI units, each in the name \
@@ -51,7 +50,7 @@ pub(super) fn body() -> String {
     text
 }
 
-/// The type of a device.
+/// Returns the type of a device.
 pub(super) fn device() -> String {
     let mut text = String::from(
         "# One device at a tick of a haptic loop with several devices, palpate recording format 2. SI units, each in \
@@ -62,7 +61,7 @@ pub(super) fn device() -> String {
     text
 }
 
-/// The type of an event.
+/// Returns the type of an event.
 pub(super) fn event() -> String {
     let mut text = String::from(
         "# Something that happened at a tick of a haptic loop, palpate recording format 2.\n",
@@ -75,7 +74,7 @@ pub(super) fn event() -> String {
     text
 }
 
-/// Adds a field for each column, and the constants that its values can have.
+/// Appends a field for each column, and the constants of its possible values.
 fn push_columns(text: &mut String, columns: &[Column], flags: Flags) {
     let fields = columns
         .iter()
@@ -112,7 +111,7 @@ fn constant(name: &str) -> String {
     name.to_uppercase().replace('-', "_")
 }
 
-/// Adds fields, with their comments below each other.
+/// Appends fields with aligned comments.
 fn push(text: &mut String, fields: Vec<(String, String)>) {
     let width = fields.iter().map(|(field, _)| field.len()).max();
     let width = width.unwrap_or(0);
@@ -122,7 +121,7 @@ fn push(text: &mut String, fields: Vec<(String, String)>) {
 }
 
 fn line(text: &mut String, line: &str) {
-    // A string takes whatever is written into it.
+    // Writing to a string cannot fail.
     let _ = writeln!(text, "{line}");
 }
 
@@ -133,7 +132,7 @@ mod tests {
     use super::super::stream::{encode_body, encode_contact, encode_device, encode_tick};
     use super::*;
 
-    /// What a program reads that knows the message type only: the names and values of its fields.
+    /// Decodes a message by its type alone: returns the names and values of its fields.
     fn by_schema(schema: &str, message: &[u8]) -> Vec<(String, f64)> {
         assert_eq!(message[..4], [0, 1, 0, 0], "little-endian CDR");
         let body = &message[4..];

@@ -1,23 +1,23 @@
-//! What is to be said of a tick beside its numbers.
+//! Phases and flags of ticks.
 
-/// What the coming interval is predicted to hold.
+/// Predicted contact phase of the next interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Phase {
     /// No contact.
     #[default]
     Free,
-    /// In contact throughout.
+    /// In contact during the whole interval.
     Contact,
     /// Contact begins within the interval.
     Enters,
     /// Contact ends within the interval.
     Leaves,
-    /// The sample was refused: the object waits.
+    /// The sample was rejected: the object does not move.
     Waiting,
 }
 
 impl Phase {
-    /// Every phase, in the order of their numbers in a recording.
+    /// All phases, in the order of their numbers in a recording.
     pub const ALL: [Self; 5] = [
         Self::Free,
         Self::Contact,
@@ -26,7 +26,7 @@ impl Phase {
         Self::Waiting,
     ];
 
-    /// Short name, as run files spell it.
+    /// Returns the short name, as in run files.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -49,36 +49,36 @@ impl Phase {
     }
 }
 
-/// A set of things that are to be said of a tick.
+/// Set of flags of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Flags(pub u32);
 
 impl Flags {
-    /// Device and object touch at the sample.
+    /// Device and object are in contact at the sample.
     pub const CONTACT: Self = Self(1);
-    /// The method would have pulled.
+    /// The method's force would have been attractive.
     pub const LIMITED_PULL: Self = Self(1 << 1);
-    /// The renderer's force limit acted.
+    /// The renderer's force limit was active.
     pub const LIMITED_FORCE: Self = Self(1 << 2);
-    /// The renderer's slew limit acted.
+    /// The renderer's slew limit was active.
     pub const LIMITED_SLEW: Self = Self(1 << 3);
-    /// The guard of the energy that is given out acted.
+    /// The passivity guard was active.
     pub const LIMITED_GUARD: Self = Self(1 << 4);
-    /// The renderer refused the sample; an event says why.
+    /// The renderer rejected the sample; an event contains the reason.
     pub const FAULT: Self = Self(1 << 5);
     /// Safety changed the force on its way to the device.
     pub const SAFETY_LIMITED: Self = Self(1 << 6);
-    /// Safety has tripped: no force is sent.
+    /// A safety stop is active: no force is sent.
     pub const SAFETY_TRIPPED: Self = Self(1 << 7);
-    /// The tick came or ended past its deadline.
+    /// The tick started or ended after its deadline.
     pub const MISSED_DEADLINE: Self = Self(1 << 8);
-    /// The device did not answer, or not with a position.
+    /// The device did not answer, or answered without a position.
     pub const DEVICE_FAULT: Self = Self(1 << 9);
 
-    /// All of them.
+    /// All flags.
     pub const ALL: Self = Self(u32::MAX);
 
-    /// Those that are said of a contact; the others are said of the tick as a whole.
+    /// Flags of a contact; the others belong to the whole tick.
     pub const OF_CONTACT: Self = Self(
         Self::CONTACT.0
             | Self::LIMITED_PULL.0
@@ -88,11 +88,11 @@ impl Flags {
             | Self::FAULT.0,
     );
 
-    /// Those that are said of a device of a loop that has several.
+    /// Flags of a device in a loop with several devices.
     pub const OF_DEVICE: Self =
         Self(Self::SAFETY_LIMITED.0 | Self::SAFETY_TRIPPED.0 | Self::DEVICE_FAULT.0);
 
-    /// The flags that have a name, by bit.
+    /// Named flags, by bit.
     pub const NAMED: [(Self, &'static str); 10] = [
         (Self::CONTACT, "contact"),
         (Self::LIMITED_PULL, "limited-pull"),
@@ -106,7 +106,7 @@ impl Flags {
         (Self::DEVICE_FAULT, "device-fault"),
     ];
 
-    /// These flags, and `others` if `condition` holds.
+    /// Adds `others` if `condition` holds.
     #[must_use]
     pub fn with(self, others: Self, condition: bool) -> Self {
         if condition {
@@ -116,19 +116,19 @@ impl Flags {
         }
     }
 
-    /// Those of these that are among `others`.
+    /// Returns the flags that are also in `others`.
     #[must_use]
     pub const fn among(self, others: Self) -> Self {
         Self(self.0 & others.0)
     }
 
-    /// Whether all of `others` are set.
+    /// Returns whether all of `others` are set.
     #[must_use]
     pub fn has(self, others: Self) -> bool {
         self.0 & others.0 == others.0
     }
 
-    /// The limits of the renderer that acted, such as `pull` and `force`.
+    /// Returns the active limits of the renderer, such as `pull` and `force`.
     pub fn limits(self) -> impl Iterator<Item = &'static str> {
         let set = Self::NAMED
             .into_iter()
@@ -136,7 +136,7 @@ impl Flags {
         set.filter_map(|(_, name)| name.strip_prefix("limited-"))
     }
 
-    /// Names of the flags, separated by spaces; a bit without a name as `bit-` and its number.
+    /// Returns the names of the flags, separated by spaces; a bit without a name as `bit-` and its number.
     #[must_use]
     pub fn names(self) -> String {
         let name = |bit: u32| {

@@ -13,23 +13,23 @@ use super::{
     Tick, cdr, schema,
 };
 
-/// A chunk is ended at this size even if nobody asks [bytes]: about three seconds of one contact at 1 kHz.
+/// Maximum size of a chunk without a flush [bytes]: about three seconds of one contact at 1 kHz.
 const CHUNK: usize = 1 << 20;
 /// Longest text of an event [bytes].
 const LONGEST_TEXT: usize = 1 << 20;
 
-/// Writes a recording into anything that takes bytes; chunks appear there as a whole.
+/// Writer of a recording to any output; chunks appear there as a whole.
 pub(super) struct Stream<W: Write> {
-    /// Until the end, or until something could not be written: the library panics when a writer is
-    /// used on after its end could not be written.
+    /// `None` after the end or a failed write: the library panics if a writer is used after its end could not be
+    /// written.
     mcap: Option<Writer<NoSeek<W>>>,
     tick_channel: u16,
     contact_channel: u16,
     event_channel: u16,
     body_channel: u16,
-    /// There once a tick has come that has several devices.
+    /// `None` until the first tick with several devices.
     device_channel: Option<u16>,
-    /// How much the chunk holds that is not ended yet [bytes].
+    /// Size of the current chunk [bytes].
     in_chunk: usize,
     last_sequence: Option<u64>,
     pub ticks: u64,
@@ -38,13 +38,13 @@ pub(super) struct Stream<W: Write> {
 }
 
 impl<W: Write> Stream<W> {
-    /// Begins with the receipt, which is with `out` when this returns.
+    /// Starts with the metadata, which `out` has received on return.
     pub fn begin(out: W, receipt: &Receipt) -> io::Result<Self> {
         let receipt = receipt.to_metadata().map_err(invalid)?;
         let mut mcap = WriteOptions::new()
             .compression(None)
             .library(concat!("palpate ", env!("CARGO_PKG_VERSION")))
-            // The writer would end a chunk between a tick and its contacts.
+            // Automatic chunks could end between a tick and its contacts.
             .chunk_size(None)
             .disable_seeking(true)
             .create(NoSeek::new(out))
@@ -61,7 +61,7 @@ impl<W: Write> Stream<W> {
                 channel(EVENT_TOPIC, schema::EVENT, &schema::event())?,
                 channel(BODY_TOPIC, schema::BODY, &schema::body())?,
             );
-            // A recording without a tick has its channels too.
+            // Write the channels, so that a recording without ticks has them too.
             mcap.flush()?;
             Ok(channels)
         };
@@ -80,15 +80,15 @@ impl<W: Write> Stream<W> {
                 message: Vec::new(),
             }),
             Err(error) => {
-                // Dropping it would write an end.
+                // Dropping the writer would write an end.
                 drop(mcap.into_inner());
                 Err(plain(error))
             }
         }
     }
 
-    /// Adds a tick, its contacts, its bodies and its devices, which stand before it. They stand in the same chunk, so
-    /// that none is there without the others.
+    /// Appends a tick, preceded by its devices and followed by its contacts and its bodies. All of them are in the
+    /// same chunk, so that none exists without the others.
     pub fn append(
         &mut self,
         tick: &Tick,
@@ -152,7 +152,7 @@ impl<W: Write> Stream<W> {
         Ok(())
     }
 
-    /// The channel of the devices: a recording of a loop with one device does not have it.
+    /// Creates the channel of the devices, which a recording of a loop with one device lacks.
     fn begin_devices(&mut self) -> io::Result<u16> {
         let mut channel = 0;
         self.with(|mcap, _| {
@@ -179,7 +179,7 @@ impl<W: Write> Stream<W> {
         self.end_full_chunk()
     }
 
-    /// Ends the chunk: all of it is with the output when this returns.
+    /// Ends the chunk: the output has received all of it on return.
     pub fn flush(&mut self) -> io::Result<()> {
         self.in_chunk = 0;
         self.with(|mcap, _| mcap.flush())
@@ -192,13 +192,13 @@ impl<W: Write> Stream<W> {
         self.flush()
     }
 
-    /// Writes what the loop counted.
+    /// Writes the counters of the loop.
     pub fn count(&mut self, count: &LoopCount) -> io::Result<()> {
         let record = count.to_metadata();
         self.with(|mcap, _| mcap.write_metadata(&record))
     }
 
-    /// Writes what makes the file complete, and gives the output back.
+    /// Completes the file and returns the output.
     pub fn finish(mut self) -> io::Result<W> {
         self.with(|mcap, _| mcap.finish().map(drop))?;
         let mcap = self.mcap.take().ok_or_else(failed_before)?;
@@ -209,7 +209,7 @@ impl<W: Write> Stream<W> {
         let log_time = nanoseconds(time);
         let header = MessageHeader {
             channel_id,
-            // Its own number is whole in the message.
+            // The message itself contains the full number.
             sequence: u32::try_from(sequence & u64::from(u32::MAX)).expect("32 bits"),
             log_time,
             publish_time: log_time,
@@ -218,7 +218,7 @@ impl<W: Write> Stream<W> {
         self.with(|mcap, message| mcap.write_to_known_channel(&header, message))
     }
 
-    /// Does something with the writer, which is not used again once it has failed.
+    /// Calls `act` with the writer, which is not used again after a failure.
     fn with(
         &mut self,
         act: impl FnOnce(&mut Writer<NoSeek<W>>, &[u8]) -> McapResult<()>,
@@ -228,7 +228,7 @@ impl<W: Write> Stream<W> {
         if outcome.is_ok() {
             self.mcap = Some(mcap);
         } else {
-            // Dropping it would write an end.
+            // Dropping the writer would write an end.
             drop(mcap.into_inner());
         }
         outcome.map_err(plain)
@@ -236,7 +236,7 @@ impl<W: Write> Stream<W> {
 }
 
 impl<W: Write> Drop for Stream<W> {
-    /// What was appended is kept, and no end is written: nobody said that this is one.
+    /// Keeps the appended data without writing an end, because the recording was not finished.
     fn drop(&mut self) {
         if let Some(mut mcap) = self.mcap.take() {
             let _ = mcap.flush();
@@ -245,7 +245,7 @@ impl<W: Write> Drop for Stream<W> {
     }
 }
 
-/// Appends the message of a tick: its columns in their order, each at a multiple of its size.
+/// Appends the message of a tick: its columns in their order, each aligned to its size.
 pub(super) fn encode_tick(tick: &Tick, message: &mut Vec<u8>) {
     let row = Row {
         tick: *tick,
@@ -254,7 +254,7 @@ pub(super) fn encode_tick(tick: &Tick, message: &mut Vec<u8>) {
     encode(Tick::COLUMNS, &row, message);
 }
 
-/// Appends the message of a contact, in the same way.
+/// Appends the message of a contact in the same way.
 pub(super) fn encode_contact(contact: &ContactTick, message: &mut Vec<u8>) {
     let row = Row {
         contact: *contact,
@@ -263,7 +263,7 @@ pub(super) fn encode_contact(contact: &ContactTick, message: &mut Vec<u8>) {
     encode(ContactTick::COLUMNS, &row, message);
 }
 
-/// Appends the message of a body, in the same way.
+/// Appends the message of a body in the same way.
 pub(super) fn encode_body(body: &BodyTick, message: &mut Vec<u8>) {
     let row = Row {
         body: *body,
@@ -272,7 +272,7 @@ pub(super) fn encode_body(body: &BodyTick, message: &mut Vec<u8>) {
     encode(BodyTick::COLUMNS, &row, message);
 }
 
-/// Appends the message of a device, in the same way.
+/// Appends the message of a device in the same way.
 pub(super) fn encode_device(device: &DeviceTick, message: &mut Vec<u8>) {
     let row = Row {
         device: *device,
@@ -288,7 +288,7 @@ fn encode(columns: &[Column], row: &Row, message: &mut Vec<u8>) {
     }
 }
 
-/// A time since the start as MCAP has it; what is no time is 0.
+/// Converts a time since the start to that of MCAP; an invalid time becomes 0.
 fn nanoseconds(time: f64) -> u64 {
     #[expect(
         clippy::cast_possible_truncation,
@@ -307,7 +307,7 @@ fn failed_before() -> io::Error {
     io::Error::other("an earlier part could not be written")
 }
 
-/// The system's own error where there is one.
+/// Returns the error of the system, if there is one.
 fn plain(error: McapError) -> io::Error {
     match error {
         McapError::Io(error) => error,
@@ -322,7 +322,7 @@ mod tests {
     use super::super::samples::row;
     use super::*;
 
-    /// A disk with room for so many bytes.
+    /// A disk with a capacity of `room` bytes.
     #[derive(Clone)]
     struct Disk {
         room: usize,
@@ -350,7 +350,7 @@ mod tests {
         stream.append(&tick, &[contact], &[], &[])
     }
 
-    /// Records until something fails; how many ticks were flushed, and whether the end was written.
+    /// Records until a write fails; returns the number of flushed ticks, or the error of writing the end.
     fn record(disk: &Disk) -> io::Result<u64> {
         let receipt = Receipt::new("0.1.0").with("scene", "a = 1");
         let mut stream = Stream::begin(disk.clone(), &receipt)?;

@@ -1,11 +1,10 @@
-//! The columns of tables, and their order.
+//! Columns of tables and their order.
 
 use std::sync::LazyLock;
 
 use super::{Column, ContactTick, Shown, Tick};
 
-/// The columns of a message of format 1, in the order in which it has them; what was a message then is
-/// a line of a table now. This list does not change any more.
+/// Columns of a message of format 1, in order. Such a message is now a line of a table. This list is frozen.
 pub(super) const FORMAT_1: [&str; 25] = [
     "sequence",
     "t_s",
@@ -34,8 +33,8 @@ pub(super) const FORMAT_1: [&str; 25] = [
     "phase",
 ];
 
-/// All columns of a [`Row`](super::Row), in the order in which tables and the live page have them: first those of
-/// format 1, in its order, then what came later, of the tick and of the contact.
+/// Returns all columns of a [`Row`](super::Row), in the order of tables and the live page: first those of format 1,
+/// in its order, then later ones of the tick and of the contact.
 #[must_use]
 pub fn columns() -> &'static [&'static Column] {
     static COLUMNS: LazyLock<Vec<&'static Column>> = LazyLock::new(|| {
@@ -47,7 +46,7 @@ pub fn columns() -> &'static [&'static Column] {
     &COLUMNS
 }
 
-/// What a table of a recording has of the columns of a row.
+/// Returns the columns of a row that a table of a recording contains.
 pub(super) fn table(format: u32, has_one_contact_each: bool) -> Vec<&'static Column> {
     let is_there = |column: &&&'static Column| match column.shown {
         _ if FORMAT_1.contains(&column.name) => true,
@@ -75,7 +74,7 @@ mod tests {
         for name in ["contacts", "contact", "contact_flags"] {
             assert!(several.contains(&name), "{name}");
         }
-        // Every column stands once in the list, but the number of the tick, which both parts have.
+        // Every column occurs once in the list, except the number of the tick, which both parts have.
         assert_eq!(
             several.len() + 1,
             Tick::COLUMNS.len() + ContactTick::COLUMNS.len()

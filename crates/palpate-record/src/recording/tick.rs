@@ -1,14 +1,13 @@
-//! What a recording has of a tick as a whole: its device, its timing and what was sent.
+//! Recorded data of a whole tick: device, timing and sent force.
 
 use super::row::part_of_row;
 use super::state::Flags;
 use super::{BodyTick, ContactTick};
 
 part_of_row! {
-    /// What is seen from outside of one tick of a loop with a device, whatever it touches. What each
-    /// contact did stands in a [`ContactTick`] of its own.
+    /// Data of one tick of a device loop, independent of the rendering. Each contact has its own [`ContactTick`].
     ///
-    /// Vectors are in the device's own frame; NaN where there is no value.
+    /// Vectors are in the device's own frame; NaN: missing.
     Tick as tick;
 
     sequence: u64, "1", table,
@@ -66,7 +65,7 @@ part_of_row! {
 }
 
 impl Tick {
-    /// The same tick, saying of its contacts and bodies how many they are, and what the flags of the contacts say.
+    /// Sets the numbers of contacts and bodies, and the flags of the contacts.
     pub(super) fn with(self, contacts: &[ContactTick], bodies: &[BodyTick]) -> Self {
         let flags = contacts
             .iter()

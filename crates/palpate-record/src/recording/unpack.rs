@@ -1,19 +1,19 @@
-//! Chunks of other tools, which may be compressed.
+//! Decompression of chunks written by other tools.
 
 use std::io::Read;
 
 use lz4_flex::frame::FrameDecoder;
 use ruzstd::decoding::StreamingDecoder;
 
-/// What came out of a chunk.
+/// Content of a decompressed chunk.
 pub(super) struct Unpacked {
     pub bytes: Vec<u8>,
-    /// Why the rest could not be unpacked, if it could not.
+    /// Reason why the rest could not be decompressed, if any.
     pub fault: Option<String>,
 }
 
-/// Unpacks the records of a chunk, up to `most` bytes and as far as they are sound; why nothing can be
-/// unpacked.
+/// Decompresses the records of a chunk, up to `most` bytes and up to the first error; returns the reason if nothing
+/// can be decompressed.
 pub(super) fn unpack(compression: &str, packed: &[u8], most: u64) -> Result<Unpacked, String> {
     let mut unpacked = Unpacked {
         bytes: Vec::new(),
@@ -23,7 +23,7 @@ pub(super) fn unpack(compression: &str, packed: &[u8], most: u64) -> Result<Unpa
         "" => unpacked.bytes.extend(packed),
         "lz4" => {
             let mut decoder = FrameDecoder::new(packed);
-            // One frame after the other: each ends with a read of nothing.
+            // Decode frame by frame: each ends with an empty read.
             while !decoder.get_ref().is_empty() && unpacked.take(&mut decoder, most) {}
         }
         "zstd" => {
@@ -53,7 +53,7 @@ pub(super) fn unpack(compression: &str, packed: &[u8], most: u64) -> Result<Unpa
 }
 
 impl Unpacked {
-    /// Takes all that a decoder has; whether that was all of it, and sound.
+    /// Reads a decoder to its end; returns whether it was complete and valid.
     fn take(&mut self, decoder: &mut impl Read, most: u64) -> bool {
         let mut piece = vec![0; 1 << 16];
         loop {

@@ -1,4 +1,4 @@
-//! From the start of a recording to where it ends, believing nothing that its checksums do not.
+//! Sequential reading of a recording, which accepts only data with valid checksums.
 
 use std::io::{self, Read};
 
@@ -11,46 +11,46 @@ use super::loss::Loss;
 use super::read::Entry;
 use super::{LoopCount, Receipt, VERSION, WHOLE, count, receipt};
 
-/// What the header of a recording says, before a version, that this program has written.
+/// Start of the library field in the header of this program's recordings, before a version.
 pub(super) const LIBRARY: &str = "palpate ";
 const NO_RECORDING: &str = "an MCAP file, but not a recording of palpate";
 
-/// A recording, read as far as its next chunk.
+/// A recording, read up to its next chunk.
 pub(super) struct Walk<R> {
     frames: Frames<R>,
     content: Content,
-    /// Whether another tool has written it: what is ours is more than MCAP asks for.
+    /// Whether another tool wrote the file: this program's files meet stricter requirements than MCAP.
     is_foreign: bool,
-    /// With the format of the recording.
+    /// Format of the recording and its metadata.
     receipt: Option<(u32, Receipt)>,
     count: Option<LoopCount>,
-    /// Whether all chunks have been passed.
+    /// Whether all chunks have been read.
     in_summary: bool,
-    /// Whether the end has been passed.
+    /// Whether the end has been read.
     has_ended: bool,
 }
 
-/// Why this is no recording.
+/// Reason why the file is not a recording.
 pub(super) enum Refused {
     Unreadable(io::Error),
     Invalid(String),
 }
 
-/// What comes next in a recording.
+/// Next item of a recording.
 pub(super) enum Step {
-    /// A chunk that is what was written.
+    /// A valid chunk.
     Chunk(Vec<Entry>),
-    /// Something that is not, in words.
+    /// A damaged item, with a description.
     Damaged(String),
-    /// The end, as it was written.
+    /// The valid end.
     Complete,
-    /// The end, cut off or not what was written, in words.
+    /// A truncated or damaged end, with a description.
     Tail(String),
-    /// The entries of a last chunk that is cut off: no checksum covers them.
+    /// The entries of a truncated last chunk: no checksum covers them.
     TornChunk {
-        /// As far as they are whole.
+        /// Entries up to the last complete message.
         entries: Vec<Entry>,
-        /// Bytes of the file that are the chunk's.
+        /// Bytes of the file that belong to the chunk.
         size: u64,
     },
 }
@@ -62,8 +62,7 @@ impl From<io::Error> for Refused {
 }
 
 impl<R: Read> Walk<R> {
-    /// Reads up to the end of the receipt, which is where this program writes it. Another tool may put
-    /// it elsewhere.
+    /// Reads up to the end of the metadata. This program writes them first; another tool may place them elsewhere.
     pub fn begin(source: R) -> Result<Self, Refused> {
         let invalid = |what: &str| Refused::Invalid(what.into());
         let frames = Frames::begin(source)?;
@@ -107,24 +106,24 @@ impl<R: Read> Walk<R> {
         Err(invalid(NO_RECORDING))
     }
 
-    /// Format and receipt, which have been passed; why there is none.
+    /// Returns format and metadata, which have been read; or the reason why there are none.
     pub fn receipt(&mut self) -> Result<(u32, Receipt), Refused> {
         self.receipt
             .take()
             .ok_or_else(|| Refused::Invalid(NO_RECORDING.into()))
     }
 
-    /// What the loop counted, if that has been passed.
+    /// Returns the counters of the loop, if they have been read.
     pub fn count(&mut self) -> Option<LoopCount> {
         self.count.take()
     }
 
-    /// Bytes up to the end of the last whole record.
+    /// Returns the offset of the end of the last complete record.
     pub fn passed(&self) -> u64 {
         self.frames.offset
     }
 
-    /// What is missing, told from everything up to here.
+    /// Returns the missing ticks, derived from all data up to here.
     pub fn loss(self) -> Loss {
         self.content.loss
     }
@@ -175,7 +174,7 @@ impl<R: Read> Walk<R> {
                     }
                 }
                 op::ATTACHMENT if !self.in_summary => {}
-                // Outside of chunks, as other tools may put them.
+                // Outside chunks, as other tools may place them.
                 op::SCHEMA | op::CHANNEL | op::MESSAGE if !self.in_summary && self.is_foreign => {
                     match self.content.record(opcode, &body) {
                         Ok(None) => {}
@@ -235,7 +234,7 @@ impl<R: Read> Walk<R> {
         }
     }
 
-    /// Takes a metadata record for what it is; what is wrong with it.
+    /// Processes a metadata record; returns a description of an error.
     fn metadata(&mut self, body: &[u8]) -> Result<Option<&'static str>, Refused> {
         let Ok(Record::Metadata(record)) = parse_record(op::METADATA, body) else {
             return Ok(Some("it is not what was written"));
@@ -267,7 +266,7 @@ fn strange(at: u64) -> Step {
     ))
 }
 
-/// Whether a record that is passed over is an index of messages.
+/// Returns whether a skipped record is an index of messages.
 fn is_index(body: &[u8]) -> bool {
     let entries = body.len().saturating_sub(6);
     let claimed = body
@@ -276,7 +275,7 @@ fn is_index(body: &[u8]) -> bool {
     claimed.is_some_and(|claimed| claimed as usize == entries) && entries.is_multiple_of(16)
 }
 
-/// Checksum of the summary and the footer up to its own, as bytes of the file.
+/// Returns the checksum of the summary and the footer up to its own, as bytes of the file.
 fn summary_checksum(before: crc32fast::Hasher, footer: &[u8]) -> Option<[u8; 4]> {
     let (covered, _) = footer.split_last_chunk::<4>()?;
     let mut hasher = before;

@@ -1,4 +1,4 @@
-//! Writing a recording into a file, as it happens.
+//! Writer of a recording to a file while the loop runs.
 
 use std::ffi::OsString;
 use std::fs::{File, OpenOptions};
@@ -12,23 +12,23 @@ use tempfile::TempPath;
 use super::stream::Stream;
 use super::{BodyTick, ContactTick, DeviceTick, Event, LoopCount, Receipt, Tick};
 
-/// Flushed ticks reach the disk itself at least this often while they come.
+/// Maximum time between synchronisations to disk while ticks are flushed.
 const SYNC_EVERY: Duration = Duration::from_secs(2);
 
-/// Writes a recording. Not for the thread that renders: every call may wait for the disk.
+/// Writer of a recording. Do not use it in the rendering thread: every call may wait for the disk.
 ///
-/// The file is called `NAME.part` until [`finish`](Self::finish). A writer that is dropped instead
-/// leaves it so, with everything that was appended.
+/// The file is called `NAME.part` until [`finish`](Self::finish). Dropping the writer keeps this name and all
+/// appended data.
 pub struct RecordingWriter {
     stream: Stream<BufWriter<File>>,
-    /// A second handle, to ask for what the first has written to be on the disk.
+    /// Second handle, used to synchronise the data of the first one to disk.
     file: File,
     synced: Instant,
     path: PathBuf,
     part: PathBuf,
 }
 
-/// What is in a finished recording.
+/// Summary of a finished recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Summary {
     /// Number of ticks.
@@ -40,14 +40,14 @@ pub struct Summary {
 }
 
 impl RecordingWriter {
-    /// Begins a recording; its receipt is on the disk when this returns.
+    /// Starts a recording; its metadata are on disk on return.
     ///
-    /// A recording cannot be made again, so nothing is overwritten: neither `path` nor what an
-    /// earlier recording of that name left when it was cut off.
+    /// A recording cannot be repeated, so nothing is overwritten: neither `path` nor the truncated file of an earlier
+    /// recording of that name.
     ///
     /// # Errors
-    /// `path` names no file; there is a file of that name, finished or not; a text of the receipt has a name that the
-    /// format needs; what the system says. The error names the path.
+    /// `path` names no file; a file of that name exists, finished or not; a metadata entry has a reserved name; an
+    /// error of the system. The error names the path.
     pub fn create(path: &Path, receipt: &Receipt) -> Result<Self, WriteError> {
         let part = part_of(path);
         let begin = || {
@@ -66,7 +66,7 @@ impl RecordingWriter {
             match stream {
                 Ok(stream) => Ok((stream, file)),
                 Err(error) => {
-                    // Nothing was recorded in it.
+                    // Remove the empty recording.
                     let _ = std::fs::remove_file(&part);
                     Err(error)
                 }
@@ -82,27 +82,27 @@ impl RecordingWriter {
         })
     }
 
-    /// Where the recording is while it is not finished.
+    /// Returns the path of the unfinished recording.
     #[must_use]
     pub fn part(&self) -> &Path {
         &self.part
     }
 
-    /// Adds a tick and its contacts, as many as it has; they are kept in memory until the next
-    /// [`flush`](Self::flush), or until a chunk is full. Contacts are numbered in the order in which they
-    /// stand here; how many they are, and their flags, is written into the tick.
+    /// Appends a tick and its contacts, in any number. They stay in memory until the next [`flush`](Self::flush), or
+    /// until a chunk is full. The writer numbers the contacts in the given order and writes their number and their
+    /// flags into the tick.
     ///
     /// # Errors
-    /// Its number is not above that of the tick before; what the system says. After an error of the
-    /// system nothing more can be added, and what was flushed before is readable.
+    /// The tick's number is not above that of the previous tick; an error of the system. After an error of the system
+    /// nothing more can be appended, and flushed data are readable.
     pub fn append(&mut self, tick: &Tick, contacts: &[ContactTick]) -> Result<(), WriteError> {
         self.append_with_bodies(tick, contacts, &[])
     }
 
-    /// Adds a tick as [`append`](Self::append) does, with the bodies of the world that move.
+    /// Appends a tick as [`append`](Self::append) does, with the moving bodies of the world.
     ///
     /// # Errors
-    /// As [`append`](Self::append).
+    /// Those of [`append`](Self::append).
     pub fn append_with_bodies(
         &mut self,
         tick: &Tick,
@@ -112,12 +112,12 @@ impl RecordingWriter {
         self.append_with_devices(tick, contacts, bodies, &[])
     }
 
-    /// Adds a tick as [`append_with_bodies`](Self::append_with_bodies) does, with each device of a loop that has
-    /// several, in their order: their numbers and how many they are is written into them. A loop with one device has
-    /// none here.
+    /// Appends a tick as [`append_with_bodies`](Self::append_with_bodies) does, with each device of a loop with
+    /// several devices, in their order. The writer sets their indices and their number. The list is empty for a
+    /// single device.
     ///
     /// # Errors
-    /// As [`append`](Self::append).
+    /// Those of [`append`](Self::append).
     pub fn append_with_devices(
         &mut self,
         tick: &Tick,
@@ -129,20 +129,20 @@ impl RecordingWriter {
         outcome.map_err(|source| self.failed(source))
     }
 
-    /// Adds an event, as [`append`](Self::append) does a tick.
+    /// Appends an event in the same way as [`append`](Self::append).
     ///
     /// # Errors
-    /// Its texts are longer than a mebibyte; what the system says.
+    /// A text longer than a mebibyte; an error of the system.
     pub fn event(&mut self, event: &Event) -> Result<(), WriteError> {
         let outcome = self.stream.event(event);
         outcome.map_err(|source| self.failed(source))
     }
 
-    /// Hands everything to the system: it outlives this program, whatever ends it. To outlive the
-    /// machine it must be on the disk, where it is brought at least every two seconds of flushing.
+    /// Passes all data to the system, so they survive the end of this program. They survive a crash of the machine
+    /// once they are on disk, where they are synchronised at least every two seconds of flushing.
     ///
     /// # Errors
-    /// What the system says: a full disk, above all.
+    /// An error of the system, such as a full disk.
     pub fn flush(&mut self) -> Result<(), WriteError> {
         let outcome = self.stream.flush().and_then(|()| {
             if self.synced.elapsed() < SYNC_EVERY {
@@ -154,21 +154,21 @@ impl RecordingWriter {
         outcome.map_err(|source| self.failed(source))
     }
 
-    /// Writes what the loop itself counted, as the last thing before [`finish`](Self::finish). A
-    /// recording without it is read, but nobody can say whether ticks are missing at its end.
+    /// Writes the counters of the loop, as the last item before [`finish`](Self::finish). A recording without them is
+    /// readable, but ticks missing at its end cannot be detected.
     ///
     /// # Errors
-    /// What the system says.
+    /// An error of the system.
     pub fn count(&mut self, count: &LoopCount) -> Result<(), WriteError> {
         let outcome = self.stream.count(count);
         outcome.map_err(|source| self.failed(source))
     }
 
-    /// Ends the recording and gives it its name.
+    /// Completes the recording and renames it to its final name.
     ///
     /// # Errors
-    /// What the system says; the recording is then still called `NAME.part`, and so it is where a
-    /// file of its name has appeared since.
+    /// An error of the system, or a file of the final name that has appeared since. The recording is then still
+    /// called `NAME.part`.
     pub fn finish(self) -> Result<Summary, WriteError> {
         let Self {
             stream,
@@ -183,11 +183,11 @@ impl RecordingWriter {
             out.into_inner().map_err(io::IntoInnerError::into_error)?;
             file.sync_all()?;
             let bytes = file.metadata()?.len();
-            // Some systems do not rename what is open.
+            // Some systems cannot rename an open file.
             drop(file);
             let part = TempPath::try_from_path(&part)?;
             part.persist_noclobber(&path).map_err(|failed| {
-                // Else it would be removed.
+                // Otherwise the file would be removed.
                 let _ = failed.path.keep();
                 match failed.error.kind() {
                     io::ErrorKind::AlreadyExists => {
@@ -210,14 +210,14 @@ impl RecordingWriter {
     }
 }
 
-/// What a recording is called while it is not finished.
+/// Returns the name of an unfinished recording.
 pub(super) fn part_of(path: &Path) -> PathBuf {
     let mut name = OsString::from(path);
     name.push(".part");
     PathBuf::from(name)
 }
 
-/// A recording needs a name that is free, in a folder in which it can grow under another one.
+/// Checks that the name is free and that the directory accepts the unfinished file.
 fn refuse_what_is_there(path: &Path) -> io::Result<()> {
     let names_a_directory = path.to_string_lossy().ends_with(std::path::is_separator);
     if names_a_directory || path.is_dir() {

@@ -1,9 +1,9 @@
-//! Run files: what a rendering did, sample by sample.
+//! Run files: the samples of a rendering.
 //!
-//! A run file is comma-separated UTF-8 text: a header on the first line, then one line per sample,
-//! so that any program that reads CSV reads it. The last column, `palpate_run_1`, names the format
-//! and its version. Its field in the first row holds the receipt, the configuration that made the
-//! run, as a JSON object of strings on one line; in every other row it is empty.
+//! A run file is comma-separated UTF-8 text, readable by any CSV reader: a header on the first line, then one line
+//! per sample. The last column, `palpate_run_1`, names the format and its version. Its field in the first row
+//! contains the metadata, which are the configuration of the run, as a JSON object of strings on one line. In every
+//! other row it is empty.
 //!
 //! ```text
 //! t_s,force_n,phase,palpate_run_1
@@ -11,12 +11,11 @@
 //! 0.01,0.4905,contact,
 //! ```
 //!
-//! A run without a sample has no place for its receipt, so none is written; a file that has only
-//! a header still reads as one, with an empty receipt.
+//! A run without samples has no row for its metadata, so it is not written. A file with only a header is readable,
+//! with empty metadata.
 //!
-//! Numbers are written with the fewest digits that read back to the same bits. A sample without a
-//! value, NaN, is an empty field; infinities are `inf` and `-inf`, so that a run that diverged
-//! can be kept.
+//! Numbers are written with the fewest digits that parse to the same bits. A missing value, NaN, is an empty field;
+//! infinities are `inf` and `-inf`, so that a diverged run can be stored.
 
 mod read;
 pub(crate) mod receipt;
@@ -25,9 +24,9 @@ mod write;
 pub use read::{Run, RunError, RunFault, read};
 pub use write::{Cell, RunWriteError, RunWriter};
 
-/// What the name of the last column begins with, whatever the version that follows.
+/// Prefix of the name of the last column, before the version.
 const MARK: &str = "palpate_run_";
-/// The version that is written and read.
+/// Version of the format that is written and read.
 const VERSION: &str = "1";
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Reading a run file.
+//! Reader of run files.
 
 use std::io::{self, Read};
 use std::ops::Range;
@@ -11,30 +11,30 @@ use palpate_files::bounded::TABLE;
 
 use crate::place::{TextPosition, field_span, first_byte, open_quote, record_span};
 
-/// Why a run file could not be read.
+/// Reason why a run file could not be read.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RunError {
-    /// The bytes could not be had.
+    /// The bytes cannot be read.
     #[error("{file}: cannot be read: {source}")]
     Unreadable {
-        /// The name the caller gave.
+        /// Name given by the caller.
         file: String,
-        /// What the system said.
+        /// Error of the system.
         source: io::Error,
     },
-    /// The text is not a run file, or not one with what was asked of it.
+    /// The text is not a run file, or lacks the requested data.
     #[error("{place}: {fault}")]
     Invalid {
-        /// Where the fault stands.
+        /// Position of the fault.
         place: Box<TextPosition>,
-        /// What is wrong, and what is allowed.
+        /// The fault, and the allowed values.
         fault: RunFault,
     },
 }
 
 impl RunError {
-    /// Where in the text the fault stands; none where there was no text to read.
+    /// Returns the position of the fault in the text; `None` without text.
     #[must_use]
     pub fn place(&self) -> Option<&TextPosition> {
         match self {
@@ -44,14 +44,14 @@ impl RunError {
     }
 }
 
-/// What is wrong with the text of a run file. Each message also says what is allowed.
+/// A fault in the text of a run file. Each message names the allowed values.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RunFault {
     /// The bytes are not UTF-8.
     #[error("the byte 0x{byte:02X} is not UTF-8; a run file is UTF-8 text")]
     NotUtf8 {
-        /// The first byte that does not fit.
+        /// First invalid byte.
         byte: u8,
     },
     /// The header is not that of a run file.
@@ -59,16 +59,16 @@ pub enum RunFault {
         "not a run file; one begins with a header whose last column is named `{MARK}{VERSION}`"
     )]
     NotARun,
-    /// The file is of a version this crate does not know.
+    /// The file has an unknown version.
     #[error("a run file of version {found}; this program reads version {VERSION}")]
     UnknownVersion {
-        /// What stands where the version should be.
+        /// Text in place of the version.
         found: String,
     },
     /// The header names a column twice.
     #[error("the header names the column `{name}` twice; each column has a name of its own")]
     DuplicateColumn {
-        /// The column that stands twice.
+        /// The duplicate column.
         name: String,
     },
     /// A line has more or fewer fields than the header.
@@ -76,35 +76,35 @@ pub enum RunFault {
         "the line has {found} fields, the header {expected}; each line has one field per column"
     )]
     FieldCount {
-        /// Fields of the header.
+        /// Number of fields of the header.
         expected: usize,
-        /// Fields of the line.
+        /// Number of fields of the line.
         found: usize,
     },
     /// A quoted field has no end.
     #[error("the quote that opens here is not closed before the end of the file")]
     OpenQuote,
-    /// The first row has no receipt.
+    /// The first row lacks the metadata.
     #[error("the first row has no receipt; it is lost where rows are cut off or sorted")]
     NoReceipt,
-    /// The receipt in the first row cannot be read.
+    /// The metadata in the first row are invalid.
     #[error("the receipt is not a JSON object of strings: {why} of the receipt")]
     NotAReceipt {
-        /// What is wrong with it, and where in it.
+        /// Description and position of the error.
         why: String,
     },
-    /// A row after the first has a receipt.
+    /// A row after the first contains metadata.
     #[error("only the first row has a receipt; in the others this field is empty")]
     StrayReceipt,
-    /// There is no such column.
+    /// The column does not exist.
     #[error("no column `{name}`; there are {}", listed(columns))]
     NoColumn {
-        /// The column that was asked for.
+        /// The requested column.
         name: String,
-        /// The columns there are.
+        /// The existing columns.
         columns: Vec<String>,
     },
-    /// A field of a column of numbers is not one.
+    /// A field of a numeric column is not a number.
     #[error("`{text}` in column `{name}` is not a number")]
     NotANumber {
         /// The field's column.
@@ -139,11 +139,11 @@ struct Row {
     fields: StringRecord,
 }
 
-/// Reads a run file; `file` is the name errors call it by.
+/// Reads a run file; `file` is its name in errors.
 ///
 /// # Errors
 ///
-/// [`RunError`] where the bytes cannot be read or the text is not a run file of this version.
+/// [`RunError`] if the bytes cannot be read or the text is not a run file of this version.
 pub fn read(mut reader: impl Read, file: &str) -> Result<Run, RunError> {
     let file = file.to_owned();
     let mut bytes = Vec::new();
@@ -176,7 +176,7 @@ impl Run {
             .flexible(true)
             .from_reader(&source.as_bytes()[at..])
             .into_records()
-            .map_while(Result::ok); // text in memory, of any field count: nothing can fail
+            .map_while(Result::ok); // Text in memory with any number of fields cannot fail.
         let Some(header) = records.next() else {
             return fail(at..at, RunFault::NotARun);
         };
@@ -242,36 +242,36 @@ impl Run {
         })
     }
 
-    /// The configuration that made the run, in the order of the file.
+    /// Returns the configuration of the run, in the order of the file.
     #[must_use]
     pub fn receipt(&self) -> &[(String, String)] {
         &self.receipt
     }
 
-    /// The names of the columns, in the order of the file.
+    /// Returns the names of the columns, in the order of the file.
     #[must_use]
     pub fn columns(&self) -> &[String] {
         &self.columns
     }
 
-    /// Number of samples.
+    /// Returns the number of samples.
     #[must_use]
     pub fn len(&self) -> usize {
         self.rows.len()
     }
 
-    /// Whether there is no sample.
+    /// Returns whether there are no samples.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
-    /// The column `name` as numbers, NaN where a field is empty.
+    /// Returns the column `name` as numbers, NaN for an empty field.
     ///
     /// # Errors
     ///
-    /// [`RunFault::NoColumn`] where there is none of that name, [`RunFault::NotANumber`] at the
-    /// first field that is not a number.
+    /// [`RunFault::NoColumn`] if the column does not exist, [`RunFault::NotANumber`] at the first field that is not a
+    /// number.
     pub fn numbers(&self, name: &str) -> Result<Vec<f64>, RunError> {
         let at = self.column(name)?;
         let number = |row: &Row| {
@@ -290,11 +290,11 @@ impl Run {
         self.rows.iter().map(number).collect()
     }
 
-    /// The column `name` as it stands in the file.
+    /// Returns the column `name` as in the file.
     ///
     /// # Errors
     ///
-    /// [`RunFault::NoColumn`] where there is none of that name.
+    /// [`RunFault::NoColumn`] if the column does not exist.
     pub fn texts(&self, name: &str) -> Result<Vec<&str>, RunError> {
         let at = self.column(name)?;
         Ok(self.rows.iter().map(|row| &row.fields[at]).collect())
@@ -316,7 +316,7 @@ impl Run {
     }
 }
 
-/// Moves on from `start` over empty lines, which the CSV reader counts to the record after them.
+/// Skips empty lines from `start`, which the CSV reader attributes to the next record.
 fn skip_line_ends(source: &str, start: usize) -> usize {
     let rest = &source[start..];
     start + rest.len() - rest.trim_start_matches(['\n', '\r']).len()

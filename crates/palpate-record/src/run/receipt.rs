@@ -1,11 +1,11 @@
-//! The receipt as a JSON object that keeps its order.
+//! Metadata as a JSON object that keeps its order.
 
 use std::fmt;
 
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserializer, Serializer};
 
-/// The JSON object of `entries`, on one line; the key at fault where one is not allowed.
+/// Returns the JSON object of `entries`, on one line, or the first key that is not allowed.
 pub(crate) fn to_json<K: AsRef<str>, V: AsRef<str>>(entries: &[(K, V)]) -> Result<String, &str> {
     for (at, (key, _)) in entries.iter().enumerate() {
         if !is_allowed(key.as_ref(), &entries[..at]) {
@@ -19,7 +19,7 @@ pub(crate) fn to_json<K: AsRef<str>, V: AsRef<str>>(entries: &[(K, V)]) -> Resul
     Ok(String::from_utf8(json).expect("JSON of strings is UTF-8"))
 }
 
-/// The entries of the JSON object `json`, in its order.
+/// Returns the entries of the JSON object `json`, in its order.
 pub(crate) fn from_json(json: &str) -> serde_json::Result<Vec<(String, String)>> {
     let mut parser = serde_json::Deserializer::from_str(json);
     let entries = parser.deserialize_map(Entries)?;

@@ -1,4 +1,4 @@
-//! Writing a run file.
+//! Writer of run files.
 
 use std::io::{self, Write};
 
@@ -9,7 +9,7 @@ use super::{MARK, VERSION, receipt};
 /// One field of a run file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cell<'a> {
-    /// A number, in the unit its column's name says; NaN where there is no value.
+    /// A number in the unit of its column's name; NaN: missing.
     Number(f64),
     /// A word, such as a phase or the code of a fault.
     Text(&'a str),
@@ -27,20 +27,20 @@ impl<'a> From<&'a str> for Cell<'a> {
     }
 }
 
-/// Why a run file could not be written.
+/// Reason why a run file could not be written.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RunWriteError {
-    /// The bytes could not be put where they should go.
+    /// The output failed.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// A key of the receipt is empty or stands twice.
+    /// A metadata key is empty or duplicate.
     #[error("the receipt key `{key}` is not allowed; a key is not empty and stands once")]
     ReceiptKey {
         /// The key.
         key: String,
     },
-    /// The columns cannot be told apart, from each other or from the one that this crate adds.
+    /// The column names are invalid, duplicate, or in conflict with the format column that this crate adds.
     #[error(
         "the columns `{}` are not allowed; at least one is needed, each with a name of its own \
          that has no space around it, no line end and no byte order mark and does not begin with \
@@ -48,10 +48,10 @@ pub enum RunWriteError {
         columns.join(",")
     )]
     Columns {
-        /// The names that were given.
+        /// Column names given by the caller.
         columns: Vec<String>,
     },
-    /// A row does not fit the header.
+    /// A row has a wrong number of cells.
     #[error("the row has {found} cells, the header {expected} columns")]
     CellCount {
         /// Number of columns.
@@ -59,7 +59,7 @@ pub enum RunWriteError {
         /// Number of cells.
         found: usize,
     },
-    /// There is no row for the receipt to stand in.
+    /// There is no row for the metadata.
     #[error("the run has no row; at least one is needed, the first holds the receipt")]
     NoRow,
 }
@@ -87,22 +87,21 @@ impl From<csv::Error> for RunWriteError {
     }
 }
 
-/// Writes a run file row by row.
+/// Writer of a run file, row by row.
 pub struct RunWriter<W: Write> {
     rows: csv::Writer<W>,
     columns: usize,
-    /// Until it is written with the first row.
+    /// `None` after it is written with the first row.
     receipt: Option<String>,
     digits: String,
 }
 
 impl<W: Write> RunWriter<W> {
-    /// Writes the header: `columns`, and after them the one that names the format. The receipt
-    /// follows with the first row.
+    /// Writes the header: `columns`, then the format column. The metadata follow with the first row.
     ///
     /// # Errors
     ///
-    /// [`RunWriteError`] where a key or a column is not allowed or `out` fails.
+    /// [`RunWriteError`] if a key or a column is not allowed or `out` fails.
     pub fn new<K: AsRef<str>, V: AsRef<str>>(
         out: W,
         receipt: &[(K, V)],
@@ -137,8 +136,7 @@ impl<W: Write> RunWriter<W> {
     ///
     /// # Errors
     ///
-    /// [`RunWriteError`] where the number of cells differs from that of the columns or the
-    /// output fails.
+    /// [`RunWriteError`] if the number of cells differs from the number of columns or the output fails.
     pub fn row(&mut self, cells: &[Cell<'_>]) -> Result<(), RunWriteError> {
         if cells.len() != self.columns {
             return Err(RunWriteError::CellCount {
@@ -162,12 +160,12 @@ impl<W: Write> RunWriter<W> {
         Ok(())
     }
 
-    /// Hands everything on to the output and gives it back.
+    /// Flushes the output and returns it.
     ///
     /// # Errors
     ///
-    /// [`RunWriteError::NoRow`] where no row was written and the receipt would be lost,
-    /// [`RunWriteError::Io`] where the output fails.
+    /// [`RunWriteError::NoRow`] if no row was written, so that the metadata would be lost; [`RunWriteError::Io`] if
+    /// the output fails.
     pub fn finish(self) -> Result<W, RunWriteError> {
         if self.receipt.is_some() {
             return Err(RunWriteError::NoRow);
@@ -178,7 +176,7 @@ impl<W: Write> RunWriter<W> {
     }
 }
 
-/// Appends the shortest decimal that reads back to the same bits; nothing for NaN.
+/// Appends the shortest decimal that parses to the same bits; nothing for NaN.
 fn push_number(digits: &mut String, number: f64) {
     use std::fmt::Write;
     let size = number.abs();

@@ -1,4 +1,4 @@
-//! Which column of a table holds what, and in which unit.
+//! Selection of the columns of a table and their units.
 
 use csv::StringRecord;
 
@@ -12,23 +12,23 @@ pub(super) enum Kind {
     Time,
     Length,
     Force,
-    /// A part of a quaternion.
+    /// A component of a quaternion.
     Part,
 }
 
-/// A column that a reader looks for.
+/// A column that a reader requests.
 #[derive(Debug, Clone)]
 pub(super) struct Wanted {
     pub kind: Kind,
-    /// By these names a layout may say which column it is.
+    /// Quantities by which a layout can select the column.
     pub keys: Vec<String>,
     /// Names without a unit.
     pub bare: Vec<String>,
-    /// Names before a unit, as `position` in `position_mm`.
+    /// Names before a unit, such as `position` in `position_mm`.
     pub stems: Vec<String>,
-    /// Which one it is of several of the same name, from 0, and how many there are.
+    /// Index from 0 among columns of the same name, and their number.
     pub nth: (usize, usize),
-    /// Its name in messages.
+    /// Name in messages.
     pub shown: String,
     pub is_needed: bool,
 }
@@ -46,7 +46,7 @@ impl Wanted {
         }
     }
 
-    /// Names that are tried if the layout says nothing, the best first.
+    /// Returns the names to search for if the layout does not select the column, in order of preference.
     fn names(&self, layout: &Layout) -> Vec<String> {
         let with = |symbol: &str| -> Vec<String> {
             let stems = self.stems.iter();
@@ -89,7 +89,7 @@ pub(super) struct Column {
     pub at: usize,
     /// Its name in the header.
     pub name: String,
-    /// Divisor of its numbers, once the unit is known.
+    /// Unit of its numbers, once known.
     unit: Unit,
 }
 
@@ -98,7 +98,7 @@ pub(super) struct Column {
 enum Unit {
     Length(LengthUnit),
     Time(TimeUnit),
-    /// That of the SI, or none.
+    /// SI unit, or none.
     Plain,
 }
 
@@ -112,11 +112,11 @@ impl Unit {
     }
 }
 
-/// A fault of the header: the column's index, none for the whole header.
+/// A fault of the header, with the column's index; `None` for the whole header.
 pub(super) type HeaderFault = (Option<usize>, TraceFault);
 
 impl Column {
-    /// The column of a header; none if there is none and none is needed.
+    /// Finds the column of a header; `None` for a missing optional column.
     pub fn find(
         header: &StringRecord,
         wanted: &Wanted,
@@ -138,12 +138,12 @@ impl Column {
         Ok(Some(column))
     }
 
-    /// Whether a cell of a time is a unit, so that its row is a row of units.
+    /// Returns whether a cell of the time column is a unit, so that its row is a row of units.
     pub fn is_unit_of_time(cell: &str) -> bool {
         time_unit(cell).is_some()
     }
 
-    /// Takes the unit of a cell of the unit row.
+    /// Sets the unit from a cell of the unit row.
     pub fn take_unit(&mut self, cell: &str, layout: &Layout) -> Result<(), TraceFault> {
         let allowed = match self.kind {
             Kind::Time => "s, ms, us and ns",
@@ -163,7 +163,7 @@ impl Column {
         Ok(())
     }
 
-    /// The unit, by the caller, the unit row or the name.
+    /// Determines the unit from the caller, the unit row or the name.
     fn unit_of(&self, layout: &Layout, row: Option<Unit>) -> Result<Unit, TraceFault> {
         let (given, named, usual) = match self.kind {
             Kind::Time => (
@@ -178,7 +178,7 @@ impl Column {
             ),
             Kind::Force | Kind::Part => return Ok(Unit::Plain),
         };
-        // A caller may say that a column is not in the unit of the SI that its name has.
+        // A caller may override the SI unit in a column's name.
         let contradicts = |one: Unit, other: Unit| one != other && other != usual;
         let sides = match (given, row, named) {
             (Some(given), Some(row), _) if given != row => {
@@ -205,7 +205,7 @@ impl Column {
         Ok(given.or(row).or(named).unwrap_or(usual))
     }
 
-    /// A number of the column in the unit of the SI.
+    /// Converts a number of the column to the SI unit.
     pub fn si(&self, number: f64) -> f64 {
         match self.unit {
             Unit::Length(unit) => unit.metres(number),
@@ -215,7 +215,7 @@ impl Column {
     }
 }
 
-/// Index and name of a column.
+/// Returns index and name of a column.
 fn index(
     header: &StringRecord,
     wanted: &Wanted,
@@ -283,7 +283,7 @@ fn index(
     Ok(None)
 }
 
-/// Index of the column whose name is most like one of `names`.
+/// Returns the index of the column whose name is most similar to one of `names`.
 fn nearest(header: &StringRecord, names: &[String]) -> Option<usize> {
     let likeness = |at: &usize| {
         let field = header[*at].trim();
@@ -296,14 +296,14 @@ fn nearest(header: &StringRecord, names: &[String]) -> Option<usize> {
         .max_by(|a, b| likeness(a).total_cmp(&likeness(b)).then(b.cmp(a)))
 }
 
-/// The unit at the end of a column's name: `X_mm`, `X (mm)`, `X [mm]`, `X/mm`.
+/// Returns the unit at the end of a column's name: `X_mm`, `X (mm)`, `X [mm]`, `X/mm`.
 fn in_name<U>(name: &str, unit: impl Fn(&str) -> Option<U>) -> Option<U> {
     let name = name.trim_end_matches([')', ']']);
     let (_, last) = name.rsplit_once(['_', '(', '[', '/'])?;
     unit(last)
 }
 
-/// A unit of time as a cell or a name has it, in brackets or not.
+/// Parses a unit of time in a cell or a name, with or without brackets.
 fn time_unit(text: &str) -> Option<TimeUnit> {
     match bare(text) {
         "sec" | "second" | "seconds" => Some(TimeUnit::Second),
@@ -314,7 +314,7 @@ fn time_unit(text: &str) -> Option<TimeUnit> {
     }
 }
 
-/// The same of lengths.
+/// Parses a unit of length in the same way.
 fn length_unit(text: &str) -> Option<LengthUnit> {
     match bare(text) {
         "meter" | "meters" | "metre" | "metres" => Some(LengthUnit::Metre),

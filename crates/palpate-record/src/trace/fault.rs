@@ -1,4 +1,4 @@
-//! Why a trace cannot be read.
+//! Errors of reading a trace.
 
 use std::io;
 
@@ -7,21 +7,21 @@ use thiserror::Error;
 use super::layout::Way;
 use crate::place::TextPosition;
 
-/// Why a trace could not be read.
+/// Reason why a trace could not be read.
 #[derive(Debug, Error)]
 pub enum TraceError {
-    /// The bytes could not be had.
+    /// The bytes cannot be read.
     #[error("{file}: cannot be read: {source}")]
     Unreadable {
-        /// The name the caller gave.
+        /// Name given by the caller.
         file: String,
         /// Error of the operating system.
         source: io::Error,
     },
-    /// The layout that the caller gave names what no table of this kind has.
+    /// The layout of the caller selects a quantity that tables of this kind do not have.
     #[error("{file}: {fault}")]
     Layout {
-        /// The name the caller gave.
+        /// Name given by the caller.
         file: String,
         /// The fault, and the allowed values.
         fault: String,
@@ -37,7 +37,7 @@ pub enum TraceError {
 }
 
 impl TraceError {
-    /// Where in the text the fault stands; none where there was no text to read.
+    /// Returns the position of the fault in the text; `None` without text.
     #[must_use]
     pub fn place(&self) -> Option<&TextPosition> {
         match self {
@@ -60,7 +60,7 @@ pub enum TraceFault {
     /// The bytes are not UTF-8.
     #[error("the byte 0x{byte:02X} is not UTF-8; save the trace as UTF-8 text")]
     NotUtf8 {
-        /// The first byte that does not fit.
+        /// First invalid byte.
         byte: u8,
     },
     /// The header lacks a column.
@@ -70,13 +70,13 @@ pub enum TraceFault {
         nearest.as_ref().map(|found| format!(", the nearest is `{found}`")).unwrap_or_default()
     )]
     MissingColumn {
-        /// The column that is missing.
+        /// The missing column.
         name: String,
-        /// The column of the header whose name is most like it.
+        /// Column of the header with the most similar name.
         nearest: Option<String>,
-        /// All columns that are needed.
+        /// All required columns.
         needed: String,
-        /// Remedy, in the caller's words.
+        /// Remedy, in terms of the caller's interface.
         way: Way,
     },
     /// The header names a column more or less often than needed.
@@ -90,9 +90,9 @@ pub enum TraceFault {
         name: String,
         /// Number of its occurrences.
         found: usize,
-        /// How often it has to.
+        /// Required number.
         needed: usize,
-        /// Remedy, in the caller's words.
+        /// Remedy, in terms of the caller's interface.
         way: Way,
     },
     /// Two sources name different units.
@@ -102,13 +102,13 @@ pub enum TraceFault {
         name: String,
         /// A unit.
         one: &'static str,
-        /// Who says it.
+        /// Source of the first unit.
         says_one: &'static str,
         /// Another unit.
         other: &'static str,
-        /// Who says that.
+        /// Source of the other unit.
         says_other: &'static str,
-        /// Remedy, in the caller's words.
+        /// Remedy, in terms of the caller's interface.
         way: Way,
     },
     /// A cell of the unit row is not a unit.
@@ -118,7 +118,7 @@ pub enum TraceFault {
         name: String,
         /// The cell.
         text: String,
-        /// The units that are known.
+        /// Known units.
         allowed: &'static str,
     },
     /// A line has more or fewer fields than the header.
@@ -126,9 +126,9 @@ pub enum TraceFault {
         "the line has {found} fields, the header {expected}; each line has one field per column"
     )]
     FieldCount {
-        /// Fields of the header.
+        /// Number of fields of the header.
         expected: usize,
-        /// Fields of the line.
+        /// Number of fields of the line.
         found: usize,
     },
     /// A field is not a number.
@@ -140,7 +140,7 @@ pub enum TraceFault {
         name: String,
         /// The field.
         text: String,
-        /// Remedy, in the caller's words, if there is one.
+        /// Remedy, in terms of the caller's interface, if any.
         way: Way,
     },
     /// A field is infinite or not a number.
@@ -150,7 +150,7 @@ pub enum TraceFault {
         name: String,
         /// The field.
         text: String,
-        /// Remedy, in the caller's words, if there is one.
+        /// Remedy, in terms of the caller's interface, if any.
         way: Way,
     },
     /// A number is too large.
@@ -161,13 +161,13 @@ pub enum TraceFault {
         /// The field.
         text: String,
     },
-    /// A quaternion is not of length 1.
+    /// A quaternion does not have norm 1.
     #[error("qw,qx,qy,qz is a quaternion of length {length}, and needs one of length 1")]
     Quaternion {
-        /// Its length.
+        /// Its norm.
         length: f64,
     },
-    /// The last line has no end, and the caller takes no notes.
+    /// The last line has no line end, and the caller receives no notes.
     #[error(
         "the last line has no line end, so that its last number, `{text}`, may be cut off; end the file with a line \
          end if it is whole"
@@ -203,12 +203,12 @@ pub enum TraceFault {
          `\"`, or remove the quote"
     )]
     OpenQuote,
-    /// The trace is longer than was allowed.
+    /// The trace is longer than allowed.
     #[error("the trace goes on for more than {longest} s after its first sample at {first} s")]
     TooLong {
-        /// The longest time that was allowed `[s]`.
+        /// Longest allowed time `[s]`.
         longest: f64,
-        /// Time of the first sample that counts `[s]`.
+        /// Time of the first selected sample `[s]`.
         first: f64,
     },
     /// Fewer than two samples lie in the selected part.
@@ -219,26 +219,26 @@ pub enum TraceFault {
         last.map_or_else(String::new, |last| format!(" and end at {last} s"))
     )]
     TooFewInPart {
-        /// Beginning of the part `[s]`.
+        /// Start of the part `[s]`.
         from: f64,
-        /// Its end `[s]`.
+        /// End of the part `[s]`.
         to: f64,
-        /// How many samples there are.
+        /// Number of samples.
         found: usize,
-        /// Time of the first sample of all `[s]`.
+        /// Time of the first sample of the trace `[s]`.
         first: f64,
-        /// Time of the last `[s]`, if the trace was read to its end.
+        /// Time of the last sample `[s]`, if the trace was read to its end.
         last: Option<f64>,
     },
-    /// There is no motion in fewer than two samples.
+    /// The trace has fewer than two samples.
     #[error("a trace needs at least 2 samples, this one has {found}")]
     TooFewSamples {
-        /// How many there are.
+        /// Number of samples.
         found: usize,
     },
 }
 
-/// A span of time, in words.
+/// Describes a span of time.
 fn between(from: f64, to: f64) -> String {
     match (from.is_finite(), to.is_finite()) {
         (true, true) => format!("from {from} s to {to} s"),

@@ -1,34 +1,33 @@
-//! Text that is read only as far as it is needed, and kept for errors to point at.
+//! Incremental reader that keeps the text for error messages.
 
 use std::io::{self, Read};
 
 const MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// Longest line of a trace `[bytes]`: a file without lines, such as `/dev/zero`, is refused there, and not kept up to the
-/// limit of a table.
+/// Longest line of a trace `[bytes]`. A file without lines, such as `/dev/zero`, is rejected there and not read up to
+/// the limit of a table.
 const LONGEST_LINE: usize = 1 << 20;
 
-/// A reader that keeps what it has passed on. A byte order mark at the beginning is kept, but not
-/// passed on.
+/// A reader that keeps the bytes it has passed on. A byte order mark at the start is kept, but not passed on.
 pub(super) struct Growing<R> {
     reader: R,
     kept: Vec<u8>,
-    /// How much of it has been passed on.
+    /// Number of bytes passed on.
     passed: usize,
-    /// Where its last line begins.
+    /// Offset of the last line.
     line: usize,
-    /// How much of it is known to be UTF-8.
+    /// Number of bytes known to be UTF-8.
     valid: usize,
     begun: bool,
     ended: bool,
     fault: Option<Unread>,
 }
 
-/// Why there is no more.
+/// Reason for the end of reading.
 pub(super) enum Unread {
-    /// The system says so.
+    /// An error of the system.
     Io(io::Error),
-    /// The byte that is not UTF-8.
+    /// A byte that is not UTF-8.
     NotUtf8(u8),
 }
 
@@ -46,7 +45,7 @@ impl<R: Read> Growing<R> {
         }
     }
 
-    /// Length of the byte order mark at the beginning.
+    /// Returns the length of the byte order mark at the start.
     pub fn mark(&self) -> usize {
         if self.kept.starts_with(MARK) {
             MARK.len()
@@ -55,18 +54,18 @@ impl<R: Read> Growing<R> {
         }
     }
 
-    /// What has been read.
+    /// Returns the text read so far.
     pub fn text(&self) -> &str {
         std::str::from_utf8(&self.kept[..self.valid]).unwrap_or_default()
     }
 
-    /// The first line with data, read ahead and not yet passed on.
+    /// Returns the first line with data, which is read ahead and not yet passed on.
     pub fn first_line(&mut self) -> &str {
         while self.header().is_none_or(|(_, ended)| !ended) && self.more() {}
         self.header().map_or("", |(line, _)| line)
     }
 
-    /// That line, as far as it is there, and whether it ends.
+    /// Returns the available part of that line, and whether it ends.
     fn header(&self) -> Option<(&str, bool)> {
         let text = self.text();
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -75,7 +74,7 @@ impl<R: Read> Growing<R> {
         Some((line.trim_end(), line.ends_with(['\n', '\r'])))
     }
 
-    /// Why there is no more, if that is not its end.
+    /// Returns the reason for an early end of reading, if any.
     pub fn take_fault(&mut self) -> Option<Unread> {
         self.fault.take()
     }
@@ -89,7 +88,7 @@ impl<R: Read> Growing<R> {
         while feeds(&self.kept) < 2 && self.more() {}
     }
 
-    /// Reads what the reader gives at once; whether that was anything that can be used.
+    /// Reads one block; returns whether it contained usable text.
     fn more(&mut self) -> bool {
         if self.ended {
             return false;
@@ -106,7 +105,7 @@ impl<R: Read> Growing<R> {
         match read {
             Ok(0) => {
                 self.ended = true;
-                // A character that was cut off.
+                // An incomplete character.
                 if let Some(byte) = self.kept.get(self.valid) {
                     self.fault = Some(Unread::NotUtf8(*byte));
                 }

@@ -1,4 +1,4 @@
-//! How a table of a recorded motion is laid out, where its header does not say it.
+//! Layout of a table of a recorded motion, where its header does not state it.
 
 use std::fmt;
 
@@ -7,26 +7,26 @@ use crate::unit::{LengthUnit, TimeUnit};
 /// Layout of a table that its header does not state, or that replaces it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Layout {
-    /// Which column of the header holds a quantity: pairs of quantity and column. Quantities are `t`,
-    /// `x`, `force`, and in a world `y`, `z`, `qw`, `qx`, `qy`, `qz`; of several devices with the name of
-    /// the device, as `left.x`. A column is a name, or `#3` for the third.
+    /// Selected columns: pairs of quantity and column. Quantities are `t`, `x`, `force`, and in a world `y`, `z`,
+    /// `qw`, `qx`, `qy`, `qz`; for several devices with the name of the device, such as `left.x`. A column is a name,
+    /// or `#3` for the third one.
     pub columns: Vec<(String, String)>,
-    /// Unit of the positions; none: the unit in the unit row or in the column's name, else metres.
+    /// Unit of the positions; `None`: the unit in the unit row or in the column's name, else metres.
     pub unit: Option<LengthUnit>,
-    /// Unit of the times; none: the unit in the unit row or in the column's name, else seconds.
+    /// Unit of the times; `None`: the unit in the unit row or in the column's name, else seconds.
     pub time_unit: Option<TimeUnit>,
-    /// What separates the fields; none: what separates those of the header.
+    /// Delimiter of the fields; `None`: the delimiter of the header.
     pub delimiter: Option<Delimiter>,
-    /// Whether numbers have a comma where others have a point.
+    /// Whether the decimal separator is a comma.
     pub decimal_comma: bool,
-    /// Whether samples without a value are left out; else they are refused.
+    /// Whether samples without a value are skipped; otherwise they are rejected.
     pub skip_missing: bool,
-    /// How messages name these.
+    /// Caller's interface, for remedies in messages.
     pub ways: Ways,
 }
 
 impl Layout {
-    /// The layout with positions in `unit`.
+    /// Returns the layout with positions in `unit`.
     #[must_use]
     pub fn in_unit(unit: Option<LengthUnit>) -> Self {
         Self {
@@ -35,10 +35,10 @@ impl Layout {
         }
     }
 
-    /// The pairs of a text such as `t=time,x=X`.
+    /// Parses the pairs of a text such as `t=time,x=X`.
     ///
     /// # Errors
-    /// A part without `=`, with nothing on one side of it, or a quantity that stands twice.
+    /// A part without `=`, an empty side, or a duplicate quantity.
     pub fn parse_columns(text: &str) -> Result<Vec<(String, String)>, String> {
         let mut columns: Vec<(String, String)> = Vec::new();
         for part in text.split(',') {
@@ -59,7 +59,7 @@ impl Layout {
         Ok(columns)
     }
 
-    /// The column that was named for a quantity.
+    /// Returns the column selected for a quantity.
     pub(super) fn column(&self, keys: &[String]) -> Option<&str> {
         let mut pairs = self.columns.iter();
         let found = pairs.find(|(key, _)| keys.contains(key));
@@ -67,22 +67,22 @@ impl Layout {
     }
 }
 
-/// What separates the fields of a table.
+/// Delimiter of the fields of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Delimiter {
     /// `,`
     Comma,
     /// `;`
     Semicolon,
-    /// A tab.
+    /// Tab
     Tab,
 }
 
 impl Delimiter {
-    /// All of them.
+    /// All delimiters.
     pub const ALL: [Self; 3] = [Self::Comma, Self::Semicolon, Self::Tab];
 
-    /// Its byte.
+    /// Returns the byte of the delimiter.
     #[must_use]
     pub fn byte(self) -> u8 {
         match self {
@@ -92,7 +92,7 @@ impl Delimiter {
         }
     }
 
-    /// The delimiter with a name, `comma`, `semicolon` or `tab`, or the character itself.
+    /// Returns the delimiter with a name, `comma`, `semicolon` or `tab`, or the character itself.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         match name {
@@ -104,15 +104,15 @@ impl Delimiter {
     }
 }
 
-/// How messages name what a caller can say of a layout.
+/// Caller's interface for the layout, for remedies in messages.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Ways {
-    /// The caller can say nothing: the file has to be changed.
+    /// The caller has no interface: the file must be changed.
     #[default]
     Nothing,
-    /// Flags of the program, as `--skip-missing`.
+    /// Command-line flags, such as `--skip-missing`.
     Flags,
-    /// Arguments of a function in Python, as `skip_missing=True`.
+    /// Arguments of a Python function, such as `skip_missing=True`.
     Arguments,
 }
 

@@ -1,5 +1,5 @@
-//! The recorded motion of the devices of a world: a table with a time, and three numbers for each device or seven for one that
-//! turns.
+//! Recorded motion of the devices of a world: a table with a time, and three numbers per device, or seven for one
+//! that rotates.
 
 use std::io::Read;
 
@@ -9,15 +9,15 @@ use super::layout::Layout;
 use super::table::{Request, Text};
 use super::{Part, ReadNotes};
 
-/// A recorded motion of so many devices in space.
+/// A recorded motion of several devices in space.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldTrace {
     /// Time of each sample, from 0, strictly increasing `[s]`.
     pub t_s: Vec<f64>,
     /// Position of each device at each sample: `[sample][device]` `[m]`.
     pub positions_m: Vec<Vec<[f64; 3]>>,
-    /// How each device is turned at each sample, a unit quaternion `[w, x, y, z]`, not turned where it does not turn; empty if
-    /// none does.
+    /// Orientation of each device at each sample, a unit quaternion `[w, x, y, z]`, the identity for a device that
+    /// does not rotate; empty if no device rotates.
     pub orientations: Vec<Vec<[f64; 4]>>,
     /// Notes on the text.
     pub notes: ReadNotes,
@@ -28,25 +28,26 @@ pub struct WorldTrace {
 pub struct LedDevice {
     /// Its name.
     pub name: String,
-    /// Whether it turns.
+    /// Whether it rotates.
     pub turns: bool,
 }
 
-/// Largest number of a motion, on either side of 0, as in scene files: differences and squares are finite.
+/// Largest magnitude of a number of a motion, as in scene files: differences and squares are finite.
 const LARGEST: f64 = 1e12;
-/// A quaternion in a table may be so much longer or shorter than 1: it has few digits.
+/// Allowed deviation of a quaternion's norm from 1, because tables have few digits.
 const LENGTH_SLACK: f64 = 1e-3;
 const NOT_TURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 const AXES: [&str; 3] = ["x", "y", "z"];
 const PARTS: [&str; 4] = ["qw", "qx", "qy", "qz"];
 
-/// Reads a part of a table whose columns are a time, `t` or `t_s` `[s]`, and x, y and z `[m]` of each device, those of several
-/// devices in the order of the scene or called by the device, as `left.x`; of a device that turns also qw, qx, qy and qz, a quaternion
-/// of about length 1. Names may have units, as `x_mm`; a layout may say otherwise. Times count from the first one.
+/// Reads a part of a table. Its columns are a time, `t` or `t_s` `[s]`, and x, y and z `[m]` of each device. The
+/// columns of several devices are in the order of the scene or have the device's name, such as `left.x`. A device
+/// that rotates also has qw, qx, qy and qz, a quaternion of norm 1 within rounding. Names may have units, such as
+/// `x_mm`; a layout overrides these rules. Times count from the first one.
 ///
 /// # Errors
-/// The text cannot be read, a column is missing or repeated, a field is not a finite number, times do not increase, a quaternion
-/// is not of unit length, or there are fewer than two samples.
+/// The text cannot be read, a column is missing or duplicate, a field is not a finite number, times do not increase,
+/// a quaternion does not have norm 1, or there are fewer than two samples.
 pub fn read_world(
     reader: impl Read,
     file: &str,
@@ -99,7 +100,7 @@ pub fn read_world(
     Ok(trace)
 }
 
-/// The columns of all devices.
+/// Returns the columns of all devices.
 fn wanted(devices: &[LedDevice]) -> Vec<Wanted> {
     let turning = devices.iter().filter(|device| device.turns).count();
     let mut turned = 0;
@@ -133,7 +134,7 @@ fn wanted(devices: &[LedDevice]) -> Vec<Wanted> {
     wanted
 }
 
-/// A fault in the numbers of a sample, with their columns.
+/// Returns a fault in the numbers of a sample, with its column.
 fn wrong(numbers: &[f64], wanted: &[Wanted], devices: &[LedDevice]) -> Option<(usize, TraceFault)> {
     if let Some(at) = numbers.iter().position(|number| number.abs() > LARGEST) {
         let fault = TraceFault::TooLarge {
@@ -194,7 +195,7 @@ mod tests {
 
     #[test]
     fn columns_are_found_by_name_unit_and_device() {
-        // In any order, with units, beside others, and called by the device.
+        // In any order, with units, with other columns, and with the device's name.
         let trace = read("z_mm,force,t_ms,y_mm,x_mm\n3,9,0,2,1\n3,9,1,2,1\n", 1).unwrap();
         assert_eq!(trace.t_s, [0.0, 0.001]);
         assert_eq!(trace.positions_m[0], [[0.001, 0.002, 0.003]]);
@@ -220,7 +221,7 @@ mod tests {
             trace.unwrap().positions_m[0],
             [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]
         );
-        // One device of a table of two is not guessed.
+        // The columns of a single device are ambiguous in a table of two.
         let twice = read(&format!("t,x,y,z,x,y,z\n{rows}"), 1).unwrap_err();
         assert!(
             twice.contains("m.csv:1:9: the header names the column `x` twice"),

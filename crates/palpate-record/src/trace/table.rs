@@ -1,4 +1,4 @@
-//! The one reader of tables of recorded motions.
+//! Common reader of tables of recorded motions.
 
 use std::io::Read;
 use std::ops::Range;
@@ -17,39 +17,38 @@ use crate::place::{TextPosition, field_span, first_byte, open_quote, record_span
 pub(super) struct Request<'a> {
     pub part: &'a Part,
     pub layout: &'a Layout,
-    /// The columns after the time.
+    /// Columns after the time.
     pub wanted: &'a [Wanted],
-    /// All columns that are needed, in words.
+    /// Description of all required columns.
     pub needed: &'a str,
-    /// Says what is wrong with the numbers of a sample, which are in the order of `wanted`, and with which of
-    /// them.
+    /// Checks the numbers of a sample, in the order of `wanted`; returns a fault and its column.
     pub check: &'a Check<'a>,
 }
 
-/// A fault in the numbers of a sample, with their columns.
+/// Returns a fault in the numbers of a sample, with its column.
 pub(super) type Check<'a> = dyn Fn(&[f64]) -> Option<(usize, TraceFault)> + 'a;
 
 /// The samples of a table.
 #[derive(Debug, Default)]
 pub(super) struct Samples {
     pub t_s: Vec<f64>,
-    /// The numbers of each sample, in the order of the columns that were wanted.
+    /// Numbers of each sample, in the order of the requested columns.
     pub numbers: Vec<f64>,
-    /// Which of the wanted columns are there.
+    /// Whether each requested column exists.
     pub is_there: Vec<bool>,
     pub notes: ReadNotes,
 }
 
-/// The text of a trace, as far as it has been read, and its name.
+/// Text of a trace as far as read, and its name.
 pub(super) struct Text<'a, R: Read> {
     file: &'a str,
     delimiter: u8,
     records: csv::Reader<Growing<R>>,
-    /// Offset of the first byte that was read for the last record.
+    /// Offset of the first byte read for the last record.
     last: usize,
 }
 
-/// One record and the offset of the first byte that was read for it.
+/// One record and the offset of the first byte read for it.
 struct Line {
     from: usize,
     fields: StringRecord,
@@ -98,8 +97,7 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
         TraceError::Invalid { place, fault }
     }
 
-    /// A fault of a field of a line, or of the whole line, unless the line is what it is because of a quote that has
-    /// no end.
+    /// Returns a fault of a field of a line, or of the whole line; an unclosed quote in the line takes precedence.
     fn fault_in(&mut self, line: &Line, at: Option<usize>, fault: TraceFault) -> TraceError {
         let delimiter = self.delimiter;
         let start = skip_to_record(self.source(), line.from);
@@ -111,7 +109,7 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
         self.fault(found)
     }
 
-    /// The next record in `line`; whether there is one.
+    /// Reads the next record into `line`; returns whether there is one.
     fn next(&mut self, line: &mut Line) -> Result<bool, TraceError> {
         let read = self.records.read_record(&mut line.fields);
         let mark = self.records.get_ref().mark();
@@ -130,8 +128,8 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
             }
             None => {}
         }
-        // Text of any field count: nothing is left to fail.
-        // A comment at the end of the text without a line end is a record to the library.
+        // The text may have any number of fields, so no other error is possible. The library takes a comment at the
+        // end of the text without a line end for a record.
         let is_there =
             read.unwrap_or(false) && skip_to_record(self.source(), line.from) < self.source().len();
         if is_there {
@@ -140,7 +138,7 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
         Ok(is_there)
     }
 
-    /// Time and other columns of the header.
+    /// Finds the time and the other columns in the header.
     fn columns(
         &mut self,
         header: &Line,
@@ -237,7 +235,7 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
             samples.numbers.extend_from_slice(&numbers);
         }
         if is_read_to_its_end {
-            // Only the last record can have a quote that nothing closes.
+            // Only the last record can have an unclosed quote.
             let start = skip_to_record(self.source(), self.last);
             if let Some(at) = open_quote(self.source(), start, self.delimiter) {
                 return Err(self.fault((at..at + 1, TraceFault::OpenQuote)));
@@ -270,7 +268,8 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
         Ok(samples)
     }
 
-    /// Notes the last number of a text whose last line has no end; an error if the caller takes no notes.
+    /// Notes the last number of a text whose last line has no line end; returns an error if the caller receives no
+    /// notes.
     fn cut_off(
         &mut self,
         last: usize,
@@ -283,7 +282,7 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
         }
         let start = skip_to_record(source, self.last);
         let span = field_span(source, start, last, self.delimiter);
-        // A comment may be cut off.
+        // A truncated comment is harmless.
         if source[span.end..].contains(['\n', '\r']) {
             return Ok(());
         }
@@ -328,10 +327,10 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
     }
 }
 
-/// Nothing that a caller can say.
+/// Caller without an interface.
 const NO_WAY: Way = Ways::Nothing.skip_missing();
 
-/// Refuses a layout that names a quantity which no table of this kind has.
+/// Rejects a layout that selects a quantity that tables of this kind do not have.
 fn check_keys(file: &str, request: &Request) -> Result<(), TraceError> {
     let mut known = vec!["t".to_owned()];
     known.extend(
@@ -359,7 +358,7 @@ fn check_keys(file: &str, request: &Request) -> Result<(), TraceError> {
     })
 }
 
-/// What separates the fields of a header, as far as it says that.
+/// Returns the delimiter of a header's fields, from the layout or the header.
 fn delimiter_of(header: &str, layout: &Layout) -> Delimiter {
     let mut quoted = false;
     let plain: String = header
@@ -374,7 +373,7 @@ fn delimiter_of(header: &str, layout: &Layout) -> Delimiter {
     if let [only] = found[..] {
         return only;
     }
-    // Of several, one that makes a column of the time.
+    // Of several, prefer one that gives a time column.
     let has_time = |delimiter: &&Delimiter| {
         let fields = header.split(char::from(delimiter.byte()));
         let record: StringRecord = fields.map(|field| field.trim_matches('"')).collect();
@@ -387,13 +386,13 @@ fn delimiter_of(header: &str, layout: &Layout) -> Delimiter {
         .unwrap_or(Delimiter::Comma)
 }
 
-/// Whether a cell stands for a value that is not there.
+/// Returns whether a cell marks a missing value.
 fn is_missing(text: &str) -> bool {
     const WORDS: [&str; 7] = ["", "-", "nan", "na", "n/a", "null", "none"];
     WORDS.iter().any(|word| text.eq_ignore_ascii_case(word))
 }
 
-/// Moves on from `start` over comments and empty lines to the record itself.
+/// Skips comments and empty lines from `start` to the record itself.
 fn skip_to_record(source: &str, mut start: usize) -> usize {
     while let Some(&byte) = source.as_bytes().get(start) {
         match byte {

@@ -1,4 +1,4 @@
-//! What is a trace, and what is wrong with what is none.
+//! Valid and invalid traces.
 
 use std::io;
 
@@ -58,7 +58,7 @@ fn comments_blank_lines_crlf_and_a_byte_order_mark_are_accepted() {
     assert_eq!(trace.position_m, [1.0, 2.0]);
 }
 
-/// A layout that says `change`, of a caller who has flags.
+/// Returns a layout with `change`, of a caller with flags.
 fn laid_out(change: impl FnOnce(&mut Layout)) -> Layout {
     let mut layout = Layout {
         ways: Ways::Flags,
@@ -78,13 +78,13 @@ fn a_last_number_without_a_line_end_may_be_cut_off_and_that_is_said() {
     let held = parse_as(text, &laid_out(|_| ())).unwrap();
     assert_eq!(held.trace.position_m, [0.01, 0.01]);
     assert_eq!(held.notes.unended.as_deref(), Some("0.01"));
-    // A caller that takes no notes gets an error.
+    // A caller that receives no notes gets an error.
     assert_eq!(
         message(text),
         "hand.csv:3:7: the last line has no line end, so that its last number, `0.01`, may be cut off; end the file \
          with a line end if it is whole"
     );
-    // The line that was cut off is not read, is a comment, or lies beyond the part.
+    // The last line is not read, is a comment, or lies beyond the part.
     for whole in [
         "t_s,position_m,note\n0,1,a\n1,2,b",
         "t_s,position_m\n0,1\n1,2\n# en",
@@ -125,7 +125,7 @@ fn columns_delimiters_units_and_decimal_commas_are_read_as_they_are_or_as_is_sai
     });
     let trace = parse_as(recorder, &said).unwrap().trace;
     assert_eq!((trace.t_s[1], trace.position_m[1]), (0.001, -0.003));
-    // Without a word of it nothing is guessed.
+    // Without a layout nothing is guessed.
     let without = laid_out(|layout| layout.columns = said.columns.clone());
     let error = parse_as(recorder, &without).unwrap_err();
     assert!(
@@ -206,7 +206,7 @@ fn a_quote_that_nothing_closes_is_shown_where_it_opens() {
     for (text, place) in [
         ("t_s,position_m\n0,1\n1,\"2\n", "3:3"),
         ("t_s,position_m\n0,1\n1,\"2", "3:3"),
-        // It takes in what follows.
+        // The open quote includes the following text.
         ("t_s,position_m\n0,\"1\n1,2\n2,3\n", "2:3"),
         ("t_s,position_m\n\"0,1\n1,2\n", "2:1"),
         ("t_s,position_m\n0,1\n# two\n\n1,\"\"\"2\n", "5:3"),
@@ -220,7 +220,7 @@ fn a_quote_that_nothing_closes_is_shown_where_it_opens() {
             "{text:?}"
         );
     }
-    // These are closed, or are no quotes.
+    // These quotes are closed, or are literal characters.
     for text in [
         "t_s,position_m\n0,1\n1,\"2\"",
         "t_s,note,position_m\n0,\"a \"\"b\"\"\",1\n1,\"\",2\n",
@@ -242,7 +242,7 @@ fn a_long_field_is_not_repeated_whole() {
     assert!(error.contains(&format!("`{short}…` in column")), "{error}");
 }
 
-/// Text without an end: who reads on after what is needed reads for ever.
+/// Text without an end: a reader that continues after the needed part never ends.
 struct Endless {
     time: u32,
     line: Vec<u8>,
@@ -488,7 +488,7 @@ fn a_line_without_end_is_refused() {
         words.contains("zero.csv") && words.contains("1 MiB"),
         "{words}"
     );
-    // The same bytes in a line that ends are a header, of which the names are wrong.
+    // The same bytes in a terminated line are a header with wrong names.
     let ends = read("x,".repeat(1000).as_bytes(), "x.csv").unwrap_err();
     assert!(matches!(ends, TraceError::Invalid { .. }), "{ends:?}");
 }

@@ -1,4 +1,4 @@
-//! The unit of times: what a column or a user says, and whether samples can be so far apart.
+//! Units of times, given by a column or a user, and plausibility of the sample spacing.
 
 use std::fmt;
 
@@ -17,7 +17,7 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
-    /// Every unit, the longest first.
+    /// All units, the longest first.
     pub const ALL: [Self; 4] = [
         Self::Second,
         Self::Millisecond,
@@ -25,7 +25,7 @@ impl TimeUnit {
         Self::Nanosecond,
     ];
 
-    /// Its symbol, in ASCII: `s`, `ms`, `us` or `ns`.
+    /// Returns its symbol, in ASCII: `s`, `ms`, `us` or `ns`.
     #[must_use]
     pub fn symbol(self) -> &'static str {
         match self {
@@ -36,13 +36,13 @@ impl TimeUnit {
         }
     }
 
-    /// The unit with a symbol, if there is one.
+    /// Returns the unit with a symbol, if there is one.
     #[must_use]
     pub fn of_symbol(symbol: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|unit| unit.symbol() == symbol)
     }
 
-    /// A time in this unit, in seconds; seconds stay the same to the last bit.
+    /// Converts a time in this unit to seconds; seconds are unchanged to the last bit.
     #[must_use]
     pub fn seconds(self, time: f64) -> f64 {
         time / self.per_second()
@@ -64,12 +64,12 @@ impl fmt::Display for TimeUnit {
     }
 }
 
-/// Longest usual time from sample to sample of a recorded hand `[s]`: 4 samples a second show no contact.
+/// Longest plausible sample spacing of a recorded hand `[s]`: 4 samples per second show no contact.
 const LONGEST_STEP: f64 = 0.25;
-/// Shortest usual time from sample to sample `[s]`: 100 kHz, above what recorders of motion and texture reach.
+/// Shortest plausible sample spacing `[s]`: 100 kHz, above the rate of recorders of motion and texture.
 const SHORTEST_STEP: f64 = 1e-5;
 
-/// A usual time from sample to sample that no recorder of a hand's motion has.
+/// An implausible sample spacing for a recorder of a hand's motion.
 ///
 /// ```
 /// use palpate_record::unit::{Spacing, TimeUnit};
@@ -85,8 +85,8 @@ pub struct Spacing {
 }
 
 impl Spacing {
-    /// The spacing of samples at `times` `[s]`, if it is longer than 0.25 s or shorter than 10 us; none
-    /// if it is between, or there are fewer than 3 samples.
+    /// Returns the spacing of samples at `times` `[s]`, if it is longer than 0.25 s or shorter than 10 us; `None` if
+    /// it is plausible, or for fewer than 3 samples.
     #[must_use]
     pub fn implausible(times: &[f64]) -> Option<Self> {
         if times.len() < 3 {
@@ -97,12 +97,12 @@ impl Spacing {
         let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
         let median = *median;
         let is_usual = (SHORTEST_STEP..=LONGEST_STEP).contains(&median);
-        // The caller refuses times that are not finite or do not increase.
+        // The caller rejects times that are not finite or do not increase.
         (median > 0.0 && !is_usual).then_some(Self { median })
     }
 
-    /// The unit in which the spacing would be usual, if the times were taken for seconds; none if no unit
-    /// makes it so.
+    /// Returns the unit in which the spacing would be plausible, if the times were taken for seconds; `None` if there
+    /// is no such unit.
     #[must_use]
     pub fn likely_unit(&self) -> Option<TimeUnit> {
         let usual =
@@ -156,7 +156,7 @@ mod tests {
         // Seconds taken for milliseconds.
         let short = Spacing::implausible(&at(1e-6)).unwrap();
         assert_eq!(short.likely_unit(), None);
-        // A single pause is not counted.
+        // A single pause does not count.
         let mut paused = at(0.001);
         paused.extend([5.0, 5.001]);
         assert_eq!(Spacing::implausible(&paused), None);

@@ -9,8 +9,8 @@ use mcap::{Channel, Message, MessageStream, Schema, WriteOptions, read::LinearRe
 
 use super::common::{Scratch, bits, content, row, small};
 
-/// The small recording, the types of its ticks and contacts and their messages changed by `retype` and
-/// `rewrite`, which are told the topic.
+/// Returns the small recording, with the types and messages of its ticks and contacts changed by `retype` and
+/// `rewrite`, whose first argument is the topic.
 fn changed(
     retype: impl Fn(&str, &str) -> String,
     rewrite: impl Fn(&str, &[u8]) -> Vec<u8>,
@@ -54,8 +54,8 @@ fn changed(
     out.into_inner().into_inner()
 }
 
-/// Contacts without the penetration, which stands 40 bytes behind the mark of four, and ticks with a
-/// field that this version does not know behind their number.
+/// Contacts without the penetration, which is 40 bytes after the mark of four bytes, and ticks with an unknown field
+/// after their number.
 #[test]
 fn ticks_and_contacts_are_read_by_the_types_that_the_file_gives_them() {
     let retype = |topic: &str, text: &str| {

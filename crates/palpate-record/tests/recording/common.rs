@@ -1,4 +1,4 @@
-//! Recordings to test with.
+//! Recordings for tests.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use palpate_record::recording::{
     RecordingError, RecordingWriter, Row, Tick, Value,
 };
 
-/// A row in which every quantity has a value of its own that follows from the number of its tick.
+/// Returns a row in which every quantity has a distinct value that follows from the tick's number.
 pub fn row(sequence: u64) -> Row {
     let t = sequence as f64 / 1000.0;
     let of = |quantity: f64| quantity / 3.0 + t;
@@ -27,7 +27,7 @@ pub fn row(sequence: u64) -> Row {
     }
 }
 
-/// As much of it as a recording of format 1 has.
+/// Returns the part of it that a recording of format 1 contains.
 pub fn row_of_format_1(sequence: u64) -> Row {
     let t = sequence as f64 / 1000.0;
     let of = |quantity: f64| quantity / 3.0 + t;
@@ -77,7 +77,7 @@ pub fn append(writer: &mut RecordingWriter, sequence: u64) -> Result<(), WriteEr
     writer.append(&tick, &[contact])
 }
 
-/// An event at a tick.
+/// Returns an event at a tick.
 pub fn event(sequence: u64) -> Event {
     Event {
         sequence,
@@ -87,7 +87,7 @@ pub fn event(sequence: u64) -> Event {
     }
 }
 
-/// What a loop of so many ticks and events counted.
+/// Returns the counters of a loop with `ticks` and `events`.
 pub fn count(ticks: u64, events: u64) -> LoopCount {
     LoopCount {
         ticks,
@@ -98,14 +98,14 @@ pub fn count(ticks: u64, events: u64) -> LoopCount {
     }
 }
 
-/// What made the recordings here.
+/// Returns the metadata of these recordings.
 pub fn receipt() -> Receipt {
     Receipt::new("0.1.0")
         .with("scene", "scene_format = 1\ntitle = \"a test\"\n")
         .with_file("hand.csv", "t_s,position_m\n0,0\n1,0\n")
 }
 
-/// Every column by its name, with the bits of its number, so that NaN equals NaN.
+/// Returns every column by its name, with the bits of its number, so that NaN equals NaN.
 pub fn bits(row: &Row) -> Vec<(&'static str, u64)> {
     let of_parts = [
         Tick::COLUMNS,
@@ -125,8 +125,8 @@ pub fn bits(row: &Row) -> Vec<(&'static str, u64)> {
         .collect()
 }
 
-/// A recording of three flushes of three ticks each, with an event in the second; finished or
-/// not, as bytes, and how long the file was after each flush.
+/// Returns a recording of three flushes of three ticks each, with an event in the second, finished or not, as bytes,
+/// and the length of the file after each flush.
 pub fn small(finished: bool) -> (Vec<u8>, Vec<usize>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("small.mcap");
@@ -154,7 +154,7 @@ pub fn small(finished: bool) -> (Vec<u8>, Vec<usize>) {
     }
 }
 
-/// A file to put bytes into.
+/// A temporary file.
 pub struct Scratch {
     _folder: tempfile::TempDir,
     pub path: PathBuf,
@@ -171,15 +171,14 @@ impl Scratch {
     }
 
     pub fn open(&self, bytes: &[u8]) -> Result<Recording, RecordingError> {
-        // Some file systems write a file to the disk that takes the place of what it was, and let one wait for that.
+        // On some file systems replacing an existing file synchronises it to disk, which takes long.
         let _ = std::fs::remove_file(&self.path);
         std::fs::write(&self.path, bytes).unwrap();
         Recording::open(&self.path)
     }
 }
 
-/// All ticks, of one contact each, and all events of a recording, checked against what it says of
-/// itself.
+/// Returns all ticks, of one contact each, and all events of a recording, checked against its counts.
 pub fn content(recording: &Recording) -> (Vec<Row>, Vec<Event>) {
     let (mut rows, mut events) = (Vec::new(), Vec::new());
     for entry in recording.entries().unwrap() {
@@ -207,7 +206,7 @@ pub fn content(recording: &Recording) -> (Vec<Row>, Vec<Event>) {
     (rows, events)
 }
 
-/// Names in a folder, sorted.
+/// Returns the sorted names in a directory.
 pub fn names(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> = std::fs::read_dir(folder)
         .unwrap()

@@ -1,4 +1,4 @@
-//! Ticks with several contacts, and with none.
+//! Ticks with several contacts, and without contacts.
 
 use std::io::Cursor;
 
@@ -9,7 +9,7 @@ use palpate_record::run;
 
 use super::common::{Scratch, bits, count, event, receipt, row};
 
-/// Contacts of a tick: three, and none of every fifth.
+/// Returns the contacts of a tick: three, and none for every fifth tick.
 fn contacts(sequence: u64) -> Vec<ContactTick> {
     let of_row = row(sequence).contact;
     let number = if sequence % 5 == 4 { 0 } else { 3 };
@@ -22,7 +22,7 @@ fn contacts(sequence: u64) -> Vec<ContactTick> {
     (0..number).map(contact).collect()
 }
 
-/// A recording of twelve ticks, flushed after every fourth; and how long the file was after each flush.
+/// Returns a recording of twelve ticks, flushed after every fourth, and the length of the file after each flush.
 fn small(finished: bool) -> (Vec<u8>, Vec<usize>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("small.mcap");
@@ -48,7 +48,7 @@ fn small(finished: bool) -> (Vec<u8>, Vec<usize>) {
     }
 }
 
-/// The numbers of the ticks of a recording, each of which has what was written and all its contacts.
+/// Returns the numbers of the ticks of a recording; checks that each is as written, with all its contacts.
 fn numbers(recording: &Recording) -> Vec<u64> {
     let mut numbers = Vec::new();
     for entry in recording.entries().unwrap() {
@@ -77,11 +77,11 @@ fn every_contact_of_every_tick_is_read() {
     assert!(recording.is_complete() && !recording.has_one_contact_each);
     assert_eq!(recording.format, 2);
     assert_eq!(numbers(&recording), (0..12).collect::<Vec<_>>());
-    // Three of most ticks, and one without a contact of two.
+    // Three rows for most ticks, and one for each of two ticks without contacts.
     assert_eq!(recording.rows().unwrap().count(), 3 * 10 + 2);
 }
 
-/// The row of the device stays as long as it is, and each contact adds as much as the one before.
+/// The size of the tick is constant, and each contact adds the same size.
 #[test]
 fn a_tick_does_not_grow_with_the_number_of_its_contacts() {
     let folder = tempfile::tempdir().unwrap();
@@ -159,8 +159,8 @@ fn a_damaged_chunk_takes_its_ticks_with_their_contacts() {
     assert_eq!(recording.lost(), 4);
 }
 
-/// The recording as another tool may write it: a few messages to a chunk, so that most ticks stand in
-/// another chunk than their contacts, and without those that `keeps` leaves out.
+/// Rewrites the recording as another tool may do: with a few messages per chunk, so that most ticks are in another
+/// chunk than their contacts, and only the messages for which `keeps` is true.
 fn rewritten(bytes: &[u8], keeps: impl Fn(&str, u32, usize) -> bool) -> Vec<u8> {
     let mut out = WriteOptions::new()
         .compression(None)
@@ -201,7 +201,7 @@ fn a_tick_is_put_together_across_chunks() {
 fn a_tick_whose_contacts_are_not_all_there_is_missing() {
     let scratch = Scratch::new();
     let (bytes, _) = small(true);
-    // Tick 2 is without its last contact, and of tick 6 only contacts are there.
+    // Tick 2 lacks its last contact, and tick 6 has only contacts.
     let keeps = |topic: &str, sequence: u32, of_tick: usize| match (topic, sequence) {
         ("/contact", 2) => of_tick < 3,
         ("/tick", 6) => false,
@@ -211,7 +211,7 @@ fn a_tick_whose_contacts_are_not_all_there_is_missing() {
     assert_eq!(recording.damage, [] as [String; 0]);
     assert_eq!(numbers(&recording), [0, 1, 3, 4, 5, 7, 8, 9, 10, 11]);
     assert_eq!(recording.lost(), 2);
-    // Without its first, the second one says that something is wrong with the chunk.
+    // Without the first contact, the second one marks the chunk as damaged.
     let keeps = |topic: &str, sequence: u32, of_tick: usize| {
         (topic, sequence, of_tick) != ("/contact", 2, 1)
     };

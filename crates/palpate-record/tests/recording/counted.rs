@@ -1,4 +1,4 @@
-//! What the loop counted, and what the file holds.
+//! Counters of the loop compared with the content of the file.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -7,7 +7,7 @@ use palpate_record::recording::{Gap, LoopCount, LoopTime, Recording, RecordingWr
 
 use super::common::{append, content, count, event, receipt};
 
-/// A recording of `ticks` and of one event, with what its loop counted.
+/// Returns a recording of `ticks` and of one event, with the counters of its loop.
 fn recorded(
     ticks: impl IntoIterator<Item = u64>,
     counted: Option<&LoopCount>,
@@ -58,7 +58,7 @@ fn a_tail_that_was_lost_is_missing() {
         (recording.missing.as_slice(), recording.lost()),
         (&[tail][..], 3)
     );
-    // All of them.
+    // All ticks are missing.
     let (_folder, recording) = recorded([], Some(&count(8, 1)));
     assert_eq!((recording.lost(), recording.ticks_made()), (8, Some(8)));
 }
@@ -80,7 +80,7 @@ fn more_than_the_loop_counted_is_not_what_was_written() {
     }
 }
 
-/// Nothing is known to be missing, and nobody can say that nothing is.
+/// No data are known to be missing, but missing ticks at the end cannot be excluded.
 #[test]
 fn without_the_count_it_is_whole_and_not_complete() {
     let (_folder, recording) = recorded(0..5, None);
@@ -88,7 +88,7 @@ fn without_the_count_it_is_whole_and_not_complete() {
     assert_eq!(recording.ticks_made(), None);
 }
 
-/// Recordings of older versions have no count, and the event of the loop's end names its last tick.
+/// Recordings of older versions have no counters, and the event of the loop's end names its last tick.
 #[test]
 fn an_event_of_the_end_says_how_many_ticks_there_were() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Files that are cut off, or not what was written.
+//! Truncated and damaged files.
 
 use std::sync::LazyLock;
 
@@ -6,8 +6,8 @@ use palpate_record::recording::{Recording, RecordingWriter};
 
 use super::common::{Scratch, append, bits, content, event, receipt, row, small};
 
-/// Ticks that are whole in the first `length` bytes: those of chunks that end there. `sizes` counts
-/// the index behind each chunk, which is not needed to read it.
+/// Returns the number of complete ticks in the first `length` bytes: those of chunks that end there. `sizes` includes
+/// the index after each chunk, which is not needed to read it.
 fn whole_ticks(length: usize, sizes: &[usize]) -> u64 {
     3 * sizes[1..].iter().filter(|size| **size <= length).count() as u64
 }
@@ -22,7 +22,7 @@ fn cut_anywhere_it_reads_what_was_flushed_and_says_that_there_is_no_end() {
             let recording = match scratch.open(&bytes[..length]) {
                 Ok(recording) => recording,
                 Err(error) => {
-                    // Only before the first tick can be there.
+                    // The file ends before the first possible tick.
                     assert!(length < sizes[0], "{length}: {error}");
                     continue;
                 }
@@ -37,7 +37,7 @@ fn cut_anywhere_it_reads_what_was_flushed_and_says_that_there_is_no_end() {
             );
             let (ticks, events) = content(&recording);
             assert!(recording.ticks >= whole_ticks(length, &sizes), "{length}");
-            // A chunk is whole, or is read up to its last message but one, which is said.
+            // A chunk is complete, or is read up to its last message but one and reported.
             let checked = recording.ticks + recording.events - recording.unchecked;
             assert!([0, 3, 7, 10].contains(&checked), "{length}: {checked}");
             assert_eq!(tail.contains("last chunk"), recording.unchecked > 0);
@@ -60,8 +60,7 @@ fn cut_anywhere_it_reads_what_was_flushed_and_says_that_there_is_no_end() {
     }
 }
 
-/// As a file may be after the machine went down: as long as it was to be, and zeros where nothing was
-/// written.
+/// A file after a crash of the machine: with its full length, and zeros in place of unwritten data.
 #[test]
 fn zeros_in_place_of_an_end_are_no_tick() {
     let (bytes, sizes) = small(false);
@@ -69,7 +68,7 @@ fn zeros_in_place_of_an_end_are_no_tick() {
     for cut in (sizes[1]..bytes.len()).step_by(5) {
         let mut zeroed = bytes.clone();
         zeroed[cut..].fill(0);
-        // Zeros to the end of the file, or only to the end of a message, within a chunk that is cut.
+        // Zeros to the end of the file, or only to the end of a message, within a truncated chunk.
         let lengths = [cut + 40, cut + 150, cut + 400].map(|length| length.min(bytes.len() - 1));
         for length in lengths.into_iter().chain([bytes.len()]) {
             let recording = scratch.open(&zeroed[..length]).unwrap();
@@ -141,7 +140,7 @@ fn a_damaged_chunk_is_left_out_and_what_follows_is_read() {
 #[test]
 fn a_chunk_whose_numbers_do_not_rise_is_left_out_and_counted() {
     let (bytes, sizes) = small(false);
-    // The second flush twice.
+    // The second flush occurs twice.
     let twice = [&bytes[..sizes[2]], &bytes[sizes[1]..]].concat();
     let scratch = Scratch::new();
     let recording = scratch.open(&twice).unwrap();
@@ -162,7 +161,7 @@ fn a_chunk_whose_numbers_do_not_rise_is_left_out_and_counted() {
 #[test]
 fn a_recording_whose_first_chunk_is_damaged_still_has_its_ticks() {
     let (mut bytes, sizes) = small(true);
-    // The chunk that says what the channels are.
+    // The chunk that defines the channels.
     bytes[sizes[0] - 20] ^= 1;
     let scratch = Scratch::new();
     let recording = scratch.open(&bytes).unwrap();
@@ -199,7 +198,7 @@ fn bytes_behind_the_end_are_counted_and_nothing_else_is_wrong() {
         let read = recording.entries().unwrap().filter(Result::is_ok).count();
         assert_eq!(read, 10, "{count}");
     }
-    // The index itself is another matter.
+    // The index has its own checksum.
     let mut changed = bytes.clone();
     let at = bytes.len() - mcap::MAGIC.len() - 30;
     changed[at] ^= 1;
@@ -268,7 +267,7 @@ fn a_writer_that_is_dropped_leaves_no_end() {
     assert_eq!((recording.ticks, recording.finished), (1, false));
 }
 
-/// A chunk with these records, as another program might write it.
+/// Returns a chunk with these records, as another program might write it.
 fn chunk(records: &[(u8, Vec<u8>)]) -> Vec<u8> {
     let mut data = Vec::new();
     for (opcode, body) in records {
@@ -291,12 +290,12 @@ fn chunk(records: &[(u8, Vec<u8>)]) -> Vec<u8> {
 #[test]
 fn records_of_others_are_passed_over() {
     let (mut bytes, _) = small(false);
-    // An attachment that is too short for one, where none can be, and a record of nobody's.
+    // An attachment that is too short and in an invalid position, and a record of unknown type.
     bytes.extend(chunk(&[(9, vec![0; 2]), (0x80, vec![1, 2, 3])]));
     let scratch = Scratch::new();
     let recording = scratch.open(&bytes).unwrap();
     assert_eq!((recording.ticks, recording.damage.len()), (9, 0));
-    // A message on a channel of nobody's, and one that is no tick on ours.
+    // A message on an undefined channel, and an invalid tick on a valid one.
     let message = |channel: u8| {
         let mut message = vec![channel, 0];
         message.extend([0; 20]);

@@ -4,7 +4,7 @@ use palpate_record::recording::{DeviceTick, Entry, Flags, Recording, RecordingWr
 
 use super::common::{Scratch, count, receipt, row};
 
-/// The devices of a tick, in which every quantity has a value of its own.
+/// Returns the devices of a tick, in which every quantity has a distinct value.
 fn devices(sequence: u64, number: u32) -> Vec<DeviceTick> {
     let device = |device: u32| {
         let of = |quantity: u32| sequence as f64 * 1e-3 + f64::from(quantity + 100 * device) / 3.0;
@@ -27,7 +27,8 @@ fn devices(sequence: u64, number: u32) -> Vec<DeviceTick> {
     (0..number).map(device).collect()
 }
 
-/// A recording of twelve ticks of a loop with so many devices; and how long the file was after every fourth.
+/// Returns a recording of twelve ticks of a loop with `number` devices, and the length of the file after every fourth
+/// tick.
 fn small(number: u32) -> (Vec<u8>, Vec<usize>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("small.mcap");
@@ -36,7 +37,7 @@ fn small(number: u32) -> (Vec<u8>, Vec<usize>) {
     let mut sizes = Vec::new();
     for sequence in 0..12 {
         let (tick, contact) = (row(sequence).tick, row(sequence).contact);
-        // Their numbers are the writer's to give.
+        // The writer replaces these numbers.
         let mut devices = devices(sequence, number);
         for device in &mut devices {
             (device.sequence, device.device, device.devices) = (99, 99, 99);
@@ -57,7 +58,7 @@ fn small(number: u32) -> (Vec<u8>, Vec<usize>) {
     (std::fs::read(path).unwrap(), sizes)
 }
 
-/// The numbers of the ticks of a recording, each of which has all its devices as they were written.
+/// Returns the numbers of the ticks of a recording; checks that each has all its devices as written.
 fn numbers(recording: &Recording) -> Vec<u64> {
     let mut numbers = Vec::new();
     for entry in recording.entries().unwrap() {
@@ -79,7 +80,7 @@ fn each_device_of_each_tick_is_read_as_it_was_written() {
     assert!(recording.is_complete());
     assert_eq!(recording.devices, 2);
     assert!(numbers(&recording).into_iter().eq(0..12));
-    // A row for each contact, and no more.
+    // One row for each contact only.
     assert_eq!(recording.rows().unwrap().count(), 12);
 }
 
@@ -112,7 +113,7 @@ fn cut_anywhere_it_has_no_tick_without_all_its_devices() {
     assert!(within_a_chunk > 70, "{within_a_chunk}");
 }
 
-/// The first one has the type of the devices: they are read all the same.
+/// The first chunk contains the type of the devices: they are readable without it.
 #[test]
 fn a_damaged_chunk_takes_its_ticks_with_their_devices() {
     let (bytes, sizes) = small(2);

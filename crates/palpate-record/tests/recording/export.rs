@@ -8,7 +8,7 @@ use super::common::{Scratch, receipt, row, small};
 fn recording(scratch: &Scratch) -> Recording {
     let (bytes, sizes) = small(true);
     let mut damaged = bytes;
-    // The second flush: ticks 3 to 5 and the event are gone.
+    // The second flush is damaged: ticks 3 to 5 and the event are lost.
     damaged[sizes[1] + 200] ^= 1;
     scratch.open(&damaged).unwrap()
 }

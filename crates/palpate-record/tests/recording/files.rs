@@ -1,4 +1,4 @@
-//! The file of a recording: its name, and what stands there already.
+//! File names of a recording, and existing files.
 
 use std::fs;
 
@@ -118,8 +118,7 @@ fn what_cannot_be_begun_leaves_nothing() {
     );
 }
 
-/// A limit on the size of files stands for a disk that is full: it needs no permission, and it is
-/// the system that refuses.
+/// A limit on the size of files emulates a full disk: it needs no permission, and the write fails in the system.
 #[cfg(unix)]
 #[test]
 fn a_disk_that_fills_up_is_reported_and_what_was_flushed_is_readable() {
@@ -161,7 +160,7 @@ fn a_disk_that_fills_up_is_reported_and_what_was_flushed_is_readable() {
     assert!(!path.exists());
 }
 
-/// Not a test of its own: the program that the test above runs.
+/// Not a separate test: the program that the test above runs.
 #[test]
 #[ignore = "run by a_disk_that_fills_up_is_reported_and_what_was_flushed_is_readable"]
 fn fill_the_disk() {
@@ -177,7 +176,7 @@ fn fill_the_disk() {
         });
         if let Err(error) = outcome {
             say(&error.to_string());
-            // Nothing more is taken, and nothing panics.
+            // Further writes fail without a panic.
             assert!(append(&mut writer, sequence + 1).is_err() || writer.flush().is_err());
             assert!(writer.finish().is_err());
             return;
@@ -186,7 +185,7 @@ fn fill_the_disk() {
     panic!("the disk did not fill up");
 }
 
-/// A line that is not held back.
+/// Prints a line and flushes it.
 pub fn say(line: &str) {
     use std::io::Write;
     let mut out = std::io::stdout().lock();

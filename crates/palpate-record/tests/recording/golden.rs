@@ -1,4 +1,4 @@
-//! A recording that was written once, by the first version of the format, and is read for ever.
+//! A recording written by the first version of the format, which all versions must read.
 
 use std::path::{Path, PathBuf};
 
@@ -18,10 +18,10 @@ fn the_first_recording_is_still_read() {
     assert!(recording.finished && recording.damage.is_empty());
     let (ticks, events) = content(&recording);
     assert_eq!(events, [event(4)]);
-    // Tick 5 was lost.
+    // Tick 5 is lost.
     let numbers = [0, 1, 2, 3, 4, 6, 7, 8];
     assert_eq!(recording.lost(), 1);
-    // Nobody wrote down how many the loop made.
+    // The loop's counters were not recorded.
     assert_eq!(
         (recording.counted.clone(), recording.ticks_made()),
         (None, None)
@@ -33,7 +33,7 @@ fn the_first_recording_is_still_read() {
     }
 }
 
-/// The format that the receipt names says what a message holds, and on which channel it stands.
+/// The format in the metadata defines the content of a message and its channel.
 #[test]
 fn the_first_recording_is_read_without_the_chunk_that_has_its_types() {
     let mut bytes = std::fs::read(golden()).unwrap();

@@ -32,7 +32,7 @@ fn whenever_it_is_killed_what_was_flushed_is_readable() {
         let mut said = BufReader::new(child.stdout.take().unwrap())
             .lines()
             .map(Result::unwrap);
-        // It has begun; from there on at any instant.
+        // Kill it at an arbitrary time after it has begun.
         let count = |line: &String| {
             line.strip_prefix("flushed ")
                 .map(|n| n.parse::<u64>().unwrap())
@@ -41,7 +41,7 @@ fn whenever_it_is_killed_what_was_flushed_is_readable() {
         std::thread::sleep(Duration::from_micros(splitmix(kill) % 20_000));
         child.kill().unwrap();
         child.wait().unwrap();
-        // What it had said before.
+        // Lines printed before the kill.
         for line in said {
             flushed = count(&line).unwrap_or(flushed);
         }
@@ -63,7 +63,7 @@ fn whenever_it_is_killed_what_was_flushed_is_readable() {
     assert!(total > 20 * KILLS, "{total} ticks in all");
 }
 
-/// Not a test of its own: the program that is killed.
+/// Not a separate test: the program that is killed.
 #[test]
 #[ignore = "run by whenever_it_is_killed_what_was_flushed_is_readable"]
 fn record_for_ever() {
@@ -78,7 +78,7 @@ fn record_for_ever() {
     }
 }
 
-/// Numbers without a pattern, the same every time.
+/// Reproducible pseudo-random numbers.
 fn splitmix(seed: u64) -> u64 {
     let mut z = seed.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -1,4 +1,4 @@
-//! Recordings as files: what is written is read, and what is not there is said.
+//! Round trips of recordings through files, and reports of missing data.
 
 mod columns;
 mod common;

@@ -1,5 +1,5 @@
-//! Recordings that another tool has written anew: the MCAP library for Python, from the recording that
-//! `golden-v1.mcap` holds and one with the loop's count. `others.py` beside them makes the files.
+//! Recordings rewritten by another tool, the MCAP library for Python: that of `golden-v1.mcap`, and one with the
+//! counters of the loop. `others.py` in the same directory makes the files.
 
 use std::path::Path;
 
@@ -45,7 +45,7 @@ fn a_changed_bit_in_what_is_compressed_is_no_tick() {
         for at in 0..bytes.len() {
             let mut changed = bytes.clone();
             changed[at] ^= 1 << (at % 8);
-            // The receipt may be what was changed.
+            // The changed byte may be in the metadata.
             let Ok(recording) = scratch.open(&changed) else {
                 continue;
             };
@@ -103,7 +103,7 @@ fn another_compression_is_named() {
     assert!(Scratch::new().open(&bytes).unwrap().is_complete());
 }
 
-/// Not a test of its own: what `others.py` begins with.
+/// Not a separate test: it writes the input of `others.py`.
 #[test]
 #[ignore = "writes PALPATE_RECORDING, for others.py"]
 fn write_small() {

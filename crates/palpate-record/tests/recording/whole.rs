@@ -1,4 +1,4 @@
-//! What is written is read.
+//! Round trips of recordings.
 
 use palpate_record::recording::{
     BodyTick, ContactTick, Entry, Event, Flags, Gap, Phase, Receipt, Recording, RecordingWriter,
@@ -100,7 +100,7 @@ fn a_recording_that_is_being_made_is_read_as_far_as_it_is_flushed() {
         recording.tail.as_deref(),
         Some("never finished: it ends with its last flush")
     );
-    // More comes, and what was opened stays what it was.
+    // The writer continues, and the opened recording is unchanged.
     writer.flush().unwrap();
     content(&recording);
     assert_eq!(Recording::open(writer.part()).unwrap().ticks, 6);
@@ -114,7 +114,7 @@ fn a_long_recording_is_cut_into_chunks_by_itself() {
     for sequence in 0..12_000 {
         append(&mut writer, sequence).unwrap();
     }
-    // Nobody has flushed, and most of it is there.
+    // Most of the recording is written even without a flush.
     let there = Recording::open(writer.part()).unwrap().ticks;
     assert!((5_000..12_000).contains(&there), "{there}");
     writer.finish().unwrap();
@@ -246,7 +246,7 @@ fn any_body() -> impl Strategy<Value = BodyTick> {
     })
 }
 
-/// A tick, its contacts and its bodies as they are read: numbered, and with the flags of all contacts.
+/// Returns a tick, its contacts and its bodies as read: numbered, and with the flags of all contacts.
 fn numbered(
     tick: Tick,
     contacts: &[ContactTick],
@@ -317,7 +317,7 @@ proptest! {
             }
         }
         prop_assert_eq!(said, events);
-        // The shortest text that reads back to the same bits.
+        // The shortest text that parses to the same bits.
         prop_assert_eq!(format!("{read:?}"), format!("{written:?}"));
         let written: Vec<Tick> = written.into_iter().map(|(tick, ..)| tick).collect();
         let first = written.first().map_or(0, |tick| tick.sequence);

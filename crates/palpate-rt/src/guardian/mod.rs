@@ -1,10 +1,9 @@
-//! A process beside the loop that takes the force off a device when the loop can not.
+//! Watchdog process: it removes the force of a device if the loop cannot.
 //!
-//! Some boards hold the last force that they were told until they are told another one. If the
-//! program that told them is killed (SIGKILL), stopped (SIGSTOP) or aborts, no thread of that program
-//! can take the force off. A *guardian* can: a small process of its own, with a second handle of the
-//! port to the board. It hears from the driver before every packet that carries a force. After
-//! [`Orders::limit`] of silence, and as soon as the program is gone, the guardian sends
+//! Some boards hold the last commanded force until the next command. If the commanding program is killed (SIGKILL),
+//! stopped (SIGSTOP) or aborts, none of its threads can remove the force. The *watchdog process* is a separate small
+//! process with a second handle of the port to the board. The driver sends it a message before every packet that
+//! carries a force. After [`Orders::limit`] without a message, and as soon as the program ends, it sends
 //! [`Orders::release`] itself.
 //!
 //! ```text
@@ -14,10 +13,10 @@
 //!      <----- "I have commanded no force" --------------------
 //! ```
 //!
-//! What the driver tells and hears goes over a pair of connected sockets, neither of which ever waits.
-//! These calls are part of the driver's own sending: a loop on a device without a guardian makes none.
+//! The messages use a pair of connected non-blocking sockets. The driver sends them as part of its packets: a loop on
+//! a device without a watchdog makes no such calls.
 //!
-//! [`serve`] is the guardian's side, and all that its process does. [`Guardian`] is the driver's.
+//! [`serve`] is the main function of the watchdog process. [`Guardian`] is the driver's side.
 
 mod process;
 mod watch;
@@ -35,41 +34,40 @@ use palpate_device::clock::{Clock, MonotonicClock};
 pub use process::serve;
 pub use watch::{Outcome, Watch};
 
-/// How long a guardian may take to start, on a machine that is busy.
+/// Maximum start-up time of a watchdog process on a busy machine.
 const STARTS_WITHIN: Duration = Duration::from_secs(30);
-/// How long a guardian that was dismissed may take to end before it is killed.
+/// Maximum time that a dismissed watchdog process may take to end before it is killed.
 const ENDS_WITHIN: Duration = Duration::from_secs(2);
-/// For how long a guardian tries to let a board know that it should hold no force, once the loop is
-/// gone: longer than a board is busy with itself, and an end.
+/// Time for which a watchdog process retries its zero command after the loop has ended. It exceeds the time for which
+/// a board can be busy, and it is finite.
 const TRIES_FOR: Duration = Duration::from_secs(10);
-/// The priority that a guardian asks for: before any loop and its supervisor. It sleeps all the time.
+/// Requested priority of a watchdog process: above all loops and their supervisors. It sleeps most of the time.
 const PRIORITY: u8 = 99;
 
-/// No silence is shorter: a guardian that looks all the time would keep a processor busy.
+/// Minimum limit: continuous polling would occupy a processor.
 const SHORTEST: Duration = Duration::from_micros(100);
 
-/// A force may be on from here on.
+/// Message: a force may be on from now on.
 const FORCE: u8 = b'F';
-/// No force is on.
+/// Message: no force is on.
 const NONE: u8 = b'0';
-/// The device has been closed as it should: the guardian is not needed any more.
+/// Message: the device was closed in order, and the watchdog is no longer needed.
 const DISMISSED: u8 = b'E';
-/// What a guardian says when it has started; a byte follows that says whether it has its priority.
+/// Reply: the watchdog has started. The next byte reports whether it has its priority.
 const READY: u8 = b'R';
-/// What it says when it is about to command no force.
+/// Reply: the watchdog is about to command zero force.
 const CUT: u8 = b'C';
-/// Length of what a driver says: one of the bytes above, and when, in nanoseconds of the machine's
-/// monotonic clock.
+/// Length of a message: one of the bytes above and the time in nanoseconds of the machine's monotonic clock.
 const WORD: usize = 9;
 
-/// What a guardian does, told once.
+/// Parameters of a watchdog process, sent once.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Orders {
-    /// How long the driver may be silent while a force may be on.
+    /// Maximum time between messages while a force may be on.
     pub limit: Duration,
-    /// What takes off the force, even if the driver has left the board in the middle of a packet.
+    /// Packet that removes the force, also after an incomplete packet of the driver.
     pub release: Vec<u8>,
-    /// A packet that commands no force and is answered.
+    /// Packet that commands zero force and requests an answer.
     pub probe: Vec<u8>,
     /// Length of the answer to the probe.
     pub answer: usize,
@@ -120,8 +118,7 @@ impl Orders {
     }
 }
 
-/// What guardians have done so far, for reports. One account may be shared by several that follow each
-/// other.
+/// Record of the actions of watchdog processes, for reports. Consecutive processes may share one record.
 #[derive(Debug, Default)]
 pub struct GuardianAccount {
     cuts: AtomicU64,
@@ -130,62 +127,62 @@ pub struct GuardianAccount {
 }
 
 impl GuardianAccount {
-    /// How often a guardian has commanded no force, as far as the driver has heard.
+    /// Returns how often a watchdog process has commanded zero force, as far as the driver has received.
     #[must_use]
     pub fn cuts(&self) -> u64 {
         self.cuts.load(Ordering::Acquire)
     }
 
-    /// How a guardian was lost that was not dismissed, if one was: the first of several.
+    /// Returns the reason of the first unexpected loss of a watchdog process, if any.
     #[must_use]
     pub fn lost(&self) -> Option<Unguarded> {
         self.lost.get().copied()
     }
 
-    /// Whether the machine serves the guardian before everybody else.
+    /// Returns whether the watchdog process has real-time priority.
     #[must_use]
     pub fn is_first(&self) -> bool {
         self.is_first.load(Ordering::Acquire)
     }
 }
 
-/// Why there is no guardian.
+/// Reason why a watchdog process is not available.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GuardianError {
-    /// The system does not start it.
+    /// The system cannot start the process.
     #[error("its process cannot be started: {0}")]
     Spawn(io::Error),
-    /// It started, and has not said so.
+    /// The process has started and does not answer.
     #[error("its process has started and does not answer: {0}")]
     Silent(io::Error),
 }
 
-/// Why nobody would take off a force.
+/// Reason why no watchdog process supervises a force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unguarded {
-    /// The guardian's process has ended.
+    /// The process has ended.
     Ended,
-    /// It is there, and has not listened for more than a hundred periods: it was stopped, or the machine
-    /// gives it no time.
+    /// The process exists and has read no message for more than a hundred periods: it is stopped, or the machine does
+    /// not schedule it.
     NotListening,
 }
 
-/// A guardian, as the driver of a device has it.
+/// The driver's side of a watchdog process.
 #[derive(Debug)]
 pub struct Guardian {
     socket: Option<UnixStream>,
-    /// None for a guardian that is a thread of this program.
+    /// `None` if the watchdog is a thread of this program.
     child: Option<Child>,
     account: Arc<GuardianAccount>,
 }
 
 impl Guardian {
-    /// Starts the process of `command`, which has to call [`serve`] and to leave its standard input
-    /// and output alone. It gets a second handle of `port`. No force may be on yet.
+    /// Starts the process of `command`, which must call [`serve`] and must not use its standard input and output. The
+    /// process gets a second handle of `port`. No force may be on yet.
     ///
     /// # Errors
-    /// The process does not start, or does not say within 30 s that it has.
+    /// The process does not start, or does not confirm its start within 30 s.
     pub fn start(
         mut command: Command,
         port: BorrowedFd<'_>,
@@ -199,7 +196,7 @@ impl Guardian {
             .stdout(Stdio::from(port))
             .spawn()
             .map_err(GuardianError::Spawn)?;
-        // The handles that were the child's.
+        // Close the parent's copies of the child's handles.
         drop(command);
         let mut guardian = Self {
             socket: Some(socket),
@@ -210,10 +207,10 @@ impl Guardian {
         Ok(guardian)
     }
 
-    /// The driver's side of a guardian that somebody else runs, by a [`Watch`].
+    /// Creates the driver's side of a watchdog that the caller runs as a [`Watch`].
     ///
     /// # Errors
-    /// The system refuses.
+    /// An error of the system.
     pub fn beside(socket: UnixStream, account: Arc<GuardianAccount>) -> io::Result<Self> {
         socket.set_nonblocking(true)?;
         Ok(Self {
@@ -223,7 +220,7 @@ impl Guardian {
         })
     }
 
-    /// Tells it its orders, and waits until it is ready.
+    /// Sends the parameters and waits until the watchdog is ready.
     fn brief(&mut self, orders: &Orders) -> io::Result<()> {
         let Some(socket) = &mut self.socket else {
             return Ok(());
@@ -242,24 +239,24 @@ impl Guardian {
         socket.set_nonblocking(true)
     }
 
-    /// Process id, if it is a process.
+    /// Returns the process id, if the watchdog is a process.
     #[must_use]
     pub fn id(&self) -> Option<u32> {
         self.child.as_ref().map(Child::id)
     }
 
-    /// Tells it that a force may be on from now on. To be told before each packet that carries one.
+    /// Reports that a force may be on from now on. Call it before each packet that carries a force.
     ///
     /// # Errors
-    /// Nobody listens: no force may go out.
+    /// The watchdog does not read its messages: no force may be sent.
     pub fn force(&self) -> Result<(), Unguarded> {
         self.say(FORCE)
     }
 
-    /// Tells it that no force is on. To be told after the packet that commands none.
+    /// Reports that no force is on. Call it after the packet that commands zero.
     ///
     /// # Errors
-    /// Nobody listens.
+    /// The watchdog does not read its messages.
     pub fn none(&self) -> Result<(), Unguarded> {
         self.say(NONE)
     }
@@ -273,7 +270,7 @@ impl Guardian {
         let written = self.socket.as_ref().map(|mut socket| socket.write(&word));
         match written {
             Some(Ok(WORD)) => Ok(()),
-            // A full socket, or one that takes a part: nobody listens.
+            // A full socket or a partial write: the watchdog does not read.
             Some(Ok(_)) => Err(self.lose(Unguarded::NotListening)),
             Some(Err(error)) if error.kind() == ErrorKind::WouldBlock => {
                 Err(self.lose(Unguarded::NotListening))
@@ -283,15 +280,15 @@ impl Guardian {
     }
 
     fn lose(&self, how: Unguarded) -> Unguarded {
-        // The account keeps the first of several guardians.
+        // Keeps the first loss of several watchdogs.
         let _ = self.account.lost.set(how);
         how
     }
 
-    /// Whether it has commanded no force since the last time this was asked.
+    /// Returns whether the watchdog has commanded zero force since the last call.
     ///
     /// # Errors
-    /// It is gone.
+    /// The watchdog process has ended.
     pub fn has_cut(&self) -> Result<bool, Unguarded> {
         let mut said = [0; 16];
         let read = self
@@ -310,8 +307,8 @@ impl Guardian {
         }
     }
 
-    /// Ends it: the device has been closed, and is known to hold no force. Waits until its process is
-    /// gone, and with it the second handle of the port.
+    /// Ends the watchdog after the device was closed without a force. Waits until the process has ended and its
+    /// handle of the port is closed.
     pub fn dismiss(mut self) {
         let _ = self.say(DISMISSED);
         self.end();
@@ -329,20 +326,20 @@ impl Guardian {
                 Ok(Some(_)) | Err(_) => return,
             }
         }
-        // Whatever keeps it: nothing of this program stays behind, nor a port that is held open.
+        // Neither the process nor its handle of the port may remain.
         let _ = child.kill();
         let _ = child.wait();
     }
 }
 
 impl Drop for Guardian {
-    /// Leaves it to the guardian to take off a force, and waits for 2 s until it has.
+    /// Leaves the removal of a force to the watchdog process and waits up to 2 s for it.
     fn drop(&mut self) {
         self.end();
     }
 }
 
-/// The machine's monotonic clock, which all of its processes share.
+/// Returns the time of the machine's monotonic clock, which all processes share.
 fn monotonic() -> Duration {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
     Duration::new(

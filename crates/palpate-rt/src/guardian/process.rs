@@ -1,4 +1,4 @@
-//! The process in which a guardian watches.
+//! The watchdog process.
 
 use std::io::{self, ErrorKind, Write};
 use std::os::fd::AsFd;
@@ -12,29 +12,30 @@ use super::{Orders, PRIORITY, READY};
 use crate::realtime::Request;
 use crate::stop::StopFlag;
 
-/// Watches a loop, from its own process: its orders and the driver's words come from standard input,
-/// and standard output is the port. What it has to say to a person goes to standard error. Returns
-/// when the driver has dismissed it, or when the loop is gone and the board has been told.
+/// Supervises a loop from a separate process. Parameters and messages of the driver arrive on standard input,
+/// standard output is the port, and messages for the user go to standard error. Returns after the driver's dismissal,
+/// or after the end of the loop and the zero command to the board.
 ///
-/// A session of its own keeps it out of reach of what a terminal sends to the loop (ctrl-C, ctrl-Z,
-/// the end of the terminal), and it takes no notice of any signal that a program can catch.
+/// The process runs in its own session, so signals that a terminal sends to the loop (ctrl-C, ctrl-Z, hang-up) do not
+/// reach it. It ignores all signals that a program can catch.
 ///
 /// # Errors
 /// Standard input is not the socket of a driver.
 pub fn serve() -> io::Result<()> {
-    // The flag that they raise is nobody's.
+    // The handlers replace the default actions; the flag is unused.
     let _ignored = StopFlag::on_signals();
-    // The priority comes before setsid. On Linux setsid moves a process into a scheduling group of its own (autogroup), and
-    // beside busy programs such a process did not run for up to a minute. A process of SCHED_FIFO is in no such group.
+    // Set the priority before setsid. On Linux, setsid moves a process into a new scheduling group (autogroup), and
+    // beside busy programs such a process did not run for up to a minute. A SCHED_FIFO process belongs to no such
+    // group.
     let answers = Request {
         priority: Some(PRIORITY),
         lock_memory: true,
         processor: None,
     }
     .ask();
-    // Refused to the leader of a group, who is out of reach already.
+    // setsid fails for the leader of a process group, which does not receive the loop's signals anyway.
     let _ = setsid();
-    // Whatever it was started in can be unmounted.
+    // Allow the initial working directory to be unmounted.
     let _ = chdir("/");
     let mut socket = UnixStream::from(io::stdin().as_fd().try_clone_to_owned()?);
     socket
@@ -49,21 +50,21 @@ pub fn serve() -> io::Result<()> {
     dup2_stdout(&null)?;
     let orders = match Orders::read(&mut socket) {
         Ok(orders) => orders,
-        // The loop was gone before any force was on.
+        // The loop ended before any force was on.
         Err(error) if error.kind() == ErrorKind::UnexpectedEof => return Ok(()),
         Err(error) => return Err(error),
     };
-    // The last to be ended where memory runs out; a right that most users do not have.
+    // Make this the last process killed when memory runs out; most users lack this permission.
     let _ = std::fs::write("/proc/self/oom_score_adj", "-1000");
     let is_first = answers.first().is_some_and(|answer| answer.is_granted());
     match socket.write_all(&[READY, u8::from(is_first)]) {
-        // As above: whoever waited for it has gone meanwhile.
+        // As above: the waiting driver has ended meanwhile.
         Err(error) if error.kind() == ErrorKind::BrokenPipe => return Ok(()),
         said => said?,
     }
     let outcome = Watch::new(socket, port, orders)?.run();
     if let Some(words) = outcome_in_words(outcome) {
-        // Nobody may be listening any more.
+        // Standard error may be closed.
         let _ = writeln!(io::stderr(), "{words}");
     }
     Ok(())

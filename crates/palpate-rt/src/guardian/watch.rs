@@ -1,4 +1,4 @@
-//! What a guardian does, from its orders to its end.
+//! Main loop of a watchdog process.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::os::fd::OwnedFd;
@@ -10,34 +10,34 @@ use rustix::io::Errno;
 
 use super::{CUT, DISMISSED, FORCE, NONE, Orders, TRIES_FOR, WORD, monotonic};
 
-/// A board answers within this, or its answer is lost.
+/// Maximum response time of a board; a later answer counts as lost.
 const ANSWERS_WITHIN: Duration = Duration::from_millis(50);
-/// Nothing is on its way any more when nothing has come for this long.
+/// Time without received bytes after which no further bytes are expected.
 const QUIET: Duration = Duration::from_millis(10);
-/// The longest between two looks at the driver's words while they come. Room for them is limited, and there
-/// are eight in a millisecond at 4 kHz: a guardian that slept for a limit of hundreds of periods would be
-/// taken for one that does not listen.
+/// Maximum time between reads of the driver's messages. The socket buffer is limited, and at 4 kHz there are eight
+/// messages per millisecond. Without this bound, a limit of hundreds of periods would let the buffer fill, and the
+/// driver would report a watchdog that does not read.
 const LISTENS_WITHIN: Duration = Duration::from_millis(10);
-/// Bytes that are thrown away at a time.
+/// Number of bytes discarded at a time.
 const MANY: usize = 256;
 
-/// How a guardian's work ended.
+/// Result of a watchdog's work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// The driver has closed the device as it should.
+    /// The driver has closed the device in order.
     Dismissed,
-    /// The loop has ended without a word, and no force was commanded.
+    /// The loop has ended without a message, and zero force was commanded.
     Released {
         /// Whether a force may have been on.
         was_on: bool,
         /// Whether the board has answered since.
         is_confirmed: bool,
     },
-    /// The port is gone, and then the loop was.
+    /// The port disappeared, and the loop ended later.
     PortGone,
 }
 
-/// What the driver has said.
+/// Messages received from the driver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Heard {
     Nothing,
@@ -46,37 +46,37 @@ enum Heard {
     Gone,
 }
 
-/// What happened at the port.
+/// Loss of the port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Gone;
 
-/// A guardian at work.
+/// A running watchdog.
 #[derive(Debug)]
 pub struct Watch {
     socket: UnixStream,
     port: OwnedFd,
     orders: Orders,
-    /// The beginning of a word.
+    /// First bytes of a message.
     begun: Vec<u8>,
-    /// When the driver has spoken last of a force, if one may be on.
+    /// Time of the driver's last force message, if a force may be on.
     spoken: Option<Duration>,
-    /// What the driver had said last when no force was commanded.
+    /// Time of the driver's last message before zero force was commanded.
     cut: Option<Duration>,
-    /// When that was begun to be sent last.
+    /// Start of the last transmission of that command.
     sent: Duration,
-    /// When it was looked last whether the driver is silent.
+    /// Time of the last check of the driver's silence.
     looked: Duration,
-    /// How much of the release has gone out, if a part of it has.
+    /// Number of bytes already sent of an incomplete release packet.
     part: usize,
-    /// Whether the board has said anything since.
+    /// Whether the board has sent anything since.
     is_answered: bool,
 }
 
 impl Watch {
-    /// A guardian of the driver at the other end of `socket`, with a handle of the port.
+    /// Creates a watchdog of the driver at the other end of `socket`, with a handle of the port.
     ///
     /// # Errors
-    /// The system refuses.
+    /// An error of the system.
     pub fn new(socket: UnixStream, port: OwnedFd, orders: Orders) -> io::Result<Self> {
         socket.set_nonblocking(true)?;
         Ok(Self {
@@ -93,7 +93,7 @@ impl Watch {
         })
     }
 
-    /// Watches until it is dismissed, or the loop is gone.
+    /// Supervises the loop until the driver's dismissal or the end of the loop.
     #[must_use]
     pub fn run(mut self) -> Outcome {
         let mut heard = Heard::Nothing;
@@ -111,16 +111,15 @@ impl Watch {
         }
     }
 
-    /// Sleeps until there is something to look at; whether the port has hung up. The end of the loop
-    /// wakes it at once. The driver's words do not while a force is on: they come twice a period, and
-    /// say when they were said.
+    /// Sleeps until the next check. Returns whether the port has hung up. The end of the loop wakes it immediately.
+    /// While a force is on, messages do not wake it: they arrive twice per period and carry their time.
     fn wait(&self, heard: Heard) -> bool {
         let limit = self.orders.limit;
         let (events, longest) = match self.spoken {
-            // From now on, or this would never sleep.
+            // The deadline counts from the last check, or the wait would never sleep.
             Some(_) if self.cut.is_some() => (PollFlags::empty(), Some(self.looked + limit)),
             Some(spoken) => (PollFlags::empty(), Some(spoken + limit)),
-            // Words without a force; a force may follow.
+            // The driver sends messages without a force; a force may follow.
             None if heard == Heard::Words => (PollFlags::empty(), Some(monotonic() + limit / 2)),
             None => (PollFlags::IN, None),
         };
@@ -130,14 +129,14 @@ impl Watch {
             PollFd::new(&self.socket, events),
             PollFd::new(&self.port, PollFlags::empty()),
         ];
-        // One that is interrupted is a short one.
+        // An interrupted wait only ends earlier.
         let _ = poll(&mut fds, timeout.as_ref());
         let [_, port] = &fds;
         let hung_up = PollFlags::HUP | PollFlags::ERR | PollFlags::NVAL;
         port.revents().intersects(hung_up)
     }
 
-    /// Takes in what the driver has said.
+    /// Reads the messages of the driver.
     fn listen(&mut self) -> Heard {
         let mut heard = Heard::Nothing;
         let mut bytes = [0; MANY];
@@ -162,7 +161,7 @@ impl Watch {
         }
     }
 
-    /// Takes a whole word; what it is.
+    /// Processes a complete message and returns its kind.
     fn take_word(&mut self) -> u8 {
         let mut time = [0; 8];
         for (place, byte) in time.iter_mut().zip(self.begun.iter().skip(1)) {
@@ -187,14 +186,14 @@ impl Watch {
         what
     }
 
-    /// The driver goes on by itself. It completes or begins packets anew, whatever has gone out here.
+    /// The driver continues. It completes or starts packets itself, whatever this process has sent.
     fn come_back(&mut self) {
         self.cut = None;
         self.part = 0;
     }
 
-    /// Commands no force if the driver has been silent for too long, and again while that lasts: a
-    /// packet with a force may have been on its way out of a loop that then stood still.
+    /// Commands zero force if the driver has been silent for too long, and repeats it during the silence: a stalled
+    /// loop may have left a packet with a force in transmission.
     fn look(&mut self) -> Result<(), Gone> {
         let now = monotonic();
         self.looked = now;
@@ -206,13 +205,13 @@ impl Watch {
         }
         if self.cut.is_none() {
             self.cut = Some(spoken);
-            // Told before it is done: a driver that comes back finds that it was cut. It has room for
-            // this, or has not listened to any of the cuts before.
+            // Report before acting, so a driver that returns detects the cut. The socket has capacity for the byte,
+            // or the driver has read none of the earlier reports.
             let _ = self.socket.write(&[CUT]);
             self.is_answered = true;
         }
         if self.part == 0 {
-            // The answers are to packets of ours, or nobody reads them.
+            // The answers belong to this process's packets, or no other process reads them.
             self.is_answered |= self.discard()? > 0;
             let is_lost = now >= self.sent + ANSWERS_WITHIN;
             if !self.is_answered && !is_lost {
@@ -224,7 +223,7 @@ impl Watch {
         self.release()
     }
 
-    /// Sends the release, or the rest of it, as far as the port takes it.
+    /// Sends the release packet or its remainder, as far as the port accepts it.
     fn release(&mut self) -> Result<(), Gone> {
         let rest = self.orders.release.get(self.part..).unwrap_or(&[]);
         self.part += self.write(rest)?;
@@ -245,11 +244,11 @@ impl Watch {
         }
     }
 
-    /// Throws away what the board has sent; how many bytes these were.
+    /// Discards received bytes and returns their number.
     fn discard(&self) -> Result<usize, Gone> {
         let mut bytes = [0; MANY];
         let mut all = 0;
-        // Bounded, whoever sends.
+        // Bounded, so a continuous sender cannot block the watchdog.
         for _ in 0..MANY {
             match rustix::io::read(&self.port, &mut bytes) {
                 Ok(0) | Err(Errno::AGAIN) => break,
@@ -261,7 +260,7 @@ impl Watch {
         Ok(all)
     }
 
-    /// The loop is gone: nobody else writes any more. Commands no force until the board has answered.
+    /// Commands zero force until the board has answered. The loop has ended, so no other process writes to the port.
     fn release_for_good(self) -> Outcome {
         let was_on = self.spoken.is_some();
         let until = monotonic() + TRIES_FOR;
@@ -285,12 +284,12 @@ impl Watch {
         }
     }
 
-    /// Commands no force; whether the board has answered that it does.
+    /// Commands zero force; returns whether the board has confirmed it.
     fn try_to_release(&self, until: Duration) -> Result<bool, Gone> {
         if !self.send(&self.orders.release, until)? {
             return Ok(false);
         }
-        // Behind the answers to what the loop had sent there is one to the probe.
+        // The probe's answer follows the answers to the loop's packets.
         let begun = monotonic();
         let mut quiet_since = begun;
         while monotonic() < quiet_since + QUIET && monotonic() < begun + ANSWERS_WITHIN {
@@ -313,7 +312,7 @@ impl Watch {
         Ok(true)
     }
 
-    /// Sends a packet whole; whether the port took it.
+    /// Sends a complete packet; returns whether the port accepted it.
     fn send(&self, packet: &[u8], until: Duration) -> Result<bool, Gone> {
         let mut sent = 0;
         while let Some(rest) = packet.get(sent..).filter(|rest| !rest.is_empty()) {
@@ -328,7 +327,7 @@ impl Watch {
         Ok(true)
     }
 
-    /// Waits at the port; whether what was waited for is so.
+    /// Waits for events of the port; returns whether they occurred.
     fn wait_for(&self, events: PollFlags, limit: Duration) -> Result<bool, Gone> {
         let mut fds = [PollFd::new(&self.port, events)];
         let _ = poll(&mut fds, Some(&timespec(limit)));
@@ -340,8 +339,8 @@ impl Watch {
         Ok(happened.intersects(events))
     }
 
-    /// The port is gone: it is not held open, so that it can come back by its name. Nothing is left to
-    /// be done but to end with the loop, which finds out by itself.
+    /// Closes a lost port, so that it can reappear under its name, and waits for the end of the loop, which detects
+    /// the loss itself.
     fn outlive_the_port(self) -> Outcome {
         let Self {
             mut socket, port, ..
@@ -353,7 +352,7 @@ impl Watch {
             match socket.read(&mut bytes) {
                 Ok(0) => return Outcome::PortGone,
                 Err(error) if error.kind() != ErrorKind::Interrupted => return Outcome::PortGone,
-                // The last of its words may be that it is not needed any more.
+                // A final message may be the dismissal.
                 _ => {}
             }
         }

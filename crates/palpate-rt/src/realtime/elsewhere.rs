@@ -1,4 +1,4 @@
-//! Systems that nobody has taught this crate to ask.
+//! Stub for systems without support of real-time requests.
 
 const WHY: &str = "only asked for on Linux";
 

@@ -1,4 +1,4 @@
-//! What Linux is asked, and where it keeps what it granted.
+//! Real-time requests to Linux and the files with the granted values.
 
 use std::fs;
 
@@ -32,8 +32,8 @@ pub fn run_first(priority: u8) -> Result<(), String> {
 }
 
 pub fn lock_memory() -> Result<(), String> {
-    // Not what is still to come: without the right to lock any amount, a program that has locked
-    // its future cannot allocate beyond its limit, and dies of it.
+    // Do not lock future memory: without the right to lock any amount, a program that locks its future memory cannot
+    // allocate beyond its limit and is terminated.
     let asked = mlockall(MlockAllFlags::CURRENT);
     let locked = status("VmLck")?;
     match asked {
@@ -64,11 +64,11 @@ pub fn stay_on(processor: usize) -> Result<(), String> {
     Err(format!("{why}; it may run on {}", allowed.join(", ")))
 }
 
-/// Policy and real-time priority of the thread that calls, as the kernel has them.
+/// Returns policy and real-time priority of the calling thread, as reported by the kernel.
 pub fn scheduling() -> Result<(&'static str, u32), String> {
     let path = "/proc/thread-self/stat";
     let line = fs::read_to_string(path).map_err(|error| format!("{path}: {error}"))?;
-    // The program's name, in brackets, may hold anything; the third field follows it.
+    // The program's name, in brackets, may contain any characters; the third field follows it.
     let fields: Vec<&str> = line
         .rsplit_once(')')
         .map(|(_, rest)| rest.split_whitespace().collect())
@@ -91,7 +91,7 @@ pub fn scheduling() -> Result<(&'static str, u32), String> {
     Ok((policy, field(40)?))
 }
 
-/// A number of /proc/self/status.
+/// Returns a number of /proc/self/status.
 fn status(key: &str) -> Result<u64, String> {
     let path = "/proc/self/status";
     let text = fs::read_to_string(path).map_err(|error| format!("{path}: {error}"))?;

@@ -1,19 +1,19 @@
-//! What the machine itself does to a loop's timing.
+//! Properties of the machine that affect a loop's timing.
 
 use std::fs;
 
-/// Something about the machine that matters to a loop.
+/// A property of the machine that affects a loop.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Finding {
-    /// What was looked at.
+    /// Name of the property.
     pub what: &'static str,
-    /// What it is.
+    /// Value of the property.
     pub found: String,
-    /// What it does to a loop and what can be done, where it does harm.
+    /// Effect on a loop and remedy, if the value is harmful.
     pub advice: Option<&'static str>,
 }
 
-/// Looks at the machine. What it does not say is left out.
+/// Returns the properties of the machine that can be read.
 #[must_use]
 pub fn machine() -> Vec<Finding> {
     let mut findings = Vec::new();

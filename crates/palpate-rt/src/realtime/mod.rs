@@ -1,7 +1,6 @@
-//! Asking the machine to serve the loop's thread first, and finding out whether it does.
+//! Requests for real-time scheduling, with verification.
 //!
-//! Whatever is asked for is looked up again afterwards, where the kernel keeps it: a call that
-//! returns without an error is not yet a promise.
+//! Every granted request is read back from the kernel, because a successful call is not a guarantee.
 
 #[cfg_attr(not(target_os = "linux"), path = "elsewhere.rs")]
 mod linux;
@@ -11,20 +10,20 @@ use std::fmt;
 
 pub use machine::{Finding, machine};
 
-/// What to ask the machine for.
+/// Real-time requests to the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Request {
-    /// Priority under SCHED_FIFO, 1 to 99; `None`: stay with everybody else. A loop with a supervisor,
-    /// who has one more, asks for 98 at most.
+    /// SCHED_FIFO priority, 1 to 99; `None`: normal scheduling. A loop with a supervisor, whose priority is higher by
+    /// one, requests at most 98.
     pub priority: Option<u8>,
-    /// Keep the program's memory from being moved out.
+    /// Lock the program's memory.
     pub lock_memory: bool,
     /// Run on this processor only.
     pub processor: Option<usize>,
 }
 
 impl Default for Request {
-    /// Priority 80, below the kernel's own watchdogs, and memory locked; any processor.
+    /// Requests priority 80, below the kernel's own watchdogs, and locked memory; any processor.
     fn default() -> Self {
         Self {
             priority: Some(80),
@@ -35,7 +34,7 @@ impl Default for Request {
 }
 
 impl Request {
-    /// Asks for nothing.
+    /// Creates an empty request.
     #[must_use]
     pub fn nothing() -> Self {
         Self {
@@ -45,7 +44,7 @@ impl Request {
         }
     }
 
-    /// Asks the machine, for the thread that calls, and looks up what came of it.
+    /// Applies the request to the calling thread and reads back the result.
     #[must_use]
     pub fn ask(&self) -> Vec<Answer> {
         let mut answers = Vec::new();
@@ -77,19 +76,19 @@ impl Request {
     }
 }
 
-/// What came of a wish.
+/// Result of a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Answer {
-    /// What was asked for.
+    /// Description of the request.
     pub asked: String,
-    /// What the kernel says about it now: as it was asked, or why not.
+    /// State reported by the kernel: as requested, or the reason of the refusal.
     pub outcome: Result<(), String>,
-    /// What can be done where it was refused.
+    /// Remedy after a refusal.
     pub remedy: &'static str,
 }
 
 impl Answer {
-    /// Whether it is as it was asked.
+    /// Returns whether the request was granted.
     #[must_use]
     pub fn is_granted(&self) -> bool {
         self.outcome.is_ok()
@@ -120,7 +119,7 @@ mod tests {
             for answer in request.ask() {
                 match &answer.outcome {
                     Ok(()) => {}
-                    // Whoever runs this may not have the right; then the reason must be there.
+                    // The user may lack the right; then a reason must be given.
                     Err(why) => assert!(!why.is_empty()),
                 }
             }

@@ -1,4 +1,4 @@
-//! A world in the loop that another one can take the place of, from any thread.
+//! A world in the loop that any thread can replace.
 
 use palpate::Actuation;
 use palpate_device::clock::Clock;
@@ -13,92 +13,92 @@ use crate::fade::Fade;
 use crate::safety::SafetyParams;
 use crate::setup::{SetupError, can_turn};
 
-/// Worlds that may wait to be taken by the loop.
+/// Maximum number of worlds that wait for the loop.
 const WAITING: usize = 8;
 
-/// A world in the loop, and those that come to take its place.
+/// A world in the loop, with its pending replacements.
 #[derive(Debug)]
 pub struct ChangingWorld {
     world: RenderedWorld,
     generation: u32,
-    /// What takes its place with the next sample.
+    /// World that replaces it at the next sample.
     next: Option<Box<Other>>,
-    /// The world before the last change, while the device is held as by that.
+    /// The world before the last change, while the device holds its forces.
     before: Option<Box<Other>>,
-    /// What is left of what was held before a change.
+    /// Fading difference to the force before a change.
     fade: Fade,
-    /// What was answered last, for each device.
+    /// Last commanded wrench of each device.
     held: Vec<Wrench>,
-    /// What the world asks for, and what the one before the last change does.
+    /// Wrenches requested by the world and by the one before the last change.
     asked: Vec<Wrench>,
     asked_before: Vec<Wrench>,
     coming: rtrb::Consumer<Box<Other>>,
-    /// Those that have gone, for the other side to free: a tick does not.
+    /// Replaced worlds, which the other end frees: a tick does not free memory.
     gone: rtrb::Producer<Box<Other>>,
 }
 
-/// A world that is to be rendered, and after that the one that was.
+/// A world that waits to be rendered, and later the replaced one.
 #[derive(Debug)]
 struct Other {
     world: RenderedWorld,
     generation: u32,
-    /// What goes on in it of the world that was handed over before it.
+    /// State to continue from the world handed over before it.
     succession: Succession,
 }
 
-/// The other end of the loop's world, for any thread: worlds are handed over without either side ever waiting.
+/// The other end of the loop's world, for any thread. Worlds are handed over without blocking either side.
 #[derive(Debug)]
 pub struct Worlds {
     out: rtrb::Producer<Box<Other>>,
     back: rtrb::Consumer<Box<Other>>,
     described: World,
-    /// As it was handed over last.
+    /// The world that was handed over last.
     last: RenderedWorld,
     generation: u32,
 }
 
-/// Why a world cannot take the place of another one.
+/// Reason why a world cannot replace another one.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WorldChangeError {
-    /// The period is another.
+    /// The periods differ.
     #[error("the period is {now} s and cannot become {then} s while the loop runs")]
     Period {
-        /// In the loop `[s]`.
+        /// Period of the loop `[s]`.
         now: f64,
-        /// In the world that is refused `[s]`.
+        /// Period of the rejected world `[s]`.
         then: f64,
     },
-    /// Devices or bodies are others, or in another order: rows of ticks go by their numbers.
+    /// The devices or bodies differ, or are in another order: rows of ticks refer to their indices.
     #[error(
         "{what} are {then}, but must stay {now} while the loop runs: ticks go by their numbers"
     )]
     Names {
-        /// What, in the plural.
+        /// Kind of the items, in the plural.
         what: &'static str,
-        /// Those in the loop.
+        /// Items of the loop.
         now: String,
-        /// Those of the world that is refused.
+        /// Items of the rejected world.
         then: String,
     },
-    /// The device would stand elsewhere in the world, or turn where it did not.
+    /// The frame of a device, or whether its tool rotates, differs.
     #[error(
         "the device must stand in the world as it does, and turn or not as it does, while the loop runs"
     )]
     Device,
-    /// It cannot go on from the world before.
+    /// The world cannot continue from the previous one.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
     Succession(Vec<WorldError>),
-    /// The loop has not taken what came before.
+    /// The loop has not taken the earlier worlds.
     #[error("{WAITING} worlds wait to be rendered already; the loop takes them with its next tick")]
     Busy,
 }
 
-/// A loop's world and the other end of it. `described` is what `world` renders.
+/// Creates a loop's world and its other end. `described` is the world that `world` renders.
 #[must_use]
 pub fn changing_world(described: World, world: RenderedWorld) -> (Worlds, ChangingWorld) {
     let (out, coming) = rtrb::RingBuffer::new(WAITING);
-    // With room for what waits, and for what was taken with it and before it.
+    // Capacity for the waiting worlds and for those replaced together with and before them.
     let (gone, back) = rtrb::RingBuffer::new(3 * WAITING);
     let worlds = Worlds {
         out,
@@ -124,35 +124,36 @@ pub fn changing_world(described: World, world: RenderedWorld) -> (Worlds, Changi
 }
 
 impl Worlds {
-    /// The world that was handed over last.
+    /// Returns the world that was handed over last.
     #[must_use]
     pub fn described(&self) -> &World {
         &self.described
     }
 
-    /// Number of the world that was handed over last, which the ticks carry from where it is in force.
+    /// Returns the number of that world. Ticks carry the number of the world in force.
     #[must_use]
     pub fn generation(&self) -> u32 {
         self.generation
     }
 
-    /// Renders `world` from the next tick on. `described` is the world that it renders. Returns the number of this change.
+    /// Renders `world` from the next tick on. `described` is the world that it renders. Returns the number of this
+    /// change.
     ///
-    /// - A body keeps its place and its velocity if `described` and the world before give the same place and motion at the
-    ///   start. Otherwise the body is put where `described` says.
-    /// - [`WorldRenderer::changed`](palpate_world::WorldRenderer::changed) says what else goes on, and how the energy is booked.
-    ///   Another method knows nothing of the device yet.
-    /// - For three samples the device gets the force of the world before. The difference to the new force then fades in
-    ///   [`CHANGE_DURATION`](crate::CHANGE_DURATION).
+    /// - A body keeps its position and velocity if `described` and the world before have the same initial state of
+    ///   the body. Otherwise the body moves to the state in `described`.
+    /// - [`WorldRenderer::changed`](palpate_world::WorldRenderer::changed) describes the other state that continues,
+    ///   and the energy ledger. A new method starts without knowledge of the device's motion.
+    /// - For three samples the device gets the force of the world before. The difference to the new force then fades
+    ///   in [`CHANGE_DURATION`](crate::CHANGE_DURATION).
     ///
     /// # Errors
-    /// Another period, other devices, bodies or pairs that may touch, or a device that stands elsewhere; too many at once.
+    /// Another period, device, body, pair of bodies or frame of a device; too many waiting worlds.
     pub fn change(
         &mut self,
         described: World,
         mut world: RenderedWorld,
     ) -> Result<u32, WorldChangeError> {
-        // What the loop has done with is freed here.
+        // Free the worlds that the loop returned.
         while self.back.pop().is_ok() {}
         self.check(&described, &world)?;
         let now = self.described.bodies.iter();
@@ -217,16 +218,17 @@ fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
 }
 
 impl ChangingWorld {
-    /// What is rendered.
+    /// Returns the rendered world.
     #[must_use]
     pub fn world(&self) -> &RenderedWorld {
         &self.world
     }
 
-    /// Hands back what the loop has done with.
+    /// Returns a world to the other end, which frees it.
     fn let_go(&mut self, other: Box<Other>) {
         if let Err(rtrb::PushError::Full(other)) = self.gone.push(other) {
-            // There was room, and nobody else fills it. What is freed by nobody keeps no tick waiting.
+            // Unreachable: the ring has capacity for every world in flight, and this is its only producer. Leak
+            // rather than free memory in a tick.
             std::mem::forget(other);
         }
     }
@@ -252,7 +254,7 @@ impl Renders for ChangingWorld {
 
     fn take_other_world(&mut self) -> Option<u32> {
         let mut taken = None;
-        // At most as many as may wait. One for which there is no room among those that have gone waits on.
+        // At most as many as may wait. A world stays in the ring while there is no capacity to return it.
         for _ in 0..WAITING {
             if self.gone.slots() < 3 {
                 break;
@@ -262,7 +264,7 @@ impl Renders for ChangingWorld {
             };
             taken = Some(other.generation);
             if let Some(overtaken) = self.next.take() {
-                // Where it would have put a body is where the other one describes it.
+                // A body that the skipped world would have moved starts from its state in the newer world.
                 other.succession.skip(&overtaken.succession);
                 self.let_go(overtaken);
             }
@@ -347,11 +349,11 @@ impl Renders for ChangingWorld {
 }
 
 impl<D: Device, C: Clock> ControlLoop<D, C, ChangingWorld> {
-    /// A loop that renders a world on `device`, of which another one can take the place. It ticks from the first call of
-    /// [`tick`](Self::tick) on.
+    /// Creates a loop that renders a replaceable world on `device`. It starts at the first call of
+    /// [`tick`](Self::tick).
     ///
     /// # Errors
-    /// As those of [`of_world`](ControlLoop::of_world).
+    /// Those of [`of_world`](ControlLoop::of_world).
     pub fn of_changing_world(
         device: D,
         clock: C,
@@ -361,10 +363,11 @@ impl<D: Device, C: Clock> ControlLoop<D, C, ChangingWorld> {
         Self::of_changing_devices(vec![(device, limits)], clock, world)
     }
 
-    /// The same on several devices, each with its own limits: one for each tool of the world, in their order.
+    /// Creates a loop that renders a replaceable world on several devices, each with its own limits: one for each
+    /// tool of the world, in their order.
     ///
     /// # Errors
-    /// As those of [`of_devices`](ControlLoop::of_devices).
+    /// Those of [`of_devices`](ControlLoop::of_devices).
     pub fn of_changing_devices(
         devices: Vec<(D, SafetyParams)>,
         clock: C,

@@ -1,11 +1,11 @@
-//! Where a device stands in a world.
+//! Frame of a device in a world.
 
 use std::fmt;
 
 use palpate_device::Vector;
 
-/// Where a device stands in a world: which axis of the world each of its axes is, in which direction, and which
-/// place of the device's frame is which place of the world.
+/// Frame of a device in a world: the world axis and the direction of each device axis, and a point of the device's
+/// frame with its position in the world.
 ///
 /// ```text
 ///      world z
@@ -17,8 +17,7 @@ use palpate_device::Vector;
 ///        +----------------- world x
 /// ```
 ///
-/// Axes of the world that no axis of the device stands for keep the tool in its place, and the force along them
-/// reaches no motor.
+/// Along world axes without a device axis the tool keeps its position, and the force along them reaches no motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldFrame {
     origin: Vector,
@@ -26,37 +25,37 @@ pub struct WorldFrame {
     axes: [Option<WorldAxis>; 3],
 }
 
-/// An axis of the world, with the direction in which a device goes along it.
+/// An axis of the world with a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WorldAxis {
     /// 0 for x, 1 for y, 2 for z.
     pub axis: usize,
-    /// Whether the device's axis points the other way.
+    /// Whether the device's axis points in the opposite direction.
     pub is_reversed: bool,
 }
 
-/// The name of an axis of the world.
+/// Returns the name of an axis of the world.
 fn name(axis: usize) -> &'static str {
     ["x", "y", "z"].get(axis).copied().unwrap_or_default()
 }
 
-/// Why a device cannot stand in a world like this.
+/// Reason for rejecting a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FrameError {
-    /// There is no such axis.
+    /// An invalid axis.
     #[error("axis {0} of the world; allowed: 0 for x, 1 for y, 2 for z")]
     NoAxis(usize),
-    /// Two axes of the device are one of the world.
+    /// Two axes of the device are assigned to one axis of the world.
     #[error("two axes of the device are the same axis of the world, {}", name(*.0))]
     Twice(usize),
-    /// A place that is no number.
+    /// A position that is not finite.
     #[error("a place of the frame is not a finite number")]
     NotFinite,
 }
 
 impl WorldFrame {
-    /// The device's axes are the world's, and so are its places.
+    /// Returns the identity: axes and positions of the device are those of the world.
     #[must_use]
     pub fn the_same() -> Self {
         Self {
@@ -66,12 +65,12 @@ impl WorldFrame {
         }
     }
 
-    /// Each axis of the device is that of the world which stands in its place in `axes`; `origin` in the device's
-    /// frame `[m]` is `place` in the world `[m]`. Along the axes of the world that are not named the tool stays at
-    /// `place`.
+    /// Creates a frame. `axes` assigns an axis of the world to each axis of the device. `origin` in the device's
+    /// frame `[m]` coincides with `place` in the world `[m]`. Along world axes that are not assigned the tool stays
+    /// at `place`.
     ///
     /// # Errors
-    /// An axis that is not there or stands twice; a place that is not finite.
+    /// An invalid or repeated axis; a position that is not finite.
     pub fn new(
         axes: [Option<WorldAxis>; 3],
         origin: Vector,
@@ -94,7 +93,7 @@ impl WorldFrame {
         })
     }
 
-    /// The frame from its own text, as a recording's receipt has it. `None`: it is no such text.
+    /// Parses the text form of a frame from a recording's metadata; `None` for other text.
     #[must_use]
     pub fn read(text: &str) -> Option<Self> {
         let list = |key: &str| {
@@ -122,19 +121,19 @@ impl WorldFrame {
         Self::new(axes, vector("device_place_m")?, vector("world_place_m")?).ok()
     }
 
-    /// Whether the axes of the device are those of the world, in their order and direction.
+    /// Returns whether the axes of the device are those of the world, in their order and direction.
     #[must_use]
     pub fn is_aligned(&self) -> bool {
         self.axes == Self::the_same().axes
     }
 
-    /// Whether an axis of the device stands for this axis of the world.
+    /// Returns whether an axis of the device is assigned to this axis of the world.
     #[must_use]
     pub fn has(&self, axis: usize) -> bool {
         self.axes.iter().flatten().any(|own| own.axis == axis)
     }
 
-    /// The place in the world of a `position` of the device `[m]`.
+    /// Converts a `position` of the device `[m]` to the world.
     #[must_use]
     pub fn in_world(&self, position: Vector) -> Vector {
         let mut place = self.place;
@@ -148,7 +147,7 @@ impl WorldFrame {
         place
     }
 
-    /// A force of the world `[N]`, along the device's axes; what no axis stands for is left out.
+    /// Converts a force of the world `[N]` to the device's axes. Components without a device axis are dropped.
     #[must_use]
     pub fn on_device(&self, force: Vector) -> Vector {
         self.axes.map(|axis| {
@@ -157,7 +156,7 @@ impl WorldFrame {
         })
     }
 
-    /// A force of the device `[N]`, along the world's axes.
+    /// Converts a force of the device `[N]` to the world's axes.
     #[must_use]
     pub fn of_device(&self, force: Vector) -> Vector {
         let mut in_world = [0.0; 3];
@@ -173,7 +172,7 @@ impl WorldFrame {
 }
 
 impl fmt::Display for WorldFrame {
-    /// As lines of `key = value` with the unit in the key, which TOML reads.
+    /// Writes lines of `key = value` in TOML syntax with the unit in the key.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let written = |along: &WorldAxis| {
             let sign = if along.is_reversed { "-" } else { "" };
@@ -188,7 +187,7 @@ impl fmt::Display for WorldFrame {
 }
 
 impl WorldAxis {
-    /// An axis of the world in its own direction: 0 for x, 1 for y, 2 for z.
+    /// Creates an axis of the world in its own direction: 0 for x, 1 for y, 2 for z.
     #[must_use]
     pub fn along(axis: usize) -> Self {
         Self {
@@ -197,7 +196,7 @@ impl WorldAxis {
         }
     }
 
-    /// The same axis in the other direction.
+    /// Reverses the direction of the axis.
     #[must_use]
     pub fn reversed(self) -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! The local model of a slow host in the loop, and the host's end of it.
+//! Local model of a low-rate simulator in the loop, and the simulator's end.
 
 use palpate::Actuation;
 use palpate_device::clock::Clock;
@@ -17,8 +17,8 @@ use crate::created_energy::CreatedEnergy;
 use crate::safety::SafetyParams;
 use crate::setup::SetupError;
 
-/// The host's end, for any thread: models go in and the loop's progress comes out without either side ever waiting. Of
-/// several models between two ticks the last counts.
+/// The simulator's end, for any thread. It sends models and receives the loop's progress without blocking either
+/// side. Of several models between two ticks only the latest takes effect.
 #[derive(Debug)]
 pub struct SlowHost {
     renderer: LocalRenderer,
@@ -26,21 +26,21 @@ pub struct SlowHost {
     progress: triple_buffer::Output<LocalProgress>,
 }
 
-/// What a slow host publishes, as the loop renders it: its renderer, its state, and where the device stands in the host's world.
+/// Local model in the loop: renderer, state, and frame of the device in the simulator's world.
 #[derive(Debug)]
 pub struct LocalWorld {
     renderer: LocalRenderer,
     state: LocalState,
     frame: WorldFrame,
     host: FromHost,
-    /// Whether what was held is what acted: the renderer is told of no delay and no lag.
+    /// Whether the held force acts without delay: the model of the actuator has neither delay nor lag.
     acts_at_once: bool,
     limited: Limited,
     created: CreatedEnergy,
     contacts: Vec<ContactTick>,
 }
 
-/// The loop's side of what passes between the two, without either side ever waiting.
+/// The loop's end of the exchange with a simulator, which never blocks.
 #[derive(Debug)]
 pub(crate) struct FromHost {
     coming: triple_buffer::Output<Option<LocalModel>>,
@@ -48,7 +48,7 @@ pub(crate) struct FromHost {
 }
 
 impl FromHost {
-    /// The newest model, if one has come since the last call.
+    /// Returns the newest model, if one has arrived since the last call.
     pub fn newest(&mut self) -> Option<&LocalModel> {
         if self.coming.update() {
             self.coming.output_buffer().as_ref()
@@ -57,14 +57,14 @@ impl FromHost {
         }
     }
 
-    /// Tells the host how far the loop has come. It does not allocate.
+    /// Publishes the loop's progress. It does not allocate.
     pub fn tell(&mut self, progress: &LocalProgress) {
         self.back.input_buffer_mut().copy_from(progress);
         self.back.publish();
     }
 }
 
-/// Both sides of what passes between a host and the `renderer` of a loop.
+/// Creates both ends of the exchange between a simulator and the `renderer` of a loop.
 pub(crate) fn sides(renderer: &LocalRenderer) -> (SlowHost, FromHost) {
     let (out, coming) = triple_buffer::triple_buffer(&None);
     let (back, progress) = triple_buffer::triple_buffer(renderer.start().progress());
@@ -76,14 +76,14 @@ pub(crate) fn sides(renderer: &LocalRenderer) -> (SlowHost, FromHost) {
     (host, FromHost { coming, back })
 }
 
-/// Both ends of a local model of one tool, with a device that stands in the host's world as `frame` says.
+/// Creates both ends of a local model of one tool, with a device in the simulator's world at `frame`.
 ///
-/// The host's thread repeats: take the newest [`progress`](SlowHost::progress), step over the time since the last one under
-/// [`LocalProgress::wrench_since`], look for contacts at the avatars, and [`publish`](SlowHost::publish).
-/// `examples/slow_host.rs` of this crate does so.
+/// The simulator's thread repeats these steps: read the newest [`progress`](SlowHost::progress), advance by the
+/// elapsed time under [`LocalProgress::wrench_since`], find contacts at the proxy states, and
+/// [`publish`](SlowHost::publish) them. `examples/slow_host.rs` of this crate is an example.
 ///
 /// # Errors
-/// Another number of tools than one: a local model in a loop in real time has one device so far.
+/// A number of tools other than one: a local model in a real-time loop supports one device so far.
 pub fn local_world(
     renderer: LocalRenderer,
     frame: WorldFrame,
@@ -112,16 +112,16 @@ pub fn local_world(
 }
 
 impl SlowHost {
-    /// How far the loop has come, as of its last tick.
+    /// Returns the progress of the loop up to its last tick.
     pub fn progress(&mut self) -> &LocalProgress {
         self.progress.read()
     }
 
-    /// Publishes bodies and contacts as of the `tick` of a progress: see [`LocalRenderer::model`]. The loop renders by them from
-    /// its next tick on. What it refuses, the next progress says.
+    /// Publishes bodies and contacts for the `tick` of a progress: see [`LocalRenderer::model`]. The loop renders
+    /// them from its next tick on. The next progress reports a model that the loop rejects.
     ///
     /// # Errors
-    /// Everything that is wrong with bodies and contacts, by number; the model before stays then.
+    /// All errors of bodies and contacts, by index; the previous model then stays in use.
     pub fn publish(
         &mut self,
         tick: u64,
@@ -129,20 +129,20 @@ impl SlowHost {
         contacts: &[Option<LocalContact>],
     ) -> Result<(), Vec<WorldError>> {
         let model = self.renderer.model(tick, bodies, contacts)?;
-        // What was in this place before is freed here, and never by the loop.
+        // This frees the previous content of the buffer here, never in the loop.
         self.out.write(Some(model));
         Ok(())
     }
 }
 
 impl LocalWorld {
-    /// The local model at the last sample.
+    /// Returns the local model at the last sample.
     #[must_use]
     pub fn state(&self) -> &LocalState {
         &self.state
     }
 
-    /// Tells the renderer what was sent, or held, in the axes of the device.
+    /// Reports the sent or held wrench, in the axes of the device, to the renderer.
     fn report(&mut self, wrench: Wrench) {
         let force = self.frame.of_device(wrench.force);
         self.renderer.report_sent(&mut self.state, 0, force);
@@ -245,11 +245,11 @@ impl Renders for LocalWorld {
 }
 
 impl<D: Device, C: Clock> ControlLoop<D, C, LocalWorld> {
-    /// A loop that renders what a slow host publishes, on `device`. It ticks from the first call of [`tick`](Self::tick) on. A
-    /// row has the contacts under the numbers that the host gives them, and no bodies.
+    /// Creates a loop that renders the models of a low-rate simulator on `device`. It starts at the first call of
+    /// [`tick`](Self::tick). A row contains the contacts with the simulator's numbers, and no bodies.
     ///
     /// # Errors
-    /// A limit of the safety outside its range; a period below a nanosecond or above 10 s.
+    /// A safety limit outside its range; a period below a nanosecond or above 10 s.
     pub fn of_local_world(
         device: D,
         clock: C,

@@ -1,4 +1,4 @@
-//! What the loop renders, and how that changes while it runs.
+//! Renderings of a loop and their changes at run time.
 
 mod changing_world;
 mod frame;
@@ -22,18 +22,18 @@ pub use renders::{Answer, Fresh, FreshDevice, Renders};
 pub use world::{RenderedWorld, Turns};
 pub use world_rows::WorldRows;
 
-/// What a loop renders, in the loop's numbers.
+/// Rendering of one contact, in the loop's number type.
 pub type Rendering = palpate::Rendering<f64>;
 
-/// A change of what is rendered that has been checked, with its number.
+/// A checked change of the rendering, with its number.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Change {
     pub change: palpate::Change<f64>,
     pub generation: u32,
 }
 
-/// The other end of the loop's parameters, for any thread: changes are handed over without either
-/// side ever waiting. Of several changes between two ticks the last counts.
+/// The other end of the loop's parameters, for any thread. Changes are handed over without blocking either side. Of
+/// several changes between two ticks only the latest takes effect.
 #[derive(Debug)]
 pub struct Parameters {
     input: triple_buffer::Input<Change>,
@@ -42,22 +42,21 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// What was handed over last.
+    /// Returns the rendering that was handed over last.
     #[must_use]
     pub fn current(&self) -> &Rendering {
         &self.current
     }
 
-    /// Number of what was handed over last, which the ticks carry from where it is in force.
+    /// Returns the number of that rendering. Ticks carry the number of the rendering in force.
     #[must_use]
     pub fn generation(&self) -> u32 {
         self.generation
     }
 
-    /// Renders `rendering` from the next tick on, without a step in the force: stiffness, mass and
-    /// virtual force pass over to the new ones in a tenth of a second, and so does the difference
-    /// that another method makes. The energy of it is booked in the ledger as outside work. Its
-    /// number, which the ticks carry.
+    /// Renders `rendering` from the next tick on, without a step in the force. Stiffness, mass and virtual force
+    /// change over a tenth of a second, and so does the force difference of another method. The ledger records the
+    /// energy of the change as outside work. Returns the number of the change, which the ticks carry.
     ///
     /// # Errors
     /// A parameter outside its range, another period, another side of the device.
@@ -73,15 +72,15 @@ impl Parameters {
     }
 }
 
-/// Both ends of the parameters of a loop that begins with `rendering`.
+/// Creates both ends of the parameters of a loop that starts with `rendering`.
 ///
-/// A [`ControlLoop`](crate::ControlLoop) does this by itself. For another loop it gives the contact to
-/// render; what that loop commands has to pass a [`Safety`](crate::safety::Safety) of its own.
+/// A [`ControlLoop`](crate::ControlLoop) does this itself. This function serves other loops; their commands must pass
+/// a [`Safety`](crate::safety::Safety).
 ///
 /// # Errors
 /// The first parameter outside its range.
 pub fn parameters(rendering: Rendering) -> Result<(Parameters, Rendered), ParameterError> {
-    // Recordings and pipes have had the bits of this function since they are there.
+    // Recordings and pipes depend on the exact result of this power function.
     let running = Running::new(rendering)?.with_power(f64::powf);
     let (input, output) = triple_buffer::triple_buffer(&Change {
         change: palpate::Change::none(&running),

@@ -1,4 +1,4 @@
-//! One contact along an axis of the device's space, as the loop renders it.
+//! One contact along an axis of the device's frame, in the loop.
 
 use palpate::{Actuation, AlongAxis, Output, ParameterError};
 use palpate_device::{Vector, Wrench};
@@ -9,20 +9,20 @@ use super::{Parameters, Rendered, Rendering, parameters};
 use crate::delivered::Delivered;
 use crate::wire::{answered, booked};
 
-/// One contact along an axis of the device's space, with its parameters and its books.
+/// One contact along an axis of the device's frame, with its parameters and its energy ledger.
 #[derive(Debug)]
 pub struct OneContact {
     axis: AlongAxis<f64, 3>,
     rendered: Rendered,
     parameters: Option<Parameters>,
     delivered: Delivered,
-    /// The last sample that was rendered: position of the device, and the answer.
+    /// Last rendered sample: position of the device and output of the renderer.
     last: Option<(Vector, Output<f64>)>,
     said: ContactTick,
 }
 
 impl OneContact {
-    /// A contact along the first axis of the device.
+    /// Creates a contact along the first axis of the device.
     pub(crate) fn new(rendering: Rendering) -> Result<Self, ParameterError> {
         let (parameters, rendered) = parameters(rendering)?;
         Ok(Self {
@@ -35,13 +35,14 @@ impl OneContact {
         })
     }
 
-    /// Places the contact along another axis.
+    /// Sets the axis of the contact.
     pub(crate) fn place_along(&mut self, axis: AlongAxis<f64, 3>) {
         self.axis = axis;
     }
 
-    /// Whether the renderer is told of more than a delay of whole samples that is certain. Then it works out what acts
-    /// on the device from what was sent, and can learn how late that is; else what was held is what acts.
+    /// Returns whether the actuator model contains more than a certain delay of whole samples. The renderer then
+    /// computes the acting force from the sent one and can estimate the delay; otherwise the held force is the acting
+    /// one.
     fn is_told_how_forces_act(&self) -> bool {
         let told = &self.rendered.rendering().loop_params;
         let actuation = &told.actuation;
@@ -49,7 +50,7 @@ impl OneContact {
         !(is_certain && actuation.is_of_whole_samples(told.period))
     }
 
-    /// The part of a force along the contact's axis `[N]`.
+    /// Returns the component of a force along the contact's axis `[N]`.
     fn along_axis(&self, force: Vector) -> f64 {
         dot(force, self.axis.vector(1.0))
     }
@@ -78,7 +79,7 @@ impl Renders for OneContact {
     }
 
     fn step(&mut self, sample: &Fresh<'_>, asked: &mut [Wrench]) -> Answer {
-        // A loop has a device.
+        // A loop has at least one device.
         let FreshDevice { position, held, .. } =
             sample.devices.first().copied().unwrap_or_default();
         if let Some(mean) = held
@@ -113,7 +114,7 @@ impl Renders for OneContact {
         let ledger = self.rendered.ledger();
         let said = match &self.last {
             Some((_, output)) => answered(output, ledger),
-            // Nothing was rendered yet.
+            // No sample has been rendered yet.
             None => booked(
                 ContactTick {
                     point: [f64::NAN; 3],

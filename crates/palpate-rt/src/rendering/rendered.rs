@@ -1,10 +1,10 @@
-//! The contact as it is rendered, tick by tick, with the changes that come in from another thread.
+//! The rendered contact, with parameter changes from another thread.
 
 use palpate::{Ledger, Output, Running, Sample};
 
 use super::{Change, Rendering};
 
-/// A contact in the loop: what runs, and the changes that come in.
+/// A contact in the loop: the running rendering and its pending changes.
 #[derive(Debug)]
 pub struct Rendered {
     changes: triple_buffer::Output<Change>,
@@ -21,32 +21,31 @@ impl Rendered {
         }
     }
 
-    /// Number of the parameters in force.
+    /// Returns the number of the parameters in force.
     #[must_use]
     pub fn generation(&self) -> u32 {
         self.generation
     }
 
-    /// What is rendered once a change that has come in is through.
+    /// Returns the rendering after the current change is complete.
     #[must_use]
     pub fn rendering(&self) -> &Rendering {
         self.running.rendering()
     }
 
-    /// Books up to the last sample.
+    /// Returns the energy ledger up to the last sample.
     #[must_use]
     pub fn ledger(&self) -> &Ledger<f64> {
         self.running.ledger()
     }
 
-    /// By how much later than told the commands begin, by what the method has learned so far `[s]`; 0 where it
-    /// learns nothing of it.
+    /// Returns the estimated actuation delay minus its model value `[s]`; 0 if the method does not estimate it.
     #[must_use]
     pub fn learned_lateness(&self) -> f64 {
         self.running.learned_lateness()
     }
 
-    /// Takes a change, if one has come in. Its number.
+    /// Applies a pending change and returns its number.
     pub fn take_change(&mut self) -> Option<u32> {
         if !self.changes.update() {
             return None;
@@ -57,19 +56,18 @@ impl Rendered {
         Some(self.generation)
     }
 
-    /// Tells the renderer the force on the object that was sent for its last output `[N]`.
+    /// Reports the force on the object that was sent for the last output `[N]`.
     pub fn report_sent(&mut self, force_on_object: f64) {
         self.running.report_sent(force_on_object);
     }
 
-    /// Tells the renderer the force on the object that was held since the last sample, or its mean
-    /// `[N]`.
+    /// Reports the force on the object held since the last sample, or its mean `[N]`.
     pub fn report_held(&mut self, force_on_object: f64) {
         self.running.report_held(force_on_object);
     }
 
-    /// One tick, at `position` `[m]`, `elapsed` `[s]` after the last; the force on the device `[N]`
-    /// passes over from what was rendered before.
+    /// Renders one tick at `position` `[m]`, `elapsed` `[s]` after the last one. After a change, the force on the
+    /// device `[N]` changes over from the previous rendering.
     pub fn step(&mut self, position: f64, elapsed: Option<f64>) -> Output<f64> {
         self.running.step(Sample {
             elapsed,

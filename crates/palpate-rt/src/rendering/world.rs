@@ -1,4 +1,4 @@
-//! A world, as the loop renders it.
+//! A world in the loop.
 
 use palpate::Actuation;
 use palpate_device::{Vector, Wrench};
@@ -13,14 +13,14 @@ use super::world_rows::WorldRows;
 use crate::created_energy::CreatedEnergy;
 use crate::setup::SetupError;
 
-/// How a tool turns, and so what its device has to be able to do.
+/// Rotation of a tool, and the resulting requirements on its device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turns {
-    /// Not at all: any device of three axes will do.
+    /// No rotation: any device with three axes is suitable.
     No,
-    /// Its device measures an orientation and gives a torque.
+    /// Rotation with torque: the device measures an orientation and gives a torque.
     WithTorque,
-    /// Its hand alone turns it: its device measures an orientation, and is asked for no torque.
+    /// Rotation by the hand alone: the device measures an orientation and needs no torque.
     ByHand,
 }
 
@@ -34,22 +34,22 @@ impl Turns {
     }
 }
 
-/// A world in the loop: its renderer, its state, and where each device stands in it.
+/// A world in the loop: renderer, state, and frame of each device.
 #[derive(Clone, Debug)]
 pub struct RenderedWorld {
     renderer: WorldRenderer,
     state: WorldState,
     method: &'static str,
-    /// One for each tool of the world, in their order.
+    /// Frame of each tool's device, in the order of the tools.
     frames: Vec<WorldFrame>,
-    /// The names of the tools.
+    /// Names of the tools.
     names: Vec<String>,
-    /// How each tool turns.
+    /// Rotation of each tool.
     turns: Vec<Turns>,
-    /// Where the tools were sampled, along the world's axes; room for a tick.
+    /// Sampled positions of the tools along the world's axes; scratch buffer of a tick.
     positions: Vec<Vector>,
     orientations: Vec<[f64; 4]>,
-    /// Whether what was held is what acted: the renderer is told of no delay and no lag.
+    /// Whether the held force acts without delay: the model of the actuator has neither delay nor lag.
     acts_at_once: bool,
     limited: Limited,
     created: CreatedEnergy,
@@ -57,11 +57,10 @@ pub struct RenderedWorld {
 }
 
 impl RenderedWorld {
-    /// `world`, which `renderer` renders by the method of that name, with a device that stands in it as `frame` says.
+    /// Creates a loop's `world`, which `renderer` renders by the method of that name, with a device at `frame`.
     ///
     /// # Errors
-    /// The world has another number of tools than one. A tool that turns, with a frame whose axes are not those of the
-    /// world.
+    /// A number of tools other than one; a rotating tool whose frame axes are not those of the world.
     pub fn new(
         world: &World,
         renderer: WorldRenderer,
@@ -71,10 +70,10 @@ impl RenderedWorld {
         Self::of_devices(world, renderer, method, vec![frame])
     }
 
-    /// `world` with a device for each of its tools, which stand in it as `frames` say, in the order of the tools.
+    /// Creates a loop's `world` with a device for each of its tools, at `frames` in the order of the tools.
     ///
     /// # Errors
-    /// The world has another number of tools than there are frames, or none. A tool that turns, with a frame whose axes are
+    /// No tools, or a number of tools that differs from the number of frames; a rotating tool whose frame axes are
     /// not those of the world.
     pub fn of_devices(
         world: &World,
@@ -112,19 +111,19 @@ impl RenderedWorld {
         })
     }
 
-    /// Where each device stands in the world.
+    /// Returns the frame of each device in the world.
     #[must_use]
     pub fn frames(&self) -> &[WorldFrame] {
         &self.frames
     }
 
-    /// How each tool turns: one that does needs a device that measures six axes.
+    /// Returns the rotation of each tool. A rotating tool needs a device that measures six axes.
     #[must_use]
     pub fn turns(&self) -> &[Turns] {
         &self.turns
     }
 
-    /// Makes ready to go on from `before`, with those bodies that are kept ([`WorldRenderer::succeed`]).
+    /// Prepares to continue from `before` with the kept bodies ([`WorldRenderer::succeed`]).
     pub(super) fn succeed(
         &mut self,
         before: &Self,
@@ -135,7 +134,7 @@ impl RenderedWorld {
         Ok(succession)
     }
 
-    /// Goes on from `before` between two samples ([`WorldRenderer::go_on`]).
+    /// Continues from `before` between two samples ([`WorldRenderer::go_on`]).
     pub(super) fn go_on(&mut self, before: &Self, succession: &Succession) {
         let past = (&before.renderer, &before.state);
         self.renderer.go_on(&mut self.state, past, succession);
@@ -143,8 +142,8 @@ impl RenderedWorld {
         self.created.go_on(&before.created, booked);
     }
 
-    /// Makes other wrenches, which are to be held in place of those of the last step, so small that the limits of the world's
-    /// loop and its guard hold for them.
+    /// Limits wrenches that replace those of the last step so that the limits of the world's loop and its guard hold
+    /// for them.
     pub(super) fn keep_within(&mut self, held: &mut [Wrench]) {
         let limited = self.renderer.keep_within(&self.state, held, |wrench| {
             [&mut wrench.force, &mut wrench.torque]
@@ -152,19 +151,19 @@ impl RenderedWorld {
         self.limited = self.limited.and(limited);
     }
 
-    /// Tells the renderer what was sent to a device, or held by it, in the axes of the device.
+    /// Reports the wrench sent to a device or held by it, in the axes of the device, to the renderer.
     fn report(&mut self, device: usize, wrench: Wrench) {
         let Some(frame) = self.frames.get(device) else {
             return;
         };
         let force = frame.of_device(wrench.force);
         self.renderer.report_sent(&mut self.state, device, force);
-        // A device of six axes has those of the world.
+        // A device with six axes has those of the world.
         self.renderer
             .report_sent_torque(&mut self.state, device, wrench.torque);
     }
 
-    /// The world at the last sample.
+    /// Returns the world at the last sample.
     #[must_use]
     pub fn state(&self) -> &WorldState {
         &self.state
@@ -200,7 +199,7 @@ impl Renders for RenderedWorld {
         let devices = self.frames.iter().zip(sample.devices);
         for ((position, orientation), (frame, device)) in placed.zip(devices) {
             *position = frame.in_world(device.position);
-            // An orientation that is missing is none that can be used.
+            // NaN makes the renderer reject a sample without orientation.
             *orientation = device.orientation.unwrap_or([f64::NAN; 4]);
         }
         let output = self.renderer.step(

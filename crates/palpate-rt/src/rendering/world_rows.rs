@@ -1,13 +1,13 @@
-//! A world in the words of recordings.
+//! State of a world as rows of a recording.
 
 use palpate_record::recording::{BodyTick, ContactTick, Flags, Phase};
 use palpate_world::{Mode, Motion, World, WorldState};
 
-/// What a recording has of the contacts and the bodies of a world at a tick. Its room is made once, so that a tick does
-/// not allocate.
+/// Recorded contacts and bodies of a world at a tick. All memory is allocated at construction, so a tick does not
+/// allocate.
 #[derive(Debug)]
 pub struct WorldRows {
-    /// Which of the world's bodies move.
+    /// Indices of the moving bodies of the world.
     moving: Vec<usize>,
     bodies_of_world: usize,
     contacts: Vec<ContactTick>,
@@ -15,7 +15,7 @@ pub struct WorldRows {
 }
 
 impl WorldRows {
-    /// Room for the ticks of `world`, which is in a `state`.
+    /// Allocates the rows of `world`, which is in a `state`.
     #[must_use]
     pub fn new(world: &World, state: &WorldState) -> Self {
         let free = |place: &usize| {
@@ -31,7 +31,7 @@ impl WorldRows {
         }
     }
 
-    /// Takes down the state at the tick of that number. It does not allocate.
+    /// Stores the state at tick number `sequence`. It does not allocate.
     pub fn fill(&mut self, sequence: u64, state: &WorldState) {
         self.contacts.clear();
         let books = &state.books().contacts;
@@ -78,13 +78,13 @@ impl WorldRows {
         }
     }
 
-    /// The contacts that touch.
+    /// Returns the touching contacts.
     #[must_use]
     pub fn contacts(&self) -> &[ContactTick] {
         &self.contacts
     }
 
-    /// The bodies that move, and the avatars of the tools.
+    /// Returns the moving bodies and the proxy states of the tools.
     #[must_use]
     pub fn bodies(&self) -> &[BodyTick] {
         &self.bodies
@@ -92,7 +92,7 @@ impl WorldRows {
 }
 
 impl Clone for WorldRows {
-    /// With the same room: that of a cloned `Vec` is what it holds.
+    /// Keeps the capacity: a cloned `Vec` has capacity only for its items.
     fn clone(&self) -> Self {
         let mut contacts = Vec::with_capacity(self.contacts.capacity());
         contacts.extend_from_slice(&self.contacts);
@@ -142,7 +142,7 @@ mod tests {
             panic!("{:?}", rows.contacts());
         };
         assert_eq!((contact.sequence, contact.penetration), (7, 1e-3));
-        // The avatar of the tool.
+        // The proxy state of the tool.
         assert_eq!(rows.bodies().len(), 1);
     }
 }

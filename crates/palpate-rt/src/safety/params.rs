@@ -1,4 +1,4 @@
-//! Limits of what may reach a device.
+//! Limits of the wrench on a device.
 
 use std::time::Duration;
 
@@ -6,40 +6,39 @@ use crate::safety::recoveries::REMEMBERED;
 use crate::safety::{OscillationParams, RecoveryParams};
 use palpate_device::{Capabilities, Vector};
 
-/// Limits of what may reach a device. The default lets through what a desktop device can do;
-/// [`for_device`](Self::for_device) fits it to one.
+/// Limits of the wrench on a device. The default fits desktop devices; [`for_device`](Self::for_device) fits it to
+/// one device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SafetyParams {
-    /// Largest length of the force `[N]`: of a command, and of a command times the modelled gain of the actuator.
+    /// Largest norm of the force `[N]`: of a command, and of a command times the modelled gain of the actuator.
     pub largest_force: f64,
-    /// Largest length of the torque, of a command and of a command times the gain `[N m]`.
+    /// Largest norm of the torque, of a command and of a command times the gain `[N m]`.
     pub largest_torque: f64,
-    /// Largest change of the same force per second `[N/s]`, also in soft starts; infinite: none. Only a safety stop, a refused
-    /// sample or the end of the loop takes a force to 0 at once.
+    /// Largest change of the same force per second `[N/s]`, also in soft starts; infinite: unlimited. Only a safety
+    /// stop, a rejected sample or the end of the loop sets a force to 0 at once.
     pub slew_limit: f64,
-    /// Largest change of the torque per second `[N m/s]`; infinite: none.
+    /// Largest change of the torque per second `[N m/s]`; infinite: unlimited.
     pub torque_slew_limit: f64,
-    /// Box of the end-point, lower and upper corner `[m]`; outside it the motors are off.
+    /// Workspace of the end-point, lower and upper corner `[m]`; outside it the motors are off.
     pub workspace: Option<[Vector; 2]>,
-    /// Where the device may be along the contact's axis, from the first to the second `[m]`; outside
-    /// it the motors are off.
+    /// Allowed interval of the device's coordinate along the contact's axis `[m]`; outside it the motors are off.
     pub range: Option<[f64; 2]>,
     /// Largest speed of the end-point `[m/s]`.
     pub largest_speed: f64,
-    /// Periods without a fresh sample after which the force is none: 1 at once, 2 after having held
-    /// the last force for a period.
+    /// Number of periods without a fresh sample after which the force is 0: 1 immediately, 2 after holding the last
+    /// force for one period.
     pub stale_after: u32,
-    /// Time over which a force comes in when a start or a recovery finds contact `[s]`.
+    /// Ramp time of the force after a start or a recovery in contact `[s]`.
     pub soft_start: f64,
-    /// When a contact counts as oscillating.
+    /// Threshold for an oscillating contact.
     pub oscillation: OscillationParams,
-    /// When recoveries come too often.
+    /// Threshold for frequent recoveries.
     pub recoveries: RecoveryParams,
-    /// How long the loop's thread may take from one tick to the next before a supervisor commands no
-    /// force, in periods. It looks twice a period, so a limit of 1.5 acts within 2.
+    /// Maximum time between ticks before a supervisor commands zero force, in periods. The supervisor checks twice
+    /// per period, so a limit of 1.5 acts within 2.
     pub stall_after_periods: f64,
-    /// By how much a tick may be late in any case before that `[s]`: the wake-ups of an ordinary
-    /// machine are late by up to 3 ms, however short the period is.
+    /// Minimum of the tolerated lateness of a tick `[s]`: wake-ups of an ordinary machine are late by up to 3 ms,
+    /// whatever the period.
     pub tolerated_lateness: f64,
 }
 
@@ -64,8 +63,7 @@ impl Default for SafetyParams {
 }
 
 impl SafetyParams {
-    /// The default limits, tightened to the largest force and the workspace of a device that says
-    /// what these are.
+    /// Returns the default limits, reduced to the largest force and the workspace of a device if these are known.
     #[must_use]
     pub fn for_device(device: &Capabilities) -> Self {
         let limits = Self::default();
@@ -83,9 +81,9 @@ impl SafetyParams {
         }
     }
 
-    /// Limits for a loop of somebody else's: a largest force `[N]` and torque `[N m]`, none where there is no number, and a
-    /// soft start `[s]`. Created energy stops it as it stops [`ControlLoop`](crate::ControlLoop); speed and the number of
-    /// recoveries do not.
+    /// Creates limits for a caller-owned loop: largest force `[N]` and torque `[N m]` (`None`: unlimited) and
+    /// soft-start time `[s]`. The stop on generated energy is that of [`ControlLoop`](crate::ControlLoop). Speed and
+    /// the number of recoveries are not checked.
     #[must_use]
     pub fn bounding(force: Option<f64>, torque: Option<f64>, soft_start: f64) -> Self {
         let limits = Self::default();
@@ -102,10 +100,9 @@ impl SafetyParams {
         }
     }
 
-    /// How long the loop's thread may take from one tick to the next, at this period, before a
-    /// supervisor or a guardian commands no force:
-    /// [`stall_after_periods`](Self::stall_after_periods), or a period and
-    /// [`tolerated_lateness`](Self::tolerated_lateness) where that is longer.
+    /// Returns the maximum time between ticks at this period before a supervisor or a watchdog process commands zero
+    /// force: the longer of [`stall_after_periods`](Self::stall_after_periods) and a period plus
+    /// [`tolerated_lateness`](Self::tolerated_lateness).
     #[must_use]
     pub fn stall_after(&self, period: Duration) -> Duration {
         let late = Duration::try_from_secs_f64(self.tolerated_lateness).unwrap_or_default();
@@ -203,16 +200,16 @@ impl SafetyParams {
     }
 }
 
-/// A limit that cannot be kept.
+/// An invalid limit.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("safety: {name} is {value}; allowed: {allowed}")]
 #[non_exhaustive]
 pub struct SafetyError {
-    /// Which.
+    /// Name of the limit.
     pub name: &'static str,
-    /// What it was.
+    /// Invalid value.
     pub value: f64,
-    /// What it may be.
+    /// Allowed range.
     pub allowed: &'static str,
 }
 

@@ -1,27 +1,27 @@
-//! A loop that loses its force again and again, and gets it back softly each time, is not one that works.
+//! Detection of a loop that repeatedly loses its force and recovers with a soft start.
 
-/// An outage counts where it lasts for as long beyond the two periods that each outage has `[s]`: those of machines that are
-/// busy with other programs are shorter.
+/// Minimum duration of an outage that counts, beyond the two periods of every outage `[s]`. Outages caused by other
+/// programs on a busy machine are shorter.
 const BRIEF: f64 = 0.02;
 
-/// How many recoveries are remembered; no more may be let pass.
+/// Number of stored recoveries; upper bound of the threshold.
 pub(super) const REMEMBERED: usize = 32;
 
-/// When a loop recovers too often.
+/// Threshold for frequent recoveries.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecoveryParams {
-    /// So many recoveries within the [`window`](Self::window) keep the motors off, 2 to 32; `None`: any number is let pass.
-    /// A recovery from an outage of less than 20 ms and two periods, or shorter than what counts as a stall
-    /// ([`SafetyParams::stall_after`](crate::safety::SafetyParams::stall_after)), does not count.
+    /// Number of recoveries within the [`window`](Self::window) that latches a safety stop, 2 to 32; `None`:
+    /// unlimited. A recovery does not count if its outage was shorter than 20 ms plus two periods or than a stall
+    /// ([`SafetyParams::stall_after`](crate::safety::SafetyParams::stall_after)).
     pub too_many: Option<u32>,
-    /// Time over which recoveries are counted `[s]`. Where ten soft starts are longer, they count: a loop whose force never
-    /// comes back all the way is found, however softly it comes.
+    /// Time over which recoveries are counted `[s]`, or ten soft-start times if these are longer. A loop whose force
+    /// never reaches its full value is therefore detected for any soft-start time.
     pub window: f64,
 }
 
 impl Default for RecoveryParams {
-    /// 8 within 2 s. Created energy is not counted while a force comes back, which takes up to 0.2 s: so a force that is
-    /// never all there trips.
+    /// Returns 8 within 2 s. Generated energy does not count during a soft start, which takes up to 0.2 s, so a force
+    /// that never reaches its full value causes a safety stop.
     fn default() -> Self {
         Self {
             too_many: Some(8),
@@ -30,10 +30,10 @@ impl Default for RecoveryParams {
     }
 }
 
-/// Soft starts in which recoveries are counted at least.
+/// Minimum of the counting window, in soft-start times.
 const SOFT_STARTS: f64 = 10.0;
 
-/// The recoveries of late.
+/// Recent recoveries.
 #[derive(Clone, Debug)]
 pub(super) struct Recoveries {
     too_many: Option<usize>,
@@ -42,14 +42,15 @@ pub(super) struct Recoveries {
     least: f64,
     /// Time up to the last sample `[s]`.
     now: f64,
-    /// For how long there has been no force `[s]`.
+    /// Duration of the current outage `[s]`.
     outage: f64,
-    /// When the last recoveries were that count `[s]`, the newest first.
+    /// Times of the last counted recoveries `[s]`, the newest first.
     at: [f64; REMEMBERED],
 }
 
 impl Recoveries {
-    /// For a loop of `period` `[s]` whose force comes in within `soft_start` `[s]`, and that may stand still for `stall_after` `[s]`.
+    /// Creates the detector for a loop of `period` `[s]` with a ramp time of `soft_start` `[s]` and a stall limit of
+    /// `stall_after` `[s]`.
     pub fn new(params: RecoveryParams, soft_start: f64, period: f64, stall_after: f64) -> Self {
         Self {
             too_many: params.too_many.and_then(|most| usize::try_from(most).ok()),
@@ -61,14 +62,14 @@ impl Recoveries {
         }
     }
 
-    /// A sample came `elapsed` `[s]` after the one before. `was_out`: from that one on there was no force, or the loop stood
-    /// still; `is_out`: there is none yet. Whether it is one recovery too many.
+    /// Processes a sample `elapsed` `[s]` after the previous one. `was_out`: no force since the previous sample, or
+    /// the loop stalled; `is_out`: no force yet. Returns whether recoveries are too frequent.
     pub fn watch(&mut self, elapsed: f64, was_out: bool, is_out: bool) -> bool {
         self.now += elapsed;
         if was_out {
             self.outage += elapsed;
         }
-        // Half a nanosecond for what decimal time stamps lack.
+        // Half a nanosecond allows for the rounding of decimal time stamps.
         if is_out || std::mem::take(&mut self.outage) < self.least - 5e-10 {
             return false;
         }
@@ -79,7 +80,7 @@ impl Recoveries {
         oldest.is_some_and(|oldest| self.now - oldest <= self.window)
     }
 
-    /// Forgets what was.
+    /// Clears all recoveries.
     pub fn forget(&mut self) {
         self.outage = 0.0;
         self.at = [f64::NEG_INFINITY; REMEMBERED];

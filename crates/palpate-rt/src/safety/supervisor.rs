@@ -1,4 +1,4 @@
-//! Somebody to let go of the motor while the loop's own thread does not answer.
+//! Supervisor: disables the motors while the loop's thread is blocked.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -7,55 +7,55 @@ use std::time::Duration;
 use palpate_device::ZeroWriter;
 use palpate_device::clock::Clock;
 
-/// What loop and supervisor tell each other, without ever waiting.
+/// Non-blocking communication between loop and supervisor.
 #[derive(Debug, Default)]
 pub struct Heartbeat {
-    /// When the loop ticked last, in nanoseconds of its clock.
+    /// Time of the loop's last tick, in nanoseconds of its clock.
     beat: AtomicU64,
     /// Whether a force may be on.
     live: AtomicBool,
-    /// How often a supervisor has commanded no force.
+    /// Number of zero commands by the supervisor.
     cuts: AtomicU64,
-    /// When it did so last, in nanoseconds of the loop's clock.
+    /// Time of the last one, in nanoseconds of the loop's clock.
     cut_at: AtomicU64,
 }
 
 impl Heartbeat {
-    /// The loop has ticked at `now`, and may hold a force.
+    /// Reports a tick at `now`; the loop may hold a force.
     pub fn beat(&self, now: Duration) {
         let now = u64::try_from(now.as_nanos()).unwrap_or(u64::MAX);
         self.beat.store(now, Ordering::Release);
         self.live.store(true, Ordering::Release);
     }
 
-    /// The loop has ended and left no force.
+    /// Reports that the loop has ended without a force.
     pub fn end(&self) {
         self.live.store(false, Ordering::Release);
     }
 
-    /// How often a supervisor has commanded no force.
+    /// Returns how often a supervisor has commanded zero force.
     pub fn cuts(&self) -> u64 {
         self.cuts.load(Ordering::Acquire)
     }
 
-    /// When a supervisor has begun to command no force last.
+    /// Returns the time at which a supervisor last started to command zero force.
     pub(crate) fn cut_at(&self) -> Duration {
         Duration::from_nanos(self.cut_at.load(Ordering::Acquire))
     }
 }
 
-/// Watches a loop from another thread, and commands no force through a writer of its own when the
-/// loop has not ticked for too long. It waits for nobody.
+/// Supervises a loop from another thread. If the loop has not ticked for too long, it commands zero force through its
+/// own zero writer. It never blocks.
 pub struct Supervisor {
     heartbeat: Arc<Heartbeat>,
     zero: Box<dyn ZeroWriter>,
     limit: Duration,
-    /// The beat that it has already cut.
+    /// The last beat for which it has cut the force.
     cut: Option<u64>,
 }
 
 impl Supervisor {
-    /// A supervisor that cuts when the last beat is more than `limit` ago.
+    /// Creates a supervisor that cuts the force if the last beat is older than `limit`.
     #[must_use]
     pub fn new(heartbeat: Arc<Heartbeat>, zero: Box<dyn ZeroWriter>, limit: Duration) -> Self {
         Self {
@@ -66,7 +66,7 @@ impl Supervisor {
         }
     }
 
-    /// Looks once, and commands no force while the loop is late. Whether that has just begun.
+    /// Checks once, and commands zero force while the loop is late. Returns whether a cut has just begun.
     pub fn look(&mut self, now: Duration) -> bool {
         if !self.heartbeat.live.load(Ordering::Acquire) {
             return false;
@@ -78,19 +78,19 @@ impl Supervisor {
         }
         let is_first = self.cut != Some(beat);
         if is_first {
-            // Told before it is done: a loop that comes back finds that it was cut.
+            // Report before acting, so a loop that returns detects the cut.
             let now = u64::try_from(now.as_nanos()).unwrap_or(u64::MAX);
             self.heartbeat.cut_at.store(now, Ordering::Release);
             self.heartbeat.cuts.fetch_add(1, Ordering::AcqRel);
             self.cut = Some(beat);
         }
-        // Again and again while it lasts: the loop may have put a force on in the middle of a tick
-        // that then stood still once more.
+        // Repeat while the loop is late: it may have commanded a force in the middle of a tick and then stalled
+        // again.
         self.zero.write_zero();
         is_first
     }
 
-    /// Looks every `interval` until `ended`.
+    /// Checks every `interval` until `ended`.
     pub fn watch<C: Clock>(mut self, clock: &C, interval: Duration, ended: &AtomicBool) {
         let mut next = clock.now();
         while !ended.load(Ordering::Acquire) {

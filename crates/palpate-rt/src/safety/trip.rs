@@ -1,8 +1,8 @@
-//! Why no force is commanded.
+//! Causes of safety stops.
 
 use std::fmt;
 
-/// Why safety holds the force at none.
+/// Cause of a safety stop, which holds the force at 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Trip {
@@ -12,22 +12,22 @@ pub enum Trip {
     StaleSample,
     /// The end-point moved faster than the largest speed.
     TooFast,
-    /// The loop's thread did not tick, and the supervisor commanded no force.
+    /// The loop's thread did not tick, and the supervisor commanded zero force.
     Stalled,
     /// The end-point was outside the workspace, or outside the range along the contact's axis.
     OutsideWorkspace,
-    /// Held forces created more energy than a contact that is well rendered can.
+    /// Held forces generated more energy than a well-rendered contact can.
     Oscillation,
-    /// The force was lost and came back too often.
+    /// The force was lost and recovered too often.
     TooManyRecoveries,
-    /// The device did not take a force.
+    /// The device rejected a force.
     DeviceRefused,
-    /// The device is gone.
+    /// The device is disconnected.
     DeviceLost,
 }
 
 impl Trip {
-    /// Every trip.
+    /// All causes.
     pub const ALL: [Self; 9] = [
         Self::NotANumber,
         Self::StaleSample,
@@ -40,7 +40,8 @@ impl Trip {
         Self::DeviceLost,
     ];
 
-    /// Whether it ends by itself once its reason has passed; the others stay until somebody rearms.
+    /// Returns whether the stop is self-clearing: it ends with its cause. Other stops are latched until the safety is
+    /// rearmed.
     #[must_use]
     pub fn is_passing(self) -> bool {
         match self {
@@ -53,12 +54,12 @@ impl Trip {
         }
     }
 
-    /// Whether it is said of a loop as a whole, and not of one of its devices.
+    /// Returns whether the cause concerns the whole loop and not one of its devices.
     pub(crate) fn is_of_the_loop(self) -> bool {
         matches!(self, Self::Stalled | Self::Oscillation)
     }
 
-    /// Short name in kebab case, as recordings spell it.
+    /// Returns the short name in kebab case, as in recordings.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {

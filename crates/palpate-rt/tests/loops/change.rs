@@ -1,4 +1,4 @@
-//! What is rendered changes while the loop runs.
+//! Changes of the rendering while the loop runs.
 
 use palpate::{AnyParams, CoupledParams, HfcrParams, Mass, Side, VirtualDamperParams};
 use palpate_rt::safety::{SafetyParams, Trip};
@@ -7,7 +7,7 @@ use palpate_scene::method::MethodName;
 
 use crate::{at, scene, scripted, simulated, wide};
 
-/// A device that is held 1 mm deep in a wall of 1000 N/m.
+/// A device held 1 mm deep in a wall of 1000 N/m.
 fn pressed() -> crate::Scripted {
     let (mut control, _) = scripted(vec![at(1.0)], wide());
     for _ in 0..10 {
@@ -45,7 +45,7 @@ fn another_stiffness_comes_in_without_a_step_in_the_force() {
         (last.contact.force_on_object - 4.0).abs() < 1e-9,
         "{last:?}"
     );
-    // From 1000 to 4000 N/m at 1 mm: 1.5 mJ that nobody pressed in.
+    // From 1000 to 4000 N/m at 1 mm: 1.5 mJ of outside work.
     assert!((last.contact.outside_work - before.contact.outside_work - 1.5e-3).abs() < 1e-4);
     assert!(
         (last.contact.outside_work - 1.5e-3).abs() < 1e-9,
@@ -77,7 +77,7 @@ fn of_two_changes_the_second_goes_on_from_where_the_first_has_come() {
     assert!((control.tick().contact.force_on_object - 1.0).abs() < 1e-9);
 }
 
-/// A mass that is pressed against the device by a virtual force, with a hand that holds on.
+/// A mass pressed against the device by a virtual force, and a hand that holds the device.
 #[test]
 fn another_method_takes_over_at_the_force_of_the_one_before() {
     let mut held = scene("experiment1_in_a_hand.toml");
@@ -114,8 +114,8 @@ fn another_method_takes_over_at_the_force_of_the_one_before() {
     }
 }
 
-/// A device that moves in at 50 mm/s, 0.05 N per period against the spring alone: the 0.2 N of a
-/// damper of 4 N s/m come and go little by little.
+/// A device that moves in at 50 mm/s, so the force of the spring alone changes by 0.05 N per period. The 0.2 N of a
+/// damper of 4 N s/m fade in and out.
 #[test]
 fn what_another_method_adds_fades_over_the_change() {
     let damper = AnyParams::VirtualDamper(VirtualDamperParams::new(4.0));
@@ -178,7 +178,7 @@ fn a_wall_that_coupled_rendering_had_placed_goes_back() {
     );
 }
 
-/// An object has flown off, and the device stands 300 mm beyond where a wall would be: 300 N.
+/// An object has flown off, and the device is 300 mm beyond the position of the new wall: 300 N.
 #[test]
 fn what_becomes_a_wall_touches_a_device_that_is_beyond_its_place() {
     let mut script = vec![at(300.0); 700];
@@ -196,7 +196,7 @@ fn what_becomes_a_wall_touches_a_device_that_is_beyond_its_place() {
         let tick = control.tick();
         assert!(tick.contact.force_on_object.abs() < 1e-9, "{tick:?}");
     }
-    // It is a wall from there on, and another method finds it in the same place.
+    // From there on it is a wall, and another method finds it at the same position.
     let damper = AnyParams::VirtualDamper(VirtualDamperParams::new(4.0));
     let params = Rendering {
         params: damper,
@@ -242,7 +242,7 @@ fn what_cannot_change_is_refused_and_nothing_changes() {
     );
 }
 
-/// A damper on a device that moves in at 50 mm/s, and what is changed after a while.
+/// Returns the largest force step with a damper on a device that moves in at 50 mm/s, with the given changes.
 fn largest_step(changes: &[(usize, AnyParams<f64>, f64)]) -> f64 {
     let script = (0..200).map(|i| at(1.0 + 0.05 * f64::from(i))).collect();
     let (mut control, _) = scripted(script, wide());
@@ -259,7 +259,7 @@ fn largest_step(changes: &[(usize, AnyParams<f64>, f64)]) -> f64 {
             }
         }
         let force = control.tick().contact.force_on_object;
-        // The first tick of contact is a step by itself.
+        // The first tick of contact has a step of its own.
         if tick > 30 {
             largest = largest.max((force - last).abs());
         }
@@ -271,7 +271,7 @@ fn largest_step(changes: &[(usize, AnyParams<f64>, f64)]) -> f64 {
 #[test]
 fn a_change_within_a_change_and_another_damping_are_no_steps() {
     let damper = |damping| AnyParams::VirtualDamper(VirtualDamperParams::new(damping));
-    // The tick at which the device of the script stands still at its end is one more.
+    // The tick in which the device stops at the end of its script has a step too.
     let plain = largest_step(&[(0, damper(4.0), 1000.0)]);
     println!("without a change {plain:.3} N from tick to tick");
     for (what, changes) in [
@@ -302,8 +302,8 @@ fn a_change_within_a_change_and_another_damping_are_no_steps() {
     }
 }
 
-/// A contact that the spring force renders so badly that it trips soon, `ticks` ticks later rendered
-/// by another method. What is said of the trip.
+/// Renders a contact with a spring force that soon oscillates, and by another method after `ticks` ticks. Returns the
+/// tick of the safety stop and the events.
 fn said_after_a_switch(to: MethodName, ticks: usize) -> (Option<usize>, Vec<Note>) {
     let mut buzzing = scene("experiment2.toml");
     buzzing.contact.stiffness *= 4.0;
@@ -343,7 +343,7 @@ fn the_method_that_created_the_energy_is_named_and_not_the_one_that_renders_now(
     };
     assert!(notes.contains(&by_basic), "{notes:?}");
     assert!(!notes.contains(&Note::Tripped(Trip::Oscillation)));
-    // The change comes with the very tick that trips: what it ends was held by the spring force.
+    // The change arrives in the tick that stops: the interval that ends there belongs to the spring force.
     let (at, notes) = said_after_a_switch(MethodName::Coupled, tripped);
     assert_eq!(at, Some(tripped));
     let before_coupled = Note::Oscillated {
@@ -351,7 +351,7 @@ fn the_method_that_created_the_energy_is_named_and_not_the_one_that_renders_now(
         renders_now: MethodName::Coupled.name(),
     };
     assert!(notes.contains(&before_coupled), "{notes:?}");
-    // A method that oscillates by itself long after the change is the one that is named.
+    // A method that oscillates itself long after the change is named.
     let (at, notes) = said_after_a_switch(MethodName::Seh, 0);
     assert!(at.is_some(), "sample-estimate-hold trips too");
     let by_seh = Note::Oscillated {

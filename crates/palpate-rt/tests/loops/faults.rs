@@ -1,4 +1,4 @@
-//! Faults put into the loop one by one: how long until no force is commanded, and what is lost.
+//! Fault injection: time until zero force is commanded, and losses.
 
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -12,20 +12,20 @@ use palpate_scene::method::MethodName;
 
 use crate::{Scripted, at, scene, scripted, simulated, wide};
 
-/// Samples before a fault.
+/// Number of samples before a fault.
 const BEFORE: usize = 20;
 
 fn limits() -> SafetyParams {
     SafetyParams {
         workspace: Some([[-0.05, -1.0, -1.0], [0.05, 1.0, 1.0]]),
         largest_speed: 2.0,
-        // The clock is moved by hand: nothing here is late by itself.
+        // Nothing is late by itself, because the clock is stepped manually.
         tolerated_lateness: 0.0,
         ..SafetyParams::default()
     }
 }
 
-/// A loop that has touched the wall softly and is 1 mm in it, then meets `fault`, then is in it
+/// Creates a loop that has touched the wall gradually and is 1 mm deep in it, then meets `fault`, then is in the wall
 /// again.
 fn meets(fault: &[Step]) -> (Scripted, SteppedClock, Listener) {
     let mut script = vec![at(-1.0), at(0.0)];
@@ -51,7 +51,7 @@ fn notes(listener: &mut Listener) -> Vec<Note> {
         .collect()
 }
 
-/// Periods until no force is commanded, from the one that meets the fault; 1 is at once.
+/// Returns the number of periods until zero force is commanded, counted from the one with the fault; 1: immediately.
 fn periods_to_zero(control: &mut Scripted) -> usize {
     for period in 1..=10 {
         if control.tick().contact.force_on_device == 0.0 {
@@ -139,7 +139,7 @@ fn a_trip_that_stays_stays_until_somebody_rearms() {
     let forces: Vec<f64> = (0..300)
         .map(|_| -control.tick().contact.force_on_device)
         .collect();
-    // It comes back over a fifth of a second, never by more than that.
+    // The soft start takes a fifth of a second and has no larger steps.
     assert_eq!(forces[0], 0.0);
     assert!(
         forces.windows(2).all(|pair| pair[1] - pair[0] < 0.0051),
@@ -193,7 +193,7 @@ fn forces_are_clamped_and_slewed() {
     }
 }
 
-/// The books count what was sent: on a device that is clamped to 0.7 N, 0.7 N does the work.
+/// The ledger contains the sent force: on a device clamped to 0.7 N, 0.7 N does the work.
 #[test]
 fn the_ledger_uses_the_force_really_sent() {
     let clamp = SafetyParams {
@@ -236,7 +236,7 @@ fn a_contact_that_creates_energy_trips_and_well_rendered_ones_do_not() {
     }
 }
 
-/// The loop's thread stands still: the supervisor acts, and the loop finds out when it comes back.
+/// The loop's thread stalls: the supervisor acts, and the loop detects it afterwards.
 #[test]
 fn a_stalled_loop_is_cut_within_two_periods_and_comes_back_softly() {
     let (mut control, clock, mut listener) = meets(&[at(1.0)]);
@@ -244,7 +244,7 @@ fn a_stalled_loop_is_cut_within_two_periods_and_comes_back_softly() {
     let mut supervisor = control.supervisor().unwrap();
     control.tick();
     let half = Duration::from_micros(500);
-    // It sleeps until the next deadline in the next tick, so the period itself is on time.
+    // The next tick sleeps until the next deadline, so the period itself is on time.
     let mut halves = 0;
     while zeroed.load(Ordering::SeqCst) == 0 {
         clock.advance(half);
@@ -268,15 +268,15 @@ fn a_stalled_loop_is_cut_within_two_periods_and_comes_back_softly() {
     let notes = notes(&mut listener);
     assert!(notes.contains(&Note::Tripped(Trip::Stalled)));
     assert!(notes.contains(&Note::Recovered(Trip::Stalled)), "{notes:?}");
-    // On time, it is left alone.
+    // A loop on time is not cut.
     for _ in 0..100 {
         control.tick();
         assert!(!supervisor.look(clock.now()));
     }
 }
 
-/// A wake-up on an ordinary machine is late by up to 3 ms now and then. That is no stall, however
-/// short the period is, and a stall is one all the same.
+/// A wake-up of an ordinary machine is occasionally late by up to 3 ms. That is not a stall, whatever the period; a
+/// longer delay is one.
 #[test]
 fn a_wake_up_that_is_late_as_they_are_is_not_cut() {
     for (late, is_stall) in [(2900, false), (3600, true)] {
@@ -286,7 +286,7 @@ fn a_wake_up_that_is_late_as_they_are_is_not_cut() {
         for _ in 0..BEFORE {
             control.tick();
         }
-        // From one tick to the next: a period of 1 ms, and as late as that.
+        // From tick to tick: a period of 1 ms plus the lateness.
         let begun = clock.now();
         let mut was_cut = false;
         while clock.now() < begun + Duration::from_micros(1000 + late) {
@@ -298,9 +298,9 @@ fn a_wake_up_that_is_late_as_they_are_is_not_cut() {
     }
 }
 
-/// The loop did not run when it was cut. The supervisor leaves word of when that was: 1 N for 1.6 of
-/// 5 ms did the work over the millimetre. A guardian acts after its limit, 1.5 ms, also where the
-/// supervisor has stood still with the loop.
+/// The loop did not run when it was cut. The supervisor reports the time of the cut: 1 N for 1.6 of 5 ms did the work
+/// over the millimetre. A watchdog process acts after its limit, 1.5 ms, even if the supervisor stalled together with
+/// the loop.
 #[test]
 fn the_ledger_counts_no_force_from_the_cut_on() {
     for (supervisor_after, is_guarded, held) in [
@@ -358,7 +358,7 @@ fn a_late_loop_skips_deadlines_and_says_so() {
     assert!(notes(&mut listener).contains(&Note::MissedDeadlines(3)));
 }
 
-/// The forces of the ticks until the wall is there in full; none may come in by more than `step`.
+/// Returns the number of ticks until the wall's force is complete; no step may exceed `step`.
 fn comes_in_by(control: &mut Scripted, step: f64) -> usize {
     let mut last = 0.0;
     for tick in 0..1000 {
@@ -391,7 +391,7 @@ fn a_trip_does_not_shorten_a_soft_start() {
     }
 }
 
-/// Everything stands still together, and nobody has looked.
+/// Loop and supervisor stall together, and no cut is reported.
 #[test]
 fn a_freeze_of_loop_and_supervisor_is_noticed_by_the_loop() {
     for milliseconds in [5, 500] {
@@ -400,7 +400,7 @@ fn a_freeze_of_loop_and_supervisor_is_noticed_by_the_loop() {
         clock.advance(Duration::from_millis(milliseconds));
         assert_eq!(control.tick().contact.force_on_device, 0.0);
         assert!(notes(&mut listener).contains(&Note::Tripped(Trip::Stalled)));
-        // Ten times as long as it was away, up to a soft start.
+        // Ten times the duration of the outage, up to a whole soft start.
         let expected = (10 * milliseconds).min(200);
         let ticks = comes_in_by(&mut control, 1.0 / expected as f64);
         assert!(

@@ -1,4 +1,4 @@
-//! However a loop ends, its device is left without a force.
+//! Every ending of a loop leaves the device without a force.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
@@ -13,11 +13,11 @@ use palpate_scene::method::MethodName;
 
 use crate::{at, scene, scripted, wide};
 
-/// A device that is pressed 2 mm into the wall of `wall.toml`, and tells outside what it holds.
+/// A device pressed 2 mm into the wall of `wall.toml`, which exposes its held force.
 struct Pressed {
     device: NullDevice<SteppedClock>,
     held: Arc<AtomicU64>,
-    /// How many more times it does not take 0.
+    /// Remaining number of zero commands that it rejects.
     refusals: Arc<AtomicUsize>,
 }
 
@@ -80,7 +80,7 @@ fn a_run_ends_when_the_device_is_gone() {
     assert_eq!(control.device().forces().last(), Some(&[0.0; 3]));
 }
 
-/// The device has been without a force in between: it comes back as it does after a start.
+/// The device had no force meanwhile: the force returns with a soft start as after a start.
 #[test]
 fn a_loop_that_goes_on_begins_softly_again() {
     let limits = SafetyParams {
@@ -124,10 +124,10 @@ fn what_finds_no_room_in_a_tap_is_lost_and_counted() {
         })
         .collect();
     assert_eq!(numbers, [0, 1, 2, 3]);
-    // There is room again.
+    // There is free capacity again.
     control.tick();
     assert_eq!((listener.by_ref().count(), listener.lost()), (1, 6));
-    // What the loop counted found its way, and stands when it has closed.
+    // The loop's counters arrived and are final after closing.
     assert!(!listener.is_closed());
     assert_eq!(listener.counted().ticks, 11);
     drop(control);

@@ -1,4 +1,4 @@
-//! What a slow host publishes, in a loop on a clock that is moved by hand.
+//! Models of a low-rate simulator in a loop on a manually stepped clock.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -14,7 +14,7 @@ use crate::wide;
 
 type Loop = ControlLoop<SpatialDevice<SteppedClock>, SteppedClock, LocalWorld>;
 
-/// A hand that presses a device through the floor of the host.
+/// A hand that presses a device through the simulator's floor.
 const DEVICE: &str = r#"
 format = 2
 loop = { period_s = 0.001 }
@@ -56,7 +56,7 @@ fn pressed(limits: SafetyParams) -> (SlowHost, Loop) {
     (host, control)
 }
 
-/// What a host finds: the floor z = 0 of 1000 N/m.
+/// Contact found by the simulator: the floor z = 0 of 1000 N/m.
 fn floor() -> Option<LocalContact> {
     let law = ContactLaw::spring(1000.0);
     Some(LocalContact::of_tool(
@@ -77,7 +77,7 @@ fn force(control: &mut Loop) -> f64 {
     control.tick().tick.commanded_force[2]
 }
 
-/// At rest the hand's spring of 200 N/m and the floor's of 1000 N/m share the 6 mm between them.
+/// Force at rest [N]: the hand's spring of 200 N/m and the floor's of 1000 N/m share the 6 mm between them.
 const RESTING: f64 = 1.0;
 
 #[test]
@@ -102,7 +102,7 @@ fn a_hand_presses_into_what_a_host_publishes_and_is_let_go_of_when_the_host_hang
         "{}",
         row.tick.created_energy
     );
-    // The host hangs: 0.1 s until its model is too old, and 0.1 s in which it fades.
+    // The simulator hangs: its model is too old after 0.1 s, and the force fades in another 0.1 s.
     let mut largest = 0.0_f64;
     for _ in 0..300 {
         let now = force(&mut control);
@@ -112,7 +112,7 @@ fn a_hand_presses_into_what_a_host_publishes_and_is_let_go_of_when_the_host_hang
     assert_eq!(last, 0.0);
     assert!(largest < 0.05, "{largest}");
     assert!(host.progress().is_stale);
-    // It goes on, and so does the contact.
+    // The simulator continues, and so does the contact.
     for tick in 0..2000 {
         if tick % 20 == 0 {
             publish(&mut host);
@@ -134,7 +134,7 @@ fn what_the_loop_refuses_the_host_is_told() {
     host.publish(50, &[], &[floor()]).unwrap();
     control.tick();
     assert_eq!(host.progress().refusal, Some(ModelRefusal::NotYet));
-    // Until the next model it stays told.
+    // The refusal is reported until the next model.
     control.tick();
     assert_eq!(host.progress().refusal, Some(ModelRefusal::NotYet));
     publish(&mut host);
@@ -143,7 +143,7 @@ fn what_the_loop_refuses_the_host_is_told() {
         (host.progress().refusal, host.progress().model_tick),
         (None, Some(3))
     );
-    // What cannot be published at all leaves the loop as it was.
+    // A model that cannot be published leaves the loop unchanged.
     let three = [floor(); 3];
     let faults = host.publish(4, &[], &three).unwrap_err();
     assert!(
@@ -156,7 +156,7 @@ fn what_the_loop_refuses_the_host_is_told() {
     assert_eq!(error, SetupError::Devices { world: 2, given: 1 });
 }
 
-/// Ends the host's thread, also where a check of the loop fails: its thread is waited for.
+/// Ends the simulator's thread, also after a failed check of the loop, because the test joins the thread.
 struct Ends<'a>(&'a AtomicBool);
 
 impl Drop for Ends<'_> {
@@ -190,7 +190,7 @@ fn a_host_on_a_thread_of_its_own_is_heard_and_hears() {
             let now = force(&mut control);
             assert!(now.is_finite());
             let progress = control.rendered().state().progress();
-            // A host that the machine does not serve for 100 ticks is too late.
+            // A simulator that the machine does not schedule for 100 ticks is too late.
             let refused = progress.refusal.filter(|it| *it != ModelRefusal::TooOld);
             assert_eq!(refused, None);
             taken += u32::from(progress.model_tick != newest);

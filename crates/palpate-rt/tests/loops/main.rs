@@ -1,4 +1,4 @@
-//! The loop on a clock that is moved by hand: every run of it is the same.
+//! The loop on a manually stepped clock, so that every run is reproducible.
 
 #![allow(clippy::print_stdout)] // tests show what they measured
 
@@ -25,7 +25,7 @@ use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile, beside};
 use palpate_sim::device::SimulatedDevice;
 
-/// A scene of `experiments/`.
+/// Loads a scene of `experiments/`.
 pub(crate) fn scene(name: &str) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../experiments")
@@ -37,7 +37,7 @@ pub(crate) fn scene(name: &str) -> Scene {
         .scene
 }
 
-/// Limits that no scene of the paper reaches.
+/// Returns limits that no scene of the paper reaches.
 pub(crate) fn wide() -> SafetyParams {
     SafetyParams {
         largest_force: 1e6,
@@ -68,8 +68,8 @@ pub(crate) fn simulated(
 
 pub(crate) type Scripted = ControlLoop<ScriptedDevice<SteppedClock>, SteppedClock>;
 
-/// A pressed wall of 1000 N/m at 1 kHz by the plain spring law, on a device that follows `script`:
-/// 1 N for each millimetre.
+/// Creates a loop at 1 kHz on a pressed wall of 1000 N/m with the plain spring law, on a device that follows
+/// `script`: 1 N per millimetre.
 pub(crate) fn scripted(script: Vec<Step>, limits: SafetyParams) -> (Scripted, SteppedClock) {
     let mut pressed = scene("wall.toml");
     pressed.contact.stiffness = 1000.0;
@@ -84,7 +84,7 @@ pub(crate) fn scripted(script: Vec<Step>, limits: SafetyParams) -> (Scripted, St
     (control, clock)
 }
 
-/// At `millimetres`.
+/// Returns a step at `millimetres`.
 pub(crate) fn at(millimetres: f64) -> Step {
     Step::At([millimetres * 1e-3, 0.0, 0.0])
 }

@@ -1,4 +1,4 @@
-//! What is counted while a trip keeps the motors off.
+//! Accounting while a safety stop keeps the motors off.
 
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -10,7 +10,7 @@ use palpate_rt::tap;
 
 use super::{at, scripted, wide};
 
-/// Out of its range at the sixth tick, then ever deeper in the wall within it, with a force of none.
+/// Outside its range at the sixth tick, then within it and ever deeper in the wall, with zero force.
 #[test]
 fn what_passes_with_the_motors_off_is_not_created_by_held_forces() {
     let limits = SafetyParams {
@@ -25,7 +25,7 @@ fn what_passes_with_the_motors_off_is_not_created_by_held_forces() {
     let is_off = |row: &&Row| row.tick.flags.has(Flags::SAFETY_TRIPPED);
     assert_eq!(ticks.iter().filter(is_off).count(), 31);
     assert_eq!(control.statistics().motors_off, 31);
-    // The interval before the trip was held by a force; the one after it by none.
+    // A force was held before the stop, and none after it.
     let delivered = ticks[5].contact.held_leak;
     let last = ticks[35];
     assert!(last.contact.stored_energy > 0.4, "{last:?}");
@@ -41,7 +41,7 @@ fn what_passes_with_the_motors_off_is_not_created_by_held_forces() {
         let stored = tick.contact.stored_energy - ticks[0].contact.stored_energy;
         assert!((stored - accounts).abs() < 1e-9, "{tick:?}");
     }
-    // Back on, the motors answer for what follows, and for no more.
+    // With the motors on again, only later energy is attributed to them.
     control.rearm().store(true, Ordering::Release);
     let rearmed = control.tick();
     assert_eq!(rearmed.contact.held_leak, delivered);
@@ -53,24 +53,24 @@ fn what_passes_with_the_motors_off_is_not_created_by_held_forces() {
     );
 }
 
-/// Who takes the force off a loop that stands still.
+/// Component that removes the force of a stalled loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Cut {
     Nobody,
     Supervisor,
     Guardian,
-    /// The supervisor has stood still with the loop.
+    /// The supervisor stalled together with the loop.
     GuardianThenSupervisor,
 }
 
-/// The loop stands still for 3 s, and a force of 1 N is held until somebody takes it off.
+/// The loop stalls for 3 s, and a force of 1 N is held until it is removed.
 #[test]
 fn a_stall_counts_by_its_time_from_when_the_force_was_taken_off() {
     let us = Duration::from_micros;
     for (cut, held) in [
         (Cut::Nobody, 3_000_000),
         (Cut::Supervisor, 4500),
-        // Its limit at 1 kHz, as the supervisor's.
+        // Its limit at 1 kHz equals the supervisor's.
         (Cut::Guardian, 4000),
         (Cut::GuardianThenSupervisor, 4000),
     ] {
@@ -104,7 +104,7 @@ fn a_stall_counts_by_its_time_from_when_the_force_was_taken_off() {
         };
         assert_eq!(control.statistics().time, time, "{cut:?}");
         assert_eq!(listener.counted().time, time, "{cut:?}: a full ring");
-        // Back from then on; of 2002 ticks one had the motors off.
+        // The force is on again from there; of 2002 ticks one had the motors off.
         for _ in 0..3 {
             control.tick();
         }

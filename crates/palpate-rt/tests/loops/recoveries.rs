@@ -1,4 +1,4 @@
-//! A loop that loses its force again and again: when the motors stay off, and when not.
+//! Repeated loss of the force: conditions for a latched safety stop.
 
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -11,7 +11,7 @@ use palpate_rt::{Listener, Note, Told, tap};
 
 use crate::{Scripted, at, scripted};
 
-/// A loop at 1 kHz that presses a wall with 1 N, on a device that goes on with `script` afterwards.
+/// Creates a loop at 1 kHz that presses a wall with 1 N, on a device that continues with `script`.
 fn pressing(script: &[Step]) -> (Scripted, SteppedClock, Listener) {
     let mut steps = vec![at(-1.0), at(0.0), at(1.0), at(1.0)];
     steps.extend_from_slice(script);
@@ -37,7 +37,7 @@ fn tripped(listener: &mut Listener) -> Vec<Trip> {
     trips.collect()
 }
 
-/// Stands still for `stall` ms in each `each` ms, 40 times or until the motors stay off; how often it recovered by then.
+/// Stalls for `stall` ms in each `each` ms, 40 times or until the motors stay off. Returns the number of recoveries.
 fn frozen(control: &mut Scripted, clock: &SteppedClock, stall: u64, each: u64) -> usize {
     for recovered in 0..40 {
         clock.advance(Duration::from_millis(stall));
@@ -66,15 +66,15 @@ fn a_loop_that_is_frozen_again_and_again_leaves_its_motors_off_for_good() {
     assert_eq!(*last, Trip::TooManyRecoveries);
     assert_eq!(before, [Trip::Stalled; 8]);
     assert!(!last.is_passing());
-    // Somebody who rearms gets another eight.
+    // Rearming allows another eight recoveries.
     control.rearm().store(true, Ordering::Release);
     let back = (0..300).map(|_| control.tick()).last().unwrap();
     assert!((back.contact.force_on_device + 1.0).abs() < 1e-9);
     assert_eq!(frozen(&mut control, &clock, 25, 85), 7);
 }
 
-/// Who lets a loop stand still for long, on a machine that is busy, has said so: the renderer refuses samples after such a gap, and the
-/// force comes back.
+/// Limits with a long tolerated stall are meant for a busy machine: the renderer rejects samples after such a gap,
+/// and the force returns.
 #[test]
 fn outages_shorter_than_a_stall_that_is_allowed_never_count() {
     let patient = SafetyParams {
@@ -90,7 +90,7 @@ fn outages_shorter_than_a_stall_that_is_allowed_never_count() {
     assert!(control.statistics().refused > 0);
 }
 
-/// However often: a machine that is busy with other programs makes such stalls.
+/// Any number of brief stalls is allowed: other programs on a busy machine cause them.
 #[test]
 fn brief_stalls_never_count() {
     for stall in [6, 10, 19] {
@@ -104,14 +104,14 @@ fn brief_stalls_never_count() {
 
 #[test]
 fn stalls_that_come_seldom_do_not_add_up() {
-    // Of eight recoveries the first and the last are seven times as far apart, 2 s or more.
+    // The first and the last of eight recoveries are seven intervals apart, 2 s or more.
     let (mut control, clock, _listener) = pressing(&[]);
     assert_eq!(frozen(&mut control, &clock, 25, 287), 40);
     let (mut control, clock, _listener) = pressing(&[]);
     assert_eq!(frozen(&mut control, &clock, 25, 285), 7);
 }
 
-/// Samples that are missing, no numbers or too fast count as a loop that stands still does, if they are as many.
+/// Samples that are missing, not a number or too fast count like a stall of the same duration.
 #[test]
 fn outages_of_the_device_count_by_how_long_they_are() {
     let missing = Step::Fails(DeviceErrorKind::NothingNew);
@@ -135,7 +135,7 @@ fn outages_of_the_device_count_by_how_long_they_are() {
     }
 }
 
-/// A force that comes in within a second is never all there where it is lost each second.
+/// A force with a ramp of one second never reaches its full value if it is lost every second.
 #[test]
 fn with_a_longer_soft_start_recoveries_count_for_longer() {
     let trips = |soft_start: f64| {

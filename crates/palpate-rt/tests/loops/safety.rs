@@ -1,4 +1,4 @@
-//! Safety by itself: what it lets through.
+//! The safety layer without a loop.
 
 use palpate::Actuation;
 use palpate_device::Wrench;
@@ -9,7 +9,7 @@ use palpate_world::{
     Tool, World, WorldLoop, WorldRenderer,
 };
 
-/// A fresh sample a millisecond after the last.
+/// Creates a fresh sample one millisecond after the last.
 fn sample(position: [f64; 3], force: f64) -> Rendered {
     Rendered {
         elapsed: Some(0.001),
@@ -78,7 +78,7 @@ fn the_range_lies_along_the_axis_of_the_contact() {
         (0.0201, false),
     ] {
         let mut safety = Safety::new(limits, 0.001).unwrap();
-        // Wherever it is in the device's own frame.
+        // The position in the device's own frame does not matter.
         let verdict = safety.judge(&Rendered {
             coordinate,
             ..sample([0.3, -0.2, 0.1], 1.0)
@@ -96,7 +96,7 @@ fn of_two_trips_the_one_that_stays_is_kept() {
     assert_eq!(safety.trip(), Some(Trip::NotANumber));
     let outside = safety.judge(&sample([9.0; 3], 1.0));
     assert_eq!(outside.tripped, Some(Trip::OutsideWorkspace));
-    // One that passes does not take its place, and its passing lifts nothing.
+    // A self-clearing stop does not replace it, and its end lifts nothing.
     assert_eq!(safety.trip_on(Trip::Stalled).tripped, None);
     safety.missing();
     safety.missing();
@@ -116,7 +116,7 @@ fn missing_samples_that_do_not_follow_each_other_do_not_add_up() {
     assert_eq!(safety.trip(), Some(Trip::StaleSample));
 }
 
-/// A millijoule each 10 ms fades as fast as it comes; the same at once does not.
+/// A millijoule each 10 ms decays as fast as it arrives; the same energy at once does not.
 #[test]
 fn created_energy_counts_for_a_while_only() {
     let limits = SafetyParams {
@@ -124,7 +124,7 @@ fn created_energy_counts_for_a_while_only() {
             energy: 0.05,
             window: 0.2,
         },
-        // While a force comes in, what it creates does not count.
+        // Energy generated during a soft start does not count.
         soft_start: 0.0,
         ..SafetyParams::default()
     };
@@ -151,7 +151,7 @@ fn with(wrench: Wrench) -> Rendered {
     }
 }
 
-/// A force that is too long keeps its direction, and so does a torque; neither shortens the other.
+/// A force above its limit keeps its direction, and so does a torque; neither affects the other.
 #[test]
 fn what_is_too_long_keeps_its_direction() {
     let limits = SafetyParams {
@@ -178,7 +178,7 @@ fn what_is_too_long_keeps_its_direction() {
     for (given, wanted) in verdict.wrench.torque.iter().zip([0.0, -0.3, 0.4]) {
         assert!((given - wanted).abs() < 1e-15, "{verdict:?}");
     }
-    // Each component by itself would pass.
+    // Each component alone is within the limit.
     let diagonal = Wrench::of_force([9.0, 9.0, 9.0]);
     let [x, y, z] = safety.judge(&with(diagonal)).wrench.force;
     assert!((x * x + y * y + z * z - 100.0).abs() < 1e-12 && x == y && y == z);
@@ -216,7 +216,7 @@ fn a_wrench_that_changes_too_fast_goes_straight_to_the_new_one() {
     assert_eq!(before, wanted);
 }
 
-/// A loop that is late has had more time to change its force, and one that is early less.
+/// A late loop has had more time to change its force, and an early one less.
 #[test]
 fn the_slew_limit_goes_by_the_time_that_has_passed() {
     let limits = SafetyParams {
@@ -241,7 +241,7 @@ fn the_slew_limit_goes_by_the_time_that_has_passed() {
         assert!((now.force[0] - force).abs() < 1e-12, "{elapsed}: {now:?}");
         assert!((now.torque[2] - 0.01 * force).abs() < 1e-12, "{now:?}");
     }
-    // After an outage nobody knows how long there was no force: it begins as after a period.
+    // After an outage the time without a force is unknown: the change is limited as after one period.
     safety.trip_on(Trip::StaleSample);
     let back = safety.judge(&Rendered {
         elapsed: Some(0.1),
@@ -262,7 +262,7 @@ fn a_torque_that_is_no_number_is_none() {
     assert_eq!(verdict.wrench, Wrench::NONE);
 }
 
-/// The squares of such forces are none.
+/// The squares of such forces overflow.
 #[test]
 fn forces_of_any_size_are_shortened() {
     let mut safety = safety();
@@ -272,8 +272,8 @@ fn forces_of_any_size_are_shortened() {
     }
 }
 
-/// For any requested forces, consecutive ones differ by at most the slew limit times the period, except where a safety stop or a
-/// refused sample takes the force off.
+/// For any requested forces, consecutive ones differ by at most the slew limit times the period, except at a safety
+/// stop or a rejected sample.
 #[test]
 fn the_slew_limit_holds_in_soft_starts_and_recoveries() {
     const PERIOD: f64 = 0.001;
@@ -287,7 +287,7 @@ fn the_slew_limit_holds_in_soft_starts_and_recoveries() {
     };
     for soft_start in [0.0, 0.004, 0.05] {
         for gain in [0.5, 1.0, 2.0] {
-            // As `pipe` and the bindings have it: the slew limit is the rendering's, and the safety has none of its own.
+            // As in `pipe` and the bindings: the rendering has the slew limit, and the safety has none.
             let limits = SafetyParams::bounding(Some(20.0), None, soft_start);
             let safety = Safety::new(limits, PERIOD).unwrap();
             let mut safety = safety.rendering(&Actuation::default().with_gain(gain), of_loop);
@@ -321,7 +321,7 @@ fn the_slew_limit_holds_in_soft_starts_and_recoveries() {
     }
 }
 
-/// A point over a floor at 1 kHz, with limited forces, in a loop of the caller.
+/// Creates a point above a floor at 1 kHz, with limited forces, in a caller-owned loop.
 fn floor_within(force_limit: f64, stiffness: f64) -> BoundedWorld {
     let floor = Shape::HalfSpace {
         normal: [0.0, 0.0, 1.0],
@@ -342,8 +342,8 @@ fn floor_within(force_limit: f64, stiffness: f64) -> BoundedWorld {
     BoundedWorld::new(renderer, limits).unwrap()
 }
 
-/// A mass of 0.05 kg that a hand presses with 5 N on a floor at 1 kHz, in a loop of the caller; the tick of the safety stop
-/// and the energy that was created by the world's books.
+/// Renders a mass of 0.05 kg that a hand presses with 5 N on a floor at 1 kHz, in a caller-owned loop. Returns the
+/// tick of the safety stop and the generated energy of the world's ledger.
 fn pressed(stiffness: f64, ticks: usize) -> (Option<usize>, f64) {
     const PERIOD: f64 = 0.001;
     let mut world = floor_within(20.0, stiffness);
@@ -361,7 +361,7 @@ fn pressed(stiffness: f64, ticks: usize) -> (Option<usize>, f64) {
         let acceleration = (force - 5.0 - 2.0 * velocity) / 0.05;
         position += PERIOD * velocity + 0.5 * PERIOD * PERIOD * acceleration;
         velocity += PERIOD * acceleration;
-        // A hand that catches what falls.
+        // The hand catches the falling mass.
         position = position.max(-0.02);
     }
     let created = world.state().books().created();
@@ -380,8 +380,8 @@ fn a_bounded_world_that_creates_energy_is_stopped() {
     assert_eq!(stopped, None, "{created} J");
 }
 
-/// A hand that is stronger than the motor gets through its limit: nothing is created, though the contact stores more than the
-/// limited force takes in.
+/// A hand stronger than the motor presses through its limit: no energy is generated, though the contact stores more
+/// than the limited force takes in.
 #[test]
 fn a_press_through_the_force_limit_is_no_oscillation() {
     let mut world = floor_within(5.0, 1000.0);
@@ -392,7 +392,7 @@ fn a_press_through_the_force_limit_is_no_oscillation() {
         let held = world.step(&Sample::at(&[[0.0, 0.0, position]]));
         assert!(!held.bounded.stopped, "{tick}");
         most_in_books = most_in_books.max(world.state().books().created());
-        // Created by a held spring of 1 N/mm at speeds under 0.12 m/s: less than 2 mJ.
+        // Generated by a held spring of 1 N/mm at speeds under 0.12 m/s: less than 2 mJ.
         let created = world.created_energy();
         assert!(created.abs() < 2e-3, "{tick}: {created} J");
     }
@@ -400,8 +400,8 @@ fn a_press_through_the_force_limit_is_no_oscillation() {
     assert!(most_in_books > 0.25, "{most_in_books} J");
 }
 
-/// A ball of 0.1 kg that is thrown by a contact of up to 40 N, of which 5 N reach the device, gets more than the hand gives: it is
-/// the world that gives it, and the hand gets nothing of it.
+/// A ball of 0.1 kg is thrown by a contact of up to 40 N, of which 5 N reach the device. It gains more energy than
+/// the hand provides: the world provides the rest, and the hand gets none of it.
 #[test]
 fn a_ball_that_a_limited_force_throws_is_no_oscillation() {
     let mut ball = Body::new(

@@ -1,4 +1,4 @@
-//! Several devices in one loop: each within its own limits, and none with a force where one has none.
+//! Several devices in one loop: each within its own limits, and no device has a force if one has none.
 
 mod ends;
 
@@ -22,7 +22,7 @@ use crate::worlds::{length, scene};
 
 type Several<D = ScriptedDevice<SteppedClock>> = ControlLoop<D, SteppedClock, RenderedWorld>;
 
-/// A table of 1000 N/m under two points without friction: 1 N on each for each millimetre that it is below z = 0.
+/// A table of 1000 N/m under two points without friction: 1 N on each per millimetre below z = 0.
 const TWO_POINTS: &str = r#"
 format = 2
 [loop]
@@ -60,12 +60,12 @@ fn two_points() -> RenderedWorld {
     rendered(&scene, "basic")
 }
 
-/// Below the table by `millimetres`.
+/// Returns a step below the table by `millimetres`.
 fn down(millimetres: f64) -> Step {
     Step::At([0.0, 0.0, -millimetres * 1e-3])
 }
 
-/// Two points on the table, on devices that follow `scripts`.
+/// Creates two points on the table, on devices that follow `scripts`.
 fn scripted(scripts: [Vec<Step>; 2], limits: [SafetyParams; 2]) -> (Several, SteppedClock) {
     let clock = SteppedClock::new();
     let devices = scripts.into_iter().zip(limits).map(|(script, limits)| {
@@ -76,7 +76,7 @@ fn scripted(scripts: [Vec<Step>; 2], limits: [SafetyParams; 2]) -> (Several, Ste
     (control, clock)
 }
 
-/// The last force that each device was written along z [N].
+/// Returns the last written force of each device along z [N].
 fn written(control: &Several) -> [f64; 2] {
     let mut last = control.devices().map(|device| device.forces().last());
     [(); 2].map(|()| last.next().flatten().map_or(f64::NAN, |force| force[2]))
@@ -94,20 +94,20 @@ fn limits() -> SafetyParams {
     SafetyParams {
         workspace: Some([[-0.05; 3], [0.05; 3]]),
         largest_speed: 2.0,
-        // The clock is moved by hand: nothing here is late by itself.
+        // Nothing is late by itself, because the clock is stepped manually.
         tolerated_lateness: 0.0,
         ..SafetyParams::default()
     }
 }
 
-/// Samples that touch the table softly, and then stay `depth` millimetres in it.
+/// Returns samples that touch the table gradually and then stay `depth` millimetres in it.
 fn touching(depth: f64, samples: usize) -> Vec<Step> {
     let mut script = vec![down(-1.0), down(0.0)];
     script.resize(samples, down(depth));
     script
 }
 
-/// The pinch of two fingers, by both ways to render a world of several devices.
+/// The pinch grasp of two fingers, by both ways to render a world of several devices.
 #[test]
 fn forces_and_books_are_those_of_a_bounded_world() {
     let pinch = scene("pinch.toml");
@@ -228,7 +228,7 @@ fn each_device_has_its_own_limits() {
         }
         assert!(tick.flags.has(Flags::SAFETY_LIMITED));
     }
-    // A box of one device is none of the other.
+    // The workspace of one device does not apply to the other.
     let boxed = SafetyParams {
         workspace: Some([[-1.0, -1.0, -1e-3], [1.0; 3]]),
         ..unbounded
@@ -243,7 +243,7 @@ fn each_device_has_its_own_limits() {
     }
 }
 
-/// The table of `docs/realtime.md`, for each of two devices of which the other does nothing wrong.
+/// The table of `docs/realtime.md`, for each of two devices; the other device has no fault.
 #[test]
 fn a_fault_of_one_device_takes_the_force_off_both_and_is_named() {
     use DeviceErrorKind::{Disconnected, NothingNew, Refused};
@@ -286,7 +286,7 @@ fn a_fault_of_one_device_takes_the_force_off_both_and_is_named() {
                 control.tick();
                 assert!(until_none <= periods, "{case}: {:?}", written(&control));
                 let is_off = written(&control) == [0.0; 2];
-                // Both at once.
+                // Both lose their force in the same tick.
                 assert!(is_off || written(&control) == [1.0; 2], "{case}");
             }
             assert_eq!(until_none, periods, "{case}");
@@ -311,7 +311,7 @@ fn a_fault_of_one_device_takes_the_force_off_both_and_is_named() {
                 text,
                 format!("device `{name}`: {trip}; no device has a force")
             );
-            // It comes back softly on both, or stays off on both until somebody rearms.
+            // The force returns gradually on both, or stays off on both until the safety is rearmed.
             let still_there = if trip == Trip::TooFast { 0 } else { times - 1 };
             for _ in 0..still_there.saturating_sub(periods - 1) {
                 control.tick();
@@ -339,7 +339,7 @@ fn a_fault_of_one_device_takes_the_force_off_both_and_is_named() {
     }
 }
 
-/// Each has a sample now and then, and never both at once: after two periods nothing is held.
+/// The two devices have samples alternately, never both at once: after two periods no force is held.
 #[test]
 fn devices_whose_samples_are_missing_by_turns_hold_no_force() {
     let by_turns = |first: bool| {
@@ -365,7 +365,7 @@ fn devices_whose_samples_are_missing_by_turns_hold_no_force() {
     ));
 }
 
-/// A single sample that is missing costs nothing, and the renderer is told the time that has passed.
+/// A single missing sample has no effect, and the renderer gets the elapsed time.
 #[test]
 fn one_missing_sample_of_one_device_is_bridged() {
     for at_fault in [0, 1] {
@@ -406,7 +406,7 @@ fn the_supervisor_and_each_guardian_cut_all() {
         control.tick();
     }
     assert_eq!((written(&control), control.trip()), ([1.0; 2], None));
-    // The guardian of one device has taken its force off while the loop stood still.
+    // The watchdog of one device removed its force during the stall.
     for guardian in guardians {
         clock.oversleep_once(Duration::from_millis(5));
         guardian.store(true, Ordering::SeqCst);
@@ -420,7 +420,7 @@ fn the_supervisor_and_each_guardian_cut_all() {
     }
 }
 
-/// Two fingers on a stiff cube that is light, by the spring force of the sample: it buzzes.
+/// Two fingers on a light and stiff cube, with the spring force of the sample: it buzzes.
 #[test]
 fn created_energy_of_the_world_trips_once_for_all() {
     let mut pinch = scene("pinch.toml");
@@ -456,7 +456,7 @@ fn created_energy_of_the_world_trips_once_for_all() {
         .filter(|noted| matches!(noted.note, Note::Oscillated { .. }))
         .collect();
     assert_eq!(oscillated.len(), 1, "{told:?}");
-    // It is said of the world, and of no device.
+    // The event concerns the world and no device.
     assert_eq!(oscillated[0].device, None);
 }
 
@@ -477,7 +477,7 @@ fn a_loop_has_a_device_for_each_tool() {
     );
 }
 
-/// A recording has each device, and a loop with one device none of that.
+/// A recording contains each device; that of a loop with one device has no such data.
 #[test]
 fn a_listener_hears_of_each_device() {
     let (control, _) = scripted([touching(1.0, 20), touching(2.0, 20)], [wide(); 2]);

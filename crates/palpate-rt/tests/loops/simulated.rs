@@ -1,4 +1,4 @@
-//! What the loop makes of a virtual device is what the simulator makes of it.
+//! Agreement of the loop on a virtual device with the simulator.
 
 use std::time::Duration;
 
@@ -12,8 +12,8 @@ use palpate_sim::device::SimulatedDevice;
 
 use crate::{scene, simulated, wide};
 
-/// A clock of whole nanoseconds cuts 0.02 s into the same periods as a number does, to within
-/// rounding: loops that are not chaotic follow.
+/// A clock of whole nanoseconds divides 0.02 s into the same periods as a floating-point number, up to rounding:
+/// loops that are not chaotic agree.
 #[test]
 fn it_is_the_loop_of_the_simulator() {
     for name in [
@@ -75,8 +75,8 @@ fn a_device_with_a_delay_holds_its_forces_later() {
     assert!(held.iter().any(|force| *force != 0.0));
 }
 
-/// A renderer that is told of a fraction of a period, a lag or a gain books what was sent, when it acts:
-/// in the loop as on the bench. Both of the limits count, the motor's and that of safety.
+/// With a modelled fraction of a period, lag or gain the renderer's ledger contains the sent force when it acts, in
+/// the loop and in the simulator. The limits of both the motor and the safety apply.
 #[test]
 fn a_renderer_that_is_told_how_forces_act_hears_what_was_sent() {
     let period = scene("experiment1.toml").loop_params.period;
@@ -101,7 +101,7 @@ fn a_renderer_that_is_told_how_forces_act_hears_what_was_sent() {
                 "{delay:?} {lag} {gain} {limit}"
             );
             let by_motor = simulated(&weak, MethodName::Coupled, wide());
-            // The motor clips the command, and the safety also what the gain makes of it.
+            // The motor clips the command, and the safety also the command times the gain.
             let safe = SafetyParams {
                 largest_force: (limit * gain.max(1.0)).min(1e6),
                 ..wide()
@@ -126,7 +126,7 @@ fn a_renderer_that_is_told_how_forces_act_hears_what_was_sent() {
     }
 }
 
-/// A cut holds from its own instant on, not from when the loop finds out.
+/// A cut takes effect at its own instant, not when the loop detects it.
 #[test]
 fn a_simulated_device_that_is_cut_holds_no_force_from_then_on() {
     let scene = scene("wall.toml");
@@ -141,7 +141,7 @@ fn a_simulated_device_that_is_cut_holds_no_force_from_then_on() {
     zero.write_zero();
     devices[1].write([0.0; 3].into()).unwrap();
     clock.advance(Duration::from_millis(5));
-    // It was done; a second time changes nothing.
+    // The force is already cut; a second cut changes nothing.
     zero.write_zero();
     clock.advance(Duration::from_millis(2));
     let positions = devices.each_mut().map(|device| {

@@ -1,4 +1,4 @@
-//! Time as devices stamp it, and time as runs take it.
+//! Time stamps of devices, and durations of runs.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -12,7 +12,7 @@ use palpate_scene::method::MethodName;
 
 use crate::{at, scene, scripted, wide};
 
-/// A device that is pressed into the wall, and whose stamps are `ahead` of the clock for a while.
+/// A device pressed into the wall, whose time stamps are `ahead` of the clock for a while.
 struct Stamps {
     device: NullDevice<SteppedClock>,
     ahead: Duration,
@@ -53,7 +53,7 @@ fn stamps(ahead: Duration) -> (ControlLoop<Stamps, SteppedClock>, Arc<AtomicUsiz
     (control, wrong)
 }
 
-/// Believed, it would make every later sample an old one: no force until the clock is there.
+/// Accepting the stamp would make every later sample outdated: no force until the clock reaches it.
 #[test]
 fn a_time_stamp_far_ahead_is_no_sample_and_mutes_nothing() {
     for ahead in [
@@ -76,7 +76,7 @@ fn a_time_stamp_far_ahead_is_no_sample_and_mutes_nothing() {
             assert!(forces[1..].iter().all(|force| *force == 0.0), "{forces:?}");
             let stale = (times > 1).then_some(Trip::StaleSample);
             assert_eq!(control.trip(), stale, "{ahead:?}");
-            // The next good one counts, and the time since the one before is what it was.
+            // The next valid sample counts, and the elapsed time is counted from the last valid one.
             let next = control.tick();
             assert_eq!(next.contact.force_on_device, -2.0, "{ahead:?}");
             let periods = next.tick.period / control.period().as_secs_f64();
@@ -92,7 +92,7 @@ fn a_time_stamp_far_ahead_is_no_sample_and_mutes_nothing() {
     }
 }
 
-/// A clock that is read a little later than the device's is no reason to lose a sample.
+/// A clock that is read slightly later than the device's causes no lost sample.
 #[test]
 fn a_time_stamp_a_little_ahead_is_a_sample() {
     let (mut control, wrong) = stamps(Duration::from_micros(100));
@@ -111,7 +111,7 @@ fn a_run_that_misses_deadlines_takes_as_long_as_it_was_to_take() {
     assert_eq!(clock.now(), Duration::from_millis(49));
     let statistics = control.statistics();
     assert_eq!((statistics.ticks, statistics.missed_deadlines), (30, 20));
-    // One that stands still beyond its end ends then.
+    // A stall beyond the end of the run ends it.
     let (mut control, clock) = scripted(vec![at(1.0)], wide());
     clock.oversleep_once(Duration::from_secs(1));
     assert_eq!(control.run(&StopFlag::new(), Some(50)), Ending::Complete);

@@ -1,4 +1,4 @@
-//! Worlds that take the place of each other while the loop runs, on a clock that is moved by hand.
+//! Replacement of worlds while the loop runs, on a manually stepped clock.
 
 use palpate_device::Vector;
 use palpate_device::clock::SteppedClock;
@@ -15,7 +15,7 @@ use crate::wide;
 
 type Loop = ControlLoop<SpatialDevice<SteppedClock>, SteppedClock, ChangingWorld>;
 
-/// A ball that flies above a floor, beside a device that a hand presses into the floor.
+/// A ball that flies above a floor, and a device that a hand presses into the floor.
 fn scene() -> WorldScene {
     let text = r#"
 format = 2
@@ -178,7 +178,7 @@ fn a_body_keeps_its_velocities_under_another_mass_and_one_described_elsewhere_is
         control.tick();
         alone.tick();
         let (now, then) = (ball(&control), ball(&alone));
-        // Nothing pulls it any more. It turns as one of another mass and the same shape does.
+        // No force acts on it any more. It rotates like a body of the same shape; the mass does not matter.
         assert_near(
             now.0,
             [0, 1, 2].map(|axis| before.0[axis] + 0.002 * before.1[axis]),
@@ -186,7 +186,7 @@ fn a_body_keeps_its_velocities_under_another_mass_and_one_described_elsewhere_is
         assert_near(now.1, before.1);
         assert_near(now.2, then.2);
 
-        // Overtaken by the next before a tick takes it: the ball is where both describe it.
+        // The next world replaces this one before a tick takes it: the ball is at the position that both describe.
         other.world.bodies[1].position = [0.1, 0.2, 0.3];
         for stiffness in [700.0, 800.0] {
             other.world.contacts[0].law.stiffness = stiffness;
@@ -194,13 +194,14 @@ fn a_body_keeps_its_velocities_under_another_mass_and_one_described_elsewhere_is
             worlds.change(other.world.clone(), world).unwrap();
         }
         control.tick();
-        // A period of 2 ms from there on.
+        // One period of 2 ms from there.
         assert_near(ball(&control).0, [0.1, 0.2 + 0.002 * 0.1, 0.3]);
         assert_eq!(control.rendered().world().state().tools().len(), 1);
     }
 }
 
-/// Another method begins with a device at rest; bodies and the account of energy go on, and the force passes over.
+/// Another method starts with a device at rest; bodies and energy ledger continue, and the force changes over
+/// gradually.
 #[test]
 fn another_method_passes_over_without_a_step() {
     let scene = scene();

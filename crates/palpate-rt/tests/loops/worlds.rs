@@ -1,4 +1,4 @@
-//! A world in the loop: what it makes of a device in space, and what keeps its forces safe.
+//! A world in the loop: motion of a device in space, and safety of its forces.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ use crate::wide;
 type InSpace = ControlLoop<SpatialDevice<SteppedClock>, SteppedClock, RenderedWorld>;
 type Scripted = ControlLoop<ScriptedDevice<SteppedClock>, SteppedClock, RenderedWorld>;
 
-/// A scene of `experiments/worlds`.
+/// Loads a scene of `experiments/worlds`.
 pub(crate) fn scene(name: &str) -> WorldScene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../experiments/worlds")
@@ -40,8 +40,7 @@ fn in_space(scene: &WorldScene, method: &'static str, limits: SafetyParams) -> I
     ControlLoop::of_world(device, clock, world, limits).unwrap()
 }
 
-/// A table of 1000 N/m, touched from above by a point without friction: 1 N for each millimetre that it is below
-/// z = 0.
+/// A table of 1000 N/m, touched from above by a point without friction: 1 N per millimetre below z = 0.
 const TABLE: &str = r#"
 format = 2
 [loop]
@@ -65,7 +64,7 @@ fn table() -> WorldScene {
     WorldFile::parse("table.toml", TABLE).unwrap().scene
 }
 
-/// The table under a device that follows `script`, by the plain spring force.
+/// Creates a loop with the table on a device that follows `script`, with the plain spring force.
 fn scripted(script: Vec<Step>, frame: WorldFrame, limits: SafetyParams) -> Scripted {
     let clock = SteppedClock::new();
     let device = ScriptedDevice::new(clock.clone(), 3, script);
@@ -94,7 +93,7 @@ fn it_is_the_loop_of_the_simulator_in_three_dimensions() {
                 .iter()
                 .fold(0.1, |most: f64, force| most.max(length(*force)));
             let mut worst: f64 = 0.0;
-            // A force begins with its sample: the simulator's next position is what it makes of it.
+            // A force starts with its sample: the simulator's next position results from it.
             for (sample, positions) in expected.positions.iter().enumerate().take(60) {
                 let place = control.device().position();
                 let tick = control.tick().tick;
@@ -115,7 +114,7 @@ fn it_is_the_loop_of_the_simulator_in_three_dimensions() {
 
 #[test]
 fn a_force_limit_is_the_length_of_a_vector() {
-    // Into a corner: 9 N along each axis would be 15.6 N.
+    // In a corner: 9 N along each axis would be 15.6 N.
     let mut corner = table();
     for (axis, name) in ["wall-x", "wall-y"].iter().enumerate() {
         let mut wall = corner.world.bodies[0].clone();
@@ -156,7 +155,7 @@ fn a_force_limit_is_the_length_of_a_vector() {
     let limited = pressed(limits);
     let force = limited.commanded_force;
     assert!((length(force) - 5.0).abs() < 1e-12, "{force:?}");
-    // In its direction.
+    // The direction is kept.
     assert!(force.iter().all(|part| (part - force[0]).abs() < 1e-12));
     assert!(limited.flags.has(Flags::SAFETY_LIMITED));
 }
@@ -230,7 +229,7 @@ fn a_tick_tells_its_contacts_and_the_bodies_that_move() {
     for _ in 0..99 {
         row = control.tick();
     }
-    // The block on the table by four corners, and perhaps the tool.
+    // The block on the table by four corners, and possibly the tool.
     assert!(
         (4..=9).contains(&row.tick.contacts),
         "{}",
@@ -248,7 +247,7 @@ fn a_tick_tells_its_contacts_and_the_bodies_that_move() {
         .sum();
     assert!((lifted.abs() - 0.4905).abs() < 0.2, "{lifted} N");
     let numbers: Vec<u32> = bodies.iter().map(|body| body.body).collect();
-    // The table is fixed; the avatar stands behind both bodies.
+    // The table is fixed; the proxy state follows both bodies.
     assert_eq!(numbers, [0, 2]);
     let place = control.device().position();
     assert!(
@@ -260,7 +259,7 @@ fn a_tick_tells_its_contacts_and_the_bodies_that_move() {
 
 #[test]
 fn forces_that_create_energy_trip_and_exact_ones_do_not() {
-    // A ball on a paddle by the spring force at the sample gains energy with every bounce.
+    // A ball on a paddle with the spring force of the sample gains energy at every bounce.
     let mut juggled = scene("paddle.toml");
     juggled.timing.period = 0.004;
     let runs = |method| {
@@ -304,7 +303,7 @@ fn the_device_in_space_gives_what_it_was_told() {
     assert_eq!(held.force, [1.0, -2.0, 0.5]);
 }
 
-/// A device of six axes in the loop moves and turns as the simulator's does.
+/// A six-axis device in the loop moves and rotates like the simulator's.
 #[test]
 fn six_axes_in_the_loop_are_those_of_the_simulator() {
     for (name, torque) in [("box.toml", 1e-2), ("peg.toml", 1e-3)] {
@@ -351,7 +350,8 @@ fn a_tool_that_turns_needs_a_device_that_turns_with_the_axes_of_the_world() {
     assert_eq!(refused.unwrap_err(), SetupError::TurnedFrame);
 }
 
-/// Most devices with a stylus measure six axes and push along three: for a tool that its hand turns that is enough.
+/// Most devices with a stylus measure six axes and give a force along three. This is sufficient for a tool that only
+/// the hand rotates.
 #[test]
 fn a_stylus_needs_a_device_that_measures_how_it_is_turned() {
     let scene = scene("stylus.toml");
@@ -381,7 +381,7 @@ fn a_stylus_needs_a_device_that_measures_how_it_is_turned() {
     }
     assert!(force > 1.0 && turned > 0.1, "{force} {turned}");
 
-    // The same device is none for a tool that feels a torque.
+    // The same device is rejected for a tool with a torque.
     let mut felt = scene.clone();
     felt.world.tools[0].gives_torque = true;
     let clock = SteppedClock::new();
@@ -392,7 +392,7 @@ fn a_stylus_needs_a_device_that_measures_how_it_is_turned() {
     assert_eq!(refused.err(), Some(SetupError::SixAxes));
 }
 
-/// What the guard lets pass is what the loop commands, and the recording says so.
+/// The loop commands the force limited by the guard, and the recording contains it.
 #[test]
 fn the_guard_of_a_world_acts_in_the_loop() {
     let mut scene = scene("box.toml");
@@ -415,7 +415,7 @@ fn the_guard_of_a_world_acts_in_the_loop() {
     });
     let (guarded, kept) = forces(&scene);
     let first = guarded.unwrap();
-    // Up to there both loops are one. Nothing has been put in yet: 0.5 mJ over 1 ms, against 1 m/s and 10 rad/s.
+    // Both loops agree up to there. No energy has been put in yet: 0.5 mJ over 1 ms, against 1 m/s and 10 rad/s.
     assert_eq!(open[..first], kept[..first]);
     println!("{} W in place of {} W", kept[first], open[first]);
     assert!(open[first] > 0.5 && kept[first] < 0.55, "{kept:?}");

@@ -40,7 +40,8 @@ pub(super) struct RawDevice {
     tool: Spanned<RawShape>,
 }
 
-/// By how much a vector may leave the axes of its device, of its largest part: decimal fractions are rounded.
+/// Largest component of a vector outside the axes of its device, relative to its largest component: decimal fractions
+/// are rounded.
 const MOST_BEYOND: f64 = 1e-6;
 
 impl Reading {
@@ -102,7 +103,7 @@ impl Reading {
                     (Some(_), Some(_)) => "a device has either mass_kg or mass_table",
                     _ => "a device needs either mass_kg or mass_table",
                 };
-                // What stands for neither may be a key that was at fault.
+                // The missing key may itself have been faulty.
                 if !self.damaged.contains(&format!("device.{index}")) {
                     self.fault(span, message);
                 }
@@ -142,7 +143,7 @@ impl Reading {
         (tool, device)
     }
 
-    /// A mass along each axis, infinite along those that the device lacks.
+    /// Returns the mass along each axis; infinite along missing axes of the device.
     fn mass(&mut self, mass: &Spanned<PerAxis>, known: Option<[bool; 3]>) -> Vector {
         if mass.get_ref().given().contains(&f64::INFINITY) {
             let message = "mass_kg is inf: name in `axes` the axes that the device has, such as axes = [\"x\", \"y\"], and give \
@@ -154,7 +155,8 @@ impl Reading {
         self.per_axis("mass_kg", mass, Range::Positive, (known, elsewhere))
     }
 
-    /// What would move a tool along an axis that its device lacks is a mistake: nothing does. `held` is what may stand there.
+    /// Rejects a value that would move a tool along an axis that its device lacks. `held` is the value that is allowed
+    /// there.
     fn nothing_elsewhere(
         &mut self,
         key: &str,
@@ -203,7 +205,7 @@ impl Reading {
         }
     }
 
-    /// How a device of six axes turns: one that has an inertia.
+    /// Reads the rotation of a six-axis device, which has an inertia.
     fn turning(
         &mut self,
         index: usize,
@@ -220,7 +222,7 @@ impl Reading {
         let angular_velocity = raw.angular_velocity_rad_per_s.take();
         let gives_torque = raw.gives_torque.take();
         let Some(inertia) = raw.inertia_kg_m2.take() else {
-            // It has been said to be at fault; these are not.
+            // The inertia has already been reported; the other keys are valid.
             if self.lost_its_inertia(index) {
                 return None;
             }

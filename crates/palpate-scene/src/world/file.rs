@@ -25,9 +25,9 @@ use super::{Coupling, WorldActuator, WorldDevice, WorldRender, WorldScene, World
 use crate::fault::{SceneError, SceneErrors, Span};
 use crate::{period_question, recover};
 
-/// The version of scene files that say a world.
+/// Format version of scene files that describe a world.
 pub(crate) const WORLD_FORMAT: i64 = 2;
-/// How long a world is looked at where no file says it `[s]`.
+/// Default duration of a world `[s]`.
 const DURATION: f64 = 0.5;
 
 #[derive(Deserialize)]
@@ -110,7 +110,7 @@ struct RawMeasure {
     duration_s: Option<Spanned<f64>>,
 }
 
-/// A world read from a file, which still knows where its parts stand.
+/// A world read from a file, with the spans of its parts.
 #[derive(Clone, Debug)]
 pub struct WorldFile {
     /// The world and its loop.
@@ -132,7 +132,7 @@ impl WorldFile {
         })
     }
 
-    /// Whether the text of a file has bodies or several devices as a world has, and says no format.
+    /// Returns whether the text of a file has bodies or several devices, as a world has, but no format.
     pub(crate) fn lacks_its_format(source: &str) -> bool {
         DeTable::parse(source).is_ok_and(|table| {
             let is_list = |key: &str| {
@@ -150,19 +150,19 @@ impl WorldFile {
         })
     }
 
-    /// Reads a world from the text of a file called `name`. Files of meshes are looked for beside that file.
+    /// Reads a world from the text of a file called `name`. Mesh files are read from that file's folder.
     ///
     /// # Errors
-    /// Every fault, each with its line and column and with what is allowed.
+    /// All errors, each with its line, its column and the allowed values.
     pub fn parse(name: &str, source: &str) -> Result<Self, SceneErrors> {
         let folder = Path::new(name).parent().unwrap_or(Path::new(""));
         Self::parse_in(name, source, folder)
     }
 
-    /// Reads a world from a text that is called `name`. Files of meshes are looked for in `folder`.
+    /// Reads a world from a text that is called `name`. Mesh files are read from `folder`.
     ///
     /// # Errors
-    /// As those of [`parse`](Self::parse).
+    /// Those of [`parse`](Self::parse).
     pub fn parse_in(name: &str, source: &str, folder: &Path) -> Result<Self, SceneErrors> {
         let left = recover::read::<RawFile>(source);
         let mut reading = Reading {
@@ -191,8 +191,8 @@ impl WorldFile {
         }
     }
 
-    /// A line on each mesh that was read from a file of its own: its size, and what was left out of it. One on a world
-    /// without contacts or bodies, and on a period that is likely to be in milliseconds.
+    /// Returns one line for each mesh that was read from a file: its size and its omitted parts. Further lines report a
+    /// world without contacts or bodies, and a period that is probably in milliseconds.
     #[must_use]
     pub fn notes(&self) -> &[String] {
         &self.notes
@@ -206,13 +206,13 @@ impl WorldFile {
     }
 }
 
-/// What has been read so far: where it stands, and what is wrong with it.
+/// A partially read world, with its source spans and errors.
 pub(super) struct Reading {
     pub(super) places: WorldPlaces,
     faults: Vec<(Span, String)>,
     /// Notes on meshes, on a world without contacts or bodies, and on its period.
     notes: Vec<String>,
-    /// Where files of meshes are looked for.
+    /// Folder of mesh files.
     folder: PathBuf,
     /// Tables that keys at fault were taken out of.
     pub(super) damaged: HashSet<String>,
@@ -291,7 +291,7 @@ impl Reading {
             bodies,
             contacts,
         };
-        // Where a part is missing because its keys are at fault, what refers to that part is not at fault.
+        // If a part is missing because its keys are faulty, references to it are not faults.
         let whole = ["device", "body", "contact", "joint"].map(|part| self.damaged.contains(part));
         let errors = if whole.contains(&true) {
             None
@@ -300,7 +300,7 @@ impl Reading {
         };
         for error in errors.into_iter().flatten() {
             let span = self.places.of(error.part, error.field);
-            // A number that was wrong by itself has been said with its key.
+            // An invalid number has already been reported at its key.
             if !self.faults.iter().any(|(other, _)| *other == span) {
                 self.fault(span, error.to_string());
             }
@@ -319,7 +319,7 @@ impl Reading {
         }
     }
 
-    /// Delay, lag and gain, `otherwise` where nothing is said.
+    /// Returns delay, lag and gain, each with a default from `otherwise`.
     fn actuator(
         &mut self,
         [delay, lag, gain]: [Option<Spanned<f64>>; 3],
@@ -350,7 +350,7 @@ impl Reading {
             self.places
                 .take(WorldPart::Method, Field::Damping, damping.clone());
         }
-        // Of each device along the axes that it has.
+        // Values along the axes of each device.
         let told_mass = raw.device_mass_kg.as_ref();
         let mut masses: Vec<_> = devices.iter().map(|device| device.mass).collect();
         for (number, mass) in masses.iter_mut().enumerate() {
@@ -430,7 +430,7 @@ impl Reading {
         }
     }
 
-    /// The shape of what has this name.
+    /// Returns the shape of the item with this name.
     pub(super) fn shape(&mut self, place: WorldPart, name: &str, raw: Spanned<RawShape>) -> Shape {
         self.places.take(place, Field::Shape, raw.clone());
         for (key, length) in raw.get_ref().lengths() {
@@ -463,7 +463,7 @@ impl Reading {
                 read.shape
             }
             Err(message) => {
-                // A shape that a key was taken out of has been said to be at fault.
+                // A shape with a removed key has already been reported.
                 let table = match place {
                     WorldPart::Tool(number) => format!("device.{number}.tool"),
                     WorldPart::Body(number) => format!("body.{number}.shape"),

@@ -1,4 +1,4 @@
-//! The bound on the energy that the forces of a world give out, as a file says it.
+//! Bound on the energy output of a world's forces, as read from a file.
 
 use palpate::Range;
 use palpate_world::{WorldField, WorldGuard, WorldGuardParams, WorldPart};
@@ -8,7 +8,7 @@ use toml::Spanned;
 use super::file::Reading;
 use crate::guard::{GUARD_SPEED, GuardMode};
 
-/// Turning of a device that a guard reckons with where none is stated `[rad/s]`: that of a brisk wrist.
+/// Default angular speed of a guard `[rad/s]`: a brisk wrist.
 pub const GUARD_TURNING: f64 = 10.0;
 /// Allowance of a world's guard where none is stated `[J]`.
 pub const WORLD_GUARD_ALLOWANCE: f64 = 0.05;
@@ -35,7 +35,7 @@ impl GuardMode {
     }
 }
 
-/// What a guard reckons with where nothing else is stated.
+/// Returns the default guard parameters.
 #[must_use]
 pub fn usual_guard() -> WorldGuardParams {
     WorldGuardParams {

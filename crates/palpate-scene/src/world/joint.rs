@@ -7,7 +7,7 @@ use toml::Spanned;
 use super::file::Reading;
 use super::shape::unit;
 
-/// What a joint calls what is no body.
+/// Name of the world as a joint's counterpart.
 const WORLD: &str = "world";
 
 #[derive(Clone, Copy, Deserialize)]

@@ -15,8 +15,8 @@ use super::{obj, stl};
 /// Most squares along an edge of the cube of a bumpy sphere: more have more triangles than a mesh may have.
 const MOST_CELLS: u32 = 288;
 
-/// Keys of a mesh: one of `file`, `vertices_m` with `faces`, `bumpy_sphere` and `revolved`, and by what it touches other shapes
-/// than spheres.
+/// Keys of a mesh: one of `file`, `vertices_m` with `faces`, `bumpy_sphere` and `revolved`, and its representation for
+/// contacts with shapes other than spheres.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawMesh {
@@ -101,15 +101,15 @@ impl Scale {
     }
 }
 
-/// A mesh, and what a user may want to know of it.
+/// A mesh, with a note for the user.
 pub(super) struct ReadMesh {
     pub shape: Shape,
-    /// Of a mesh from a file its size, of one that somebody made what was left out of it and whether it is open.
+    /// For a mesh from a file, its size; for a user-made mesh, its omitted parts and whether it is open.
     pub note: Option<String>,
 }
 
 impl RawMesh {
-    /// The mesh; files are looked for in `folder`.
+    /// Reads the mesh; file names are relative to `folder`.
     pub fn read(&self, folder: &Path) -> Result<ReadMesh, String> {
         let sources = [
             self.file.is_some(),
@@ -129,7 +129,7 @@ impl RawMesh {
         if self.file.is_some() {
             words.insert(0, extent_in_words(&mesh));
         }
-        // A formula gives no triangle to leave out, and says itself whether it closes.
+        // A formula produces only valid triangles and determines itself whether the mesh is closed.
         if self.file.is_some() || self.vertices_m.is_some() {
             words.extend(unusual(&mesh));
         }
@@ -204,7 +204,7 @@ pub(super) struct RawHull {
 }
 
 impl RawHull {
-    /// The hull; files are looked for in `folder`.
+    /// Reads the hull; file names are relative to `folder`.
     pub fn read(&self, folder: &Path) -> Result<ReadMesh, String> {
         // A simplification by `within_m` needs no note.
         let mut left_out = None;
@@ -414,7 +414,7 @@ fn size_in_words(points: &[Vector]) -> String {
     format!("{x:.4} x {y:.4} x {z:.4} mm")
 }
 
-/// A mesh's number of triangles and its size, in words.
+/// Describes a mesh's number of triangles and its size.
 fn extent_in_words(mesh: &Mesh) -> String {
     let size = size_in_words(&mesh.vertices());
     let count = mesh.faces().len();
@@ -422,7 +422,7 @@ fn extent_in_words(mesh: &Mesh) -> String {
     format!("{count} triangle{plural}, {size}")
 }
 
-/// What is unusual about a mesh that somebody made.
+/// Returns notes on unusual properties of a user-made mesh.
 fn unusual(mesh: &Mesh) -> Vec<String> {
     let mut words = Vec::new();
     if mesh.dropped() > 0 {
@@ -452,7 +452,7 @@ fn unusual(mesh: &Mesh) -> Vec<String> {
     words
 }
 
-/// The direction into which most of a mesh's area faces, in words.
+/// Describes the direction that most of a mesh's area faces.
 fn facing(mesh: &Mesh) -> String {
     let vertices = mesh.vertices();
     let mut sum = [0.0; 3];

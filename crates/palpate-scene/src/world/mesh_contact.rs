@@ -1,4 +1,5 @@
-//! By what a mesh touches other shapes than spheres: a shell of points, and a grid of distances, which may be kept in a file.
+//! Representations of a mesh for contacts with shapes other than spheres: a shell of points, and a distance grid that
+//! may be saved in a file.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -16,7 +17,7 @@ pub(super) struct RawShell {
 }
 
 impl RawShell {
-    /// The mesh with the shell, and the shell in words.
+    /// Returns the mesh with the shell, and a description of the shell.
     pub fn onto(self, mesh: Mesh) -> Result<(Mesh, String), String> {
         let shell = PointShell::over(&mesh, self.points);
         let shell = match self.shared_by {
@@ -43,8 +44,8 @@ pub(super) struct RawDistanceGrid {
 }
 
 impl RawDistanceGrid {
-    /// The mesh with the grid, and the grid in words. A file is looked for in `folder`; where it has the grid of another mesh
-    /// or spacing, or there is none, the grid is made and kept there.
+    /// Returns the mesh with the grid, and a description of the grid. The grid file is relative to `folder`. If it is
+    /// missing, or belongs to another mesh or spacing, the grid is computed and saved there.
     pub fn onto(&self, mesh: Mesh, folder: &Path) -> Result<(Mesh, String), String> {
         let spacing = self.spacing_m;
         let make = || DistanceGrid::of(&mesh, spacing).map_err(|error| error.to_string());
@@ -86,7 +87,7 @@ impl RawDistanceGrid {
     }
 }
 
-/// A file in a folder or below. A scene may come from somebody else: what it has written stays with it.
+/// Returns the path of a file in a folder or below. A scene may be untrusted, so it must not write elsewhere.
 fn beside(folder: &Path, name: &str) -> Result<PathBuf, String> {
     let is_below = |part| matches!(part, Component::Normal(_) | Component::CurDir);
     let has_name = Path::new(name).file_name().is_some();
@@ -113,9 +114,9 @@ fn beside(folder: &Path, name: &str) -> Result<PathBuf, String> {
     Ok(path)
 }
 
-/// What a file has.
+/// Content of a grid file.
 enum Kept {
-    /// The grid that is asked for.
+    /// The requested grid.
     Grid(Box<DistanceGrid>),
     /// The grid of another mesh or spacing.
     OfAnother,

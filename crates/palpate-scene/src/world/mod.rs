@@ -27,19 +27,19 @@ use palpate_world::{Quaternion, Vector, World, WorldGuard};
 pub struct WorldScene {
     /// A line for tables and figures.
     pub title: String,
-    /// What there is: tools, bodies and contacts. A tool for each device.
+    /// Tools, bodies and contacts; one tool for each device.
     pub world: World,
     /// The devices, in the order of their tools.
     pub devices: Vec<WorldDevice>,
     /// The loop.
     pub timing: WorldTiming,
-    /// What the renderer is asked and told.
+    /// Method, settings and model values of the renderer.
     pub render: WorldRender,
-    /// How long to look `[s]`.
+    /// Duration `[s]`.
     pub duration: f64,
 }
 
-/// A device and the hand that holds it. Its axes are those of the world, or some of its own.
+/// A device and its hand. Its axes are those of the world or its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldDevice {
     /// Its axes, unit vectors at right angles along the world's: mass, quantum and tremor are along them, positions, velocities and
@@ -57,7 +57,7 @@ pub struct WorldDevice {
     pub quantum: Vector,
     /// The hand.
     pub hand: WorldHand,
-    /// How it turns; `None` for a device of three axes.
+    /// Rotation; `None` for a three-axis device.
     pub turning: Option<DeviceTurning>,
 }
 
@@ -89,7 +89,7 @@ impl WorldDevice {
     }
 }
 
-/// How a device of six axes turns, about the centre of mass.
+/// Rotation of a six-axis device about its centre of mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeviceTurning {
     /// Moments of inertia along the tool's axes, each above 0 `[kg m^2]`.
@@ -106,7 +106,7 @@ pub struct DeviceTurning {
     pub hand: TurningHand,
 }
 
-/// How a hand turns its device.
+/// Torque, spring and damper of a hand that turns its device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TurningHand {
     /// Constant torque along the world's axes `[N m]`.
@@ -130,7 +130,7 @@ pub struct WorldHand {
     pub stiffness: f64,
     /// Damping of the hand, at least 0 `[N s/m]`.
     pub damping: f64,
-    /// Where the spring pulls to `[m]`.
+    /// Rest position of the spring `[m]`.
     pub rest: Vector,
     /// Tremor of the hand.
     pub tremor: Tremor,
@@ -146,16 +146,16 @@ pub struct Tremor {
     pub frequency_hz: f64,
 }
 
-/// How the loop samples and how its commands act.
+/// Sampling of the loop, and timing of its commands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldTiming {
     /// Time between two samples, above 0 `[s]`.
     pub period: f64,
-    /// How the actuators give what is commanded.
+    /// Models of the actuators.
     pub actuator: WorldActuator,
 }
 
-/// How the actuators of all devices give what is commanded.
+/// Delay, lag and gain of the actuators of all devices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldActuator {
     /// Time from a sample to the moment at which the command that answers it begins to act `[s]`.
@@ -166,32 +166,31 @@ pub struct WorldActuator {
     pub gain: f64,
 }
 
-/// A virtual coupling between device and avatar, as far as a file says it.
+/// A virtual coupling between device and proxy; missing keys are `None`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Coupling {
     /// Stiffness, of `god-object` too `[N/m]`.
     pub stiffness: Option<f64>,
-    /// Mass of the avatar `[kg]`.
+    /// Proxy mass `[kg]`.
     pub mass: Option<f64>,
     /// Stiffness of its turning `[N m/rad]`.
     pub rotational_stiffness: Option<f64>,
-    /// Moment of inertia of the avatar about any axis `[kg m^2]`.
+    /// Moment of inertia of the proxy about any axis `[kg m^2]`.
     pub inertia: Option<f64>,
 }
 
-/// What the renderer is asked and told.
+/// Method, settings and model values of the renderer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorldRender {
     /// Name of the method to run when none is named.
     pub method: String,
-    /// Mass of each device along each axis as the renderer is told `[kg]`; the true ones where no file says
-    /// another.
+    /// Model value of each device's mass along each axis `[kg]`; by default the true one.
     pub device_mass: Vec<Vector>,
-    /// Moments of inertia of each device of six axes, as the renderer is told `[kg m^2]`; likewise.
+    /// Model value of the moments of inertia of each six-axis device `[kg m^2]`; by default the true ones.
     pub device_inertia: Vec<Option<Vector>>,
     /// Damping of the methods that damp `[N s/m]`.
     pub damping: Option<f64>,
-    /// The same of turning `[N m s/rad]`.
+    /// Rotational damping of the methods that damp `[N m s/rad]`.
     pub rotational_damping: Option<f64>,
     /// The virtual coupling.
     pub coupling: Coupling,
@@ -199,7 +198,7 @@ pub struct WorldRender {
     pub force_limit: Option<f64>,
     /// Largest torque on each device, as a length `[N m]`.
     pub torque_limit: Option<f64>,
-    /// The actuators as the renderer is told; the true ones where no file says another.
+    /// Model values of the actuators; by default the true ones.
     pub actuator: WorldActuator,
     /// Bound on the energy that the forces on all devices give out.
     pub guard: WorldGuard,

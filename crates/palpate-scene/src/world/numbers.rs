@@ -24,8 +24,8 @@ impl Reading {
         value.into_inner()
     }
 
-    /// The value under a key along each axis of the world; `otherwise` along those that the device lacks. Without `axes`,
-    /// it is not known which.
+    /// Returns the value under a key along each axis of the world; `otherwise` along its missing axes.
+    /// Without `axes`, the available axes are unknown.
     pub(super) fn per_axis(
         &mut self,
         key: &str,
@@ -55,8 +55,7 @@ impl Reading {
         })
     }
 
-    /// Whether the axes of the device of this number are what its file says: neither they nor what they may have been
-    /// misspelt as was at fault.
+    /// Returns whether the axes of the device with this number were read without faults, including a misspelt key.
     pub(super) fn has_its_axes(&self, number: usize) -> bool {
         !self.is_removed(&format!("device.{number}.ax"))
     }

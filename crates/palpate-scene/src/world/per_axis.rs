@@ -11,7 +11,7 @@ use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum PerAxis {
     All(f64),
-    /// So many of these.
+    /// A value for each of this number of axes.
     Each(usize, Vector),
 }
 
@@ -24,8 +24,8 @@ impl PerAxis {
         }
     }
 
-    /// The value along each axis, `otherwise` along those that are not among `axes`. `None`: there are more or fewer
-    /// numbers than axes.
+    /// Returns the value along each axis, `otherwise` along axes that are not in `axes`. `None`: the number of values
+    /// differs from the number of axes.
     pub fn along(&self, axes: [bool; 3], otherwise: f64) -> Option<Vector> {
         let count = axes.iter().filter(|has| **has).count();
         let mut given = match *self {
@@ -81,28 +81,28 @@ impl<'de> Deserialize<'de> for PerAxis {
     }
 }
 
-/// The axes of a device: some of the world's by their names, in the order x, y, z, or directions of its own.
+/// Axes of a device: world axes by name, in the order x, y, z, or directions of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct DeviceAxes {
-    /// Which it has.
+    /// Available axes.
     pub has: [bool; 3],
     /// Unit vectors at right angles; `None` for the world's axes.
     pub own: Option<[Vector; 3]>,
 }
 
 impl DeviceAxes {
-    /// Of a device that has all axes of the world.
+    /// All axes of the world.
     pub const WORLD: Self = Self {
         has: [true; 3],
         own: None,
     };
 }
 
-/// One axis of a device as a file says it.
+/// One axis of a device, as read from a file.
 enum Axis {
-    /// By a name of one of the world's.
+    /// Name of a world axis.
     Named(String),
-    /// By a direction of any length.
+    /// Direction of any length above 0.
     Along(Vector),
 }
 
@@ -158,7 +158,7 @@ impl<'de> Deserialize<'de> for DeviceAxes {
     }
 }
 
-/// Which axes of the world these are, in the order x, y, z.
+/// Returns the named axes of the world, in the order x, y, z.
 fn named(names: &[String]) -> Result<[bool; 3], String> {
     let (mut has, mut next) = ([false; 3], 0);
     for name in names {
@@ -171,14 +171,14 @@ fn named(names: &[String]) -> Result<[bool; 3], String> {
     Ok(has)
 }
 
-/// By how much the cosine of two directions may be off 0.
+/// Tolerance on the cosine of perpendicular directions.
 const OFF_RIGHT_ANGLES: f64 = 1e-6;
 
 /// Unit vectors at right angles along these one to three directions, and along others where there are less.
 fn at_right_angles(directions: &[Vector]) -> Result<[Vector; 3], String> {
     let dot = |a: &Vector, b: &Vector| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let unit = |vector: &Vector| {
-        // Of numbers that are as large as a file may have them.
+        // Normalise by the largest component, as the numbers may be as large as a file allows.
         let largest = vector
             .iter()
             .fold(0.0_f64, |most, part| most.max(part.abs()));
@@ -187,7 +187,7 @@ fn at_right_angles(directions: &[Vector]) -> Result<[Vector; 3], String> {
         (length.is_finite() && length > 0.0).then(|| vector.map(|part| part / length))
     };
     let mut found: Vec<Vector> = Vec::with_capacity(3);
-    // Where a device lacks axes, any will do that are not along those that it has.
+    // Fill the missing axes with any directions perpendicular to the given ones.
     let others = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for (number, direction) in directions.iter().chain(&others).enumerate() {
         if found.len() == 3 {
@@ -210,7 +210,7 @@ fn at_right_angles(directions: &[Vector]) -> Result<[Vector; 3], String> {
             }
         }
         let left = dot(&axis, &axis).sqrt();
-        // Of three directions one is at least this far from any plane.
+        // At least one of three perpendicular directions is this far from any plane.
         if is_given || left > 0.5 {
             found.push(axis.map(|part| part / left));
         }

@@ -1,4 +1,4 @@
-//! Where in a file the parts of a world stand.
+//! Spans of a world's parts in its file.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -6,7 +6,7 @@ use std::ops::Range;
 use palpate_world::{WorldField, WorldPart};
 use toml::Spanned;
 
-/// Where each field of each part of a world stands.
+/// Span of each field of each part of a world.
 #[derive(Clone, Debug, Default)]
 pub(super) struct WorldPlaces {
     parts: HashMap<WorldPart, Range<usize>>,
@@ -19,7 +19,7 @@ impl WorldPlaces {
         self.parts.insert(place, span);
     }
 
-    /// Takes a value and remembers where it stands.
+    /// Unwraps a value and records its span.
     pub fn take<T>(&mut self, place: WorldPart, field: WorldField, value: Spanned<T>) -> T {
         self.fields.insert((place, field), value.span());
         value.into_inner()

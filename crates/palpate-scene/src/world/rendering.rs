@@ -1,4 +1,4 @@
-//! From a world's scene to its renderer.
+//! Construction of a world's renderer from its scene.
 
 use palpate::Actuation;
 use palpate_world::{
@@ -9,20 +9,20 @@ use palpate_world::{
 use super::{Coupling, WorldActuator, WorldRender, WorldScene};
 use crate::method::nearest;
 
-/// The settings of the methods that are there for comparison: the same for every device.
+/// Settings of the methods for comparison, the same for every device.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WorldSettings {
     /// Damping of the methods that damp `[N s/m]`.
     pub damping: Option<f64>,
-    /// The same of turning `[N m s/rad]`.
+    /// Rotational damping `[N m s/rad]`.
     pub rotational_damping: Option<f64>,
     /// The virtual coupling.
     pub coupling: Coupling,
 }
 
 impl WorldSettings {
-    /// The method of that name for so many tools; `feels_torque`: whether one of them does. `None`: these settings have no
-    /// method of that name.
+    /// Returns the method of that name for a number of tools; `feels_torque` states whether one of them gives a torque.
+    /// `None`: these settings have no method of that name.
     ///
     /// # Errors
     /// The method lacks a setting.
@@ -91,9 +91,9 @@ impl WorldSettings {
 }
 
 impl WorldRender {
-    /// Settles the largest force `[N]` and the largest torque `[N m]` on each device: as asked for, else as the scene says,
-    /// else the usual ones. An infinite one is none. Of a torque of which nobody says anything, there is no limit where
-    /// there is none of the force.
+    /// Sets the largest force `[N]` and the largest torque `[N m]` on each device: from `asked`, else from the scene,
+    /// else from `usual`. Infinity means unlimited. If neither `asked` nor the scene gives a torque, an unlimited force
+    /// implies an unlimited torque.
     pub fn settle_limits(&mut self, asked: [Option<f64>; 2], usual: [f64; 2]) {
         let [force, torque] = asked;
         let finite = |limit: &f64| *limit != f64::INFINITY;
@@ -105,7 +105,7 @@ impl WorldRender {
     }
 }
 
-/// By how much the cosine of an axis of a device and one of the world may be off 1 for them to be the same.
+/// Tolerance on the cosine between an axis of a device and an equal axis of the world.
 const ALONG: f64 = 1e-9;
 
 impl WorldScene {
@@ -118,7 +118,7 @@ impl WorldScene {
         "coupled",
     ];
 
-    /// The settings of the methods that are there for comparison, as far as the file says them.
+    /// Returns the settings of the methods for comparison; missing keys are `None`.
     #[must_use]
     pub fn settings(&self) -> WorldSettings {
         WorldSettings {
@@ -128,8 +128,8 @@ impl WorldScene {
         }
     }
 
-    /// The scene with devices that are led along a recorded motion: its renderer is told that no force moves them and no torque turns
-    /// them, and has no guard.
+    /// Returns the scene with position-driven devices that follow a recorded motion. The renderer's model has infinite
+    /// mass and inertia, and no guard.
     #[must_use]
     pub fn led(&self) -> Self {
         let mut scene = self.clone();
@@ -139,14 +139,14 @@ impl WorldScene {
         for inertia in scene.render.device_inertia.iter_mut().flatten() {
             *inertia = [f64::INFINITY; 3];
         }
-        // Nobody holds them.
+        // A guard is not needed for position-driven devices.
         scene.render.guard = WorldGuard::Off;
         scene
     }
 
-    /// The scene on a device `number` that has no more than these axes of the world: along the others its mechanism holds the
-    /// tool. Where the scene gives the device axes of its own, each of those others has to be one of them; else the tool is left
-    /// without an axis, which no renderer takes.
+    /// Returns the scene with device `number` restricted to the given world axes; its mechanism holds the tool along
+    /// the others. If the scene gives the device its own axes, each of the held axes must be one of them. Otherwise the
+    /// tool is left without an axis, which every renderer rejects.
     #[must_use]
     pub fn with_axes(mut self, number: usize, axes: [bool; 3]) -> Self {
         let (tool, device) = (
@@ -177,7 +177,7 @@ impl WorldScene {
         self
     }
 
-    /// The loop as a renderer is told it.
+    /// Returns the renderer's model of the loop.
     #[must_use]
     pub fn in_loop(&self) -> WorldLoop {
         let WorldActuator { delay, lag, gain } = self.render.actuator;
@@ -219,7 +219,7 @@ impl WorldScene {
                 let turnings = self.devices.iter().filter_map(|device| device.turning);
                 let angle = turnings.map(|turning| turning.quantum).fold(0.0, f64::max);
                 let inertia = self.render.device_inertia.iter();
-                // What is said of a device of three axes is not looked at.
+                // The inertia of a three-axis device is ignored.
                 let inertia = inertia.map(|inertia| inertia.unwrap_or([1.0; 3])).collect();
                 let params = params
                     .with_device_inertia(inertia)
@@ -239,10 +239,10 @@ impl WorldScene {
         }
     }
 
-    /// The renderer of this world by the method of that name.
+    /// Creates the renderer of this world by the method of that name.
     ///
     /// # Errors
-    /// Everything that is wrong with the method, or with the world for it: at least one fault.
+    /// All errors of the method, and of the world for this method: at least one.
     pub fn renderer(&self, method: &str) -> Result<WorldRenderer, Vec<WorldError>> {
         let method = self.method(method).map_err(|fault| vec![fault])?;
         WorldRenderer::new(&self.world, self.in_loop(), method)

@@ -61,7 +61,7 @@ impl RawShape {
         }
     }
 
-    /// The shape, and what a user may want to know of it; files are looked for in `folder`. A normal may have any length
+    /// Returns the shape, with a note for the user; file names are relative to `folder`. A normal may have any length
     /// above 0.
     pub fn shape(self, folder: &Path) -> Result<ReadMesh, String> {
         let shape = match self {
@@ -97,7 +97,8 @@ impl RawShape {
     }
 }
 
-/// The vector at length 1, or as it is where it has no direction, which the checks of a world find.
+/// Returns the vector scaled to length 1. A vector without direction is returned unchanged; the checks of a world
+/// reject it.
 pub(super) fn unit<const N: usize>(vector: [f64; N]) -> [f64; N] {
     // The largest part first, so that no square overflows or vanishes.
     let largest = vector

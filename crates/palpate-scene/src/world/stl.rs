@@ -37,7 +37,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<ReadStl, String> {
             HEADER + 4
         ));
     };
-    // So many bytes more may be triangles that the number leaves out.
+    // Additional bytes may be triangles beyond the stated number.
     let more = has.saturating_sub(needed);
     if count == 0 || has < needed || more >= TRIANGLE as u64 {
         return Err(format!(
@@ -62,7 +62,8 @@ fn binary(bytes: &[u8], note: Option<String>) -> ReadStl {
     }
 }
 
-/// Whether a file that is no whole binary one is text: binary files may begin with "solid" too, but zeros follow.
+/// Returns whether a file that is not a complete binary STL is text. Binary files may also begin with "solid", but
+/// contain zeros.
 fn is_text(bytes: &[u8]) -> bool {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut lines = text.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);

@@ -56,7 +56,7 @@ x_m = [-0.03, 0.04]
 y_m = [-0.05, 0.06]
 "#;
 
-/// A scene with a linkage; `DEVICE` stands for what it has.
+/// A scene with a linkage; `DEVICE` is replaced by its keys.
 const SCENE: &str = r#"scene_format = 1
 title = "a block"
 
@@ -140,7 +140,7 @@ fn the_paper_like_device_has_the_published_mass_where_the_experiments_need_it() 
     let (least, most) = spread(-0.4, 0.2);
     println!("from -0.4 to 0.2 m: {least:+.4} to {most:+.4} of the mass at home");
     assert!(least > -0.02 && most < 0.02, "{least} {most}");
-    // Where the ideal of both experiments goes.
+    // Range of the ideal of both experiments.
     for name in ["fig4", "fig5"] {
         let scene = crate::common::scene(name);
         let bench = Bench::new(&scene).unwrap();
@@ -426,7 +426,7 @@ fn leaving_the_safety_box_ends_the_forces_and_is_reported() {
         }
     }
     assert!(inside > 5 && run.ticks[inside].device_position > 0.006);
-    // What the device does without motors is no divergence of the loop.
+    // Motion of the device without motors does not count as divergence of the loop.
     assert_eq!(run.diverged, Some(false));
     let end = &run.last().true_device_position;
     assert!(*end > 0.05, "the hand pushes on: {end}");

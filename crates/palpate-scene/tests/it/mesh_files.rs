@@ -1,4 +1,4 @@
-//! Meshes in scene files: what is read, and what is said of what cannot be.
+//! Meshes in scene files, and the errors of invalid meshes.
 #![allow(missing_docs)]
 
 use std::fs;
@@ -287,7 +287,7 @@ fn a_prism_stands_in_for_a_cylinder() {
     }
 }
 
-/// An open mesh is read, and it is said what that means; what has no area is left out, and counted.
+/// An open mesh is read with a note; triangles without area are omitted and counted.
 #[test]
 fn open_meshes_and_flat_triangles_are_noted() {
     let folder = tempfile::tempdir().unwrap();
@@ -414,7 +414,7 @@ fn a_distance_grid_is_kept_in_its_file_and_made_anew_where_that_is_of_another_me
         );
         assert_eq!(fs::read(folder.join("part.grid")).unwrap(), bytes);
     }
-    // A scene from somebody else writes beside itself, and nowhere else.
+    // An untrusted scene writes only next to its own file.
     let outside = tempfile::tempdir().unwrap();
     let root = outside.path().join("part.grid").display().to_string();
     for name in [

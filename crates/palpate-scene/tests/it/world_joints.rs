@@ -1,4 +1,4 @@
-//! Joints in scene files: what they say, and how their faults are said.
+//! Joints in scene files, and their error messages.
 #![allow(missing_docs)]
 
 use palpate_scene::world::WorldFile;

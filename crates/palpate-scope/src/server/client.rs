@@ -1,4 +1,4 @@
-//! One client: what is told to it, and what it says.
+//! One client: its incoming and outgoing messages.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -21,27 +21,27 @@ use super::upgrade::WebSocket;
 pub const LONGEST: usize = 4096;
 /// A client that takes nothing for this long is gone.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// A client is asked this often whether it is there.
+/// Interval of pings that check whether a client is still connected.
 const PING_EVERY: Duration = Duration::from_secs(2);
-/// Who answers nothing and says nothing for this long is gone, though its connection may not know: it
-/// must not keep the hand.
+/// A client that sends nothing for this long is dropped even if its connection seems alive, so that it cannot keep the
+/// hand.
 const SILENCE: Duration = Duration::from_secs(10);
-/// How long a client that is sent away may take to say goodbye.
+/// Time limit for the closing handshake of a disconnected client.
 const GOODBYE: Duration = Duration::from_secs(1);
-/// A client may say this much at once, and then so much each second: more than any hand does.
+/// Rate limit of a client's messages: burst size, and rate per second; more than a person needs.
 const AT_ONCE: f64 = 200.0;
 const PER_SECOND: f64 = 200.0;
 
-/// Too much for the one that is served: what nobody can do anything about.
+/// Close frame for a client that exceeds a limit of the server.
 type SentAway = CloseFrame;
 
-/// Serves a client until it goes, or is sent away.
+/// Serves a client until it leaves or is disconnected.
 pub async fn serve(mut socket: WebSocket, hub: Arc<Hub>, commands: SyncSender<Command>) {
     let mut seat = hub.join();
     let id = seat.id;
     let why = converse(&mut socket, &mut seat, &hub, &commands).await;
     hub.leave(id);
-    // It may have to be made to let go of the hand. If the session is gone, so is the hand.
+    // The client may hold the hand, which must then be released. If the session has ended, the hand no longer exists.
     let mut gone = Command::Gone(id);
     while let Err(std::sync::mpsc::TrySendError::Full(again)) = commands.try_send(gone) {
         gone = again;
@@ -53,7 +53,7 @@ pub async fn serve(mut socket: WebSocket, hub: Arc<Hub>, commands: SyncSender<Co
             while let Some(Ok(_)) = socket.next().await {}
             Ok::<(), Error>(())
         };
-        // Whoever does not say goodbye is let go all the same.
+        // Close the connection even if the client does not answer.
         let _ = timeout(GOODBYE, goodbye).await;
     }
 }
@@ -95,7 +95,7 @@ async fn converse(
                 };
                 match timeout(PATIENCE, socket.send(message)).await {
                     Ok(Ok(())) => {}
-                    // It is gone, or as good as gone.
+                    // The client has disconnected or does not respond.
                     Ok(Err(_)) | Err(_) => return None,
                 }
             }
@@ -139,7 +139,7 @@ fn too_long() -> SentAway {
     away(CloseCode::Size, "a message may have 4096 bytes")
 }
 
-/// What is said of a frame that could not be read, if its sender is still there.
+/// Returns the close frame for an unreadable message, if its sender is still connected.
 fn wrong(error: &Error) -> Option<SentAway> {
     match error {
         Error::Capacity(_) => Some(too_long()),
@@ -148,7 +148,7 @@ fn wrong(error: &Error) -> Option<SentAway> {
     }
 }
 
-/// How much a client may still say.
+/// Remaining message allowance of a client.
 struct Allowance {
     left: f64,
     counted: Instant,
@@ -169,7 +169,7 @@ impl Allowance {
         self.counted = now;
     }
 
-    /// From when on it is listened to again.
+    /// Returns the time at which the next message may be read.
     fn from(&self) -> Instant {
         if self.left >= 1.0 {
             self.counted

@@ -1,20 +1,19 @@
-//! Connections that have not become clients: there may be so many of them, and they have so long.
+//! Limits on the number and duration of connections that are not clients yet.
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
 use tokio::task::AbortHandle;
 
-/// How long a request may take from its connection to the end of its answer.
+/// Longest duration of a request, from its connection to the end of its answer.
 pub const PATIENCE: Duration = Duration::from_secs(10);
-/// How long its head may take.
+/// Longest duration of its head.
 pub const HEAD_PATIENCE: Duration = Duration::from_secs(5);
 /// Most connections at once that have not become clients.
 const MOST: usize = 128;
 
-/// Those that are open. When there are too many, who has waited longest goes: a browser is served
-/// within milliseconds, and who opens connections and says nothing stands in nobody's way but their
-/// own.
+/// Open connections. If there are too many, the longest waiting one is closed. A browser is served within milliseconds,
+/// so idle connections only displace each other.
 #[derive(Debug, Default)]
 pub struct Connections {
     open: VecDeque<AbortHandle>,

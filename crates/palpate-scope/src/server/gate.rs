@@ -1,20 +1,19 @@
-//! Who is answered: a page of somebody else's in the same browser is not, nor anybody without the
-//! token where one is asked for.
+//! Access control: rejects foreign pages in the same browser and, if a token is required, requests without it.
 
 use std::net::{IpAddr, SocketAddr};
 
 use hyper::{HeaderMap, StatusCode, Uri, header};
 
-/// Who is answered.
+/// Access rules of a server.
 #[derive(Clone, Debug)]
 pub struct Gate {
     port: u16,
-    /// Names that stand for this server beside `localhost` and addresses.
+    /// Names of this server in addition to `localhost` and addresses.
     hosts: Vec<String>,
     token: Option<String>,
 }
 
-/// Why somebody is not answered.
+/// Reason for rejecting a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Refusal(pub StatusCode, pub &'static str);
 
@@ -32,11 +31,11 @@ const NO_TOKEN: Refusal = Refusal(
 );
 
 impl Gate {
-    /// The gate of a server that listens on `address`, and is also called by one of `hosts`. Where
-    /// others can reach it, a token is made of the system's randomness.
+    /// Creates the rules of a server that listens on `address` and also has the names `hosts`. If other machines can
+    /// reach it, a random token is generated.
     ///
     /// # Errors
-    /// The system has no randomness.
+    /// The operating system provides no random numbers.
     pub fn new(address: SocketAddr, hosts: Vec<String>) -> Result<Self, getrandom::Error> {
         let token = if address.ip().is_loopback() {
             None
@@ -52,15 +51,15 @@ impl Gate {
         })
     }
 
-    /// The token, if one is asked for.
+    /// Returns the token, if one is required.
     pub fn token(&self) -> Option<&str> {
         self.token.as_deref()
     }
 
-    /// Lets in what is meant for this server.
+    /// Accepts requests that are addressed to this server.
     ///
     /// # Errors
-    /// The host is somebody else's name.
+    /// The host is a foreign name.
     pub fn host<'a>(&self, headers: &'a HeaderMap) -> Result<&'a str, Refusal> {
         let mut all = headers.get_all(header::HOST).iter();
         let (Some(host), None) = (all.next(), all.next()) else {
@@ -81,7 +80,7 @@ impl Gate {
         }
     }
 
-    /// Lets in a page that came from this server, or a program, which says no origin.
+    /// Accepts a page from this server, or a program, which sends no origin.
     ///
     /// # Errors
     /// The origin is another server.
@@ -96,10 +95,10 @@ impl Gate {
         }
     }
 
-    /// Lets in who has the token, if one is asked for.
+    /// Checks the token, if one is required.
     ///
     /// # Errors
-    /// It is missing or wrong.
+    /// The token is missing or wrong.
     pub fn has_token(&self, uri: &Uri) -> Result<(), Refusal> {
         let Some(token) = &self.token else {
             return Ok(());
@@ -136,7 +135,7 @@ fn split(host: &str) -> Option<(&str, u16)> {
     Some((name, port))
 }
 
-/// Whether it is an IP address: nobody can make one stand for another machine.
+/// Returns whether the name is an IP address, which cannot be redirected by DNS.
 fn is_address(name: &str) -> bool {
     match name
         .strip_prefix('[')

@@ -1,5 +1,4 @@
-//! The server: a page, and a WebSocket for each client. It runs on a thread of its own, like everybody
-//! else's.
+//! The server: a page, and a WebSocket for each client. It runs on its own thread.
 
 mod addresses;
 mod client;
@@ -35,7 +34,7 @@ use gate::{Gate, Refusal};
 /// The body of an answer.
 type Body = Full<Bytes>;
 
-/// Where it listens if nothing else is said.
+/// Default address of the server.
 pub const DEFAULT_ADDRESS: SocketAddr =
     SocketAddr::V4(SocketAddrV4::new(Ipv4Addr::LOCALHOST, 7777));
 /// Most clients.
@@ -45,7 +44,7 @@ const SEND_BUFFER: u32 = 64 << 10;
 /// Connections that wait to be accepted.
 const BACKLOG: u32 = 1024;
 
-/// Why nobody can be served.
+/// Reason why the server cannot start.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ListenError {
@@ -54,7 +53,7 @@ pub enum ListenError {
     Address {
         /// The address.
         address: SocketAddr,
-        /// What the system says.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// There is no thread to serve on.
@@ -65,7 +64,7 @@ pub enum ListenError {
     Randomness(getrandom::Error),
 }
 
-/// An address that is listened on; nobody is answered yet.
+/// A bound address; connections are not accepted yet.
 pub struct Listening {
     runtime: tokio::runtime::Runtime,
     listener: TcpListener,
@@ -90,7 +89,7 @@ impl Listening {
                 SocketAddr::V6(_) => TcpSocket::new_v6()?,
             };
             socket.set_reuseaddr(true)?;
-            // What is accepted has it from here.
+            // Accepted connections inherit this setting.
             socket.set_send_buffer_size(SEND_BUFFER)?;
             socket.bind(address)?;
             let listener = socket.listen(BACKLOG)?;
@@ -113,14 +112,14 @@ impl Listening {
         self.address
     }
 
-    /// Where the page is for a browser on this machine, token included.
+    /// Returns the address of the page for a browser on this machine, including the token.
     #[must_use]
     pub fn url(&self) -> String {
         self.url_at(addresses::here(self.address))
     }
 
-    /// Where the page is for other machines if it listens on every address of this one, token included;
-    /// `None` if it does not, or if this machine is in no network.
+    /// Returns the address of the page for other machines, including the token, if the server listens on every address
+    /// of this one; `None` otherwise, or if this machine is in no network.
     #[must_use]
     pub fn url_on_the_network(&self) -> Option<String> {
         addresses::on_the_network(self.address).map(|address| self.url_at(address))
@@ -133,7 +132,7 @@ impl Listening {
     }
 }
 
-/// Which page stands at the address that is printed.
+/// Page at the root address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Home {
     /// That of one contact.
@@ -148,7 +147,7 @@ pub struct Server {
     thread: Option<JoinHandle<()>>,
 }
 
-/// How long clients may take to hear that the server ends.
+/// Time limit for notifying clients of the server's end.
 const FAREWELL: Duration = Duration::from_millis(300);
 
 impl Server {
@@ -197,13 +196,13 @@ impl Drop for Server {
     fn drop(&mut self) {
         self.stop.take();
         if let Some(thread) = self.thread.take() {
-            // It has nothing to say.
+            // The thread returns no value.
             let _ = thread.join();
         }
     }
 }
 
-/// What is served, and to whom.
+/// State that all connections share.
 struct Served {
     gate: Gate,
     hub: Arc<Hub>,
@@ -225,7 +224,7 @@ async fn accept(listener: TcpListener, served: Arc<Served>, mut stopped: oneshot
                 connections.add(task.abort_handle());
             }
             Err(_) => {
-                // Nothing left to open a connection with, most likely: make some.
+                // The process is probably out of file descriptors: close connections.
                 connections.make_room(0);
                 tokio::time::sleep(Duration::from_millis(20)).await;
             }
@@ -235,7 +234,7 @@ async fn accept(listener: TcpListener, served: Arc<Served>, mut stopped: oneshot
 
 /// Answers the one request of a connection.
 async fn answer_one(stream: TcpStream, served: Arc<Served>) {
-    // A frame is to be seen when it comes.
+    // Send a frame without delay.
     let _ = stream.set_nodelay(true);
     let service = service_fn(move |request| {
         let answer = answer(&served, request);
@@ -247,7 +246,7 @@ async fn answer_one(stream: TcpStream, served: Arc<Served>) {
         .max_buf_size(16 << 10)
         .serve_connection(TokioIo::new(stream), service)
         .with_upgrades();
-    // Who asks too slowly, or not in HTTP, gets no more than that.
+    // Slow or invalid requests end here.
     let _ = tokio::time::timeout(connections::PATIENCE, connection).await;
 }
 
@@ -306,7 +305,7 @@ fn route(
         ("/", Home::World) => "/world.html",
         _ => path,
     });
-    // Styles and scripts are the same for everybody, and say nothing of the loop.
+    // Styles and scripts are public and contain no data of the loop.
     if matches!(path, "/" | "/live") {
         served.gate.has_token(request.uri())?;
     }
@@ -334,7 +333,7 @@ fn route(
     };
     tokio::spawn(async move {
         let served = &place.0;
-        // Who is gone before the answer came needs nothing more.
+        // The client may leave before the answer.
         if let Ok(socket) = socket.await {
             client::serve(socket, Arc::clone(&served.hub), served.commands.clone()).await;
         }

@@ -3,11 +3,11 @@
 /// A file of the page.
 #[derive(Clone, Copy, Debug)]
 pub struct File {
-    /// Where it is asked for.
+    /// Path of the request.
     pub path: &'static str,
-    /// What it is.
+    /// MIME type.
     pub content_type: &'static str,
-    /// What is in it.
+    /// Content.
     pub bytes: &'static [u8],
 }
 
@@ -96,7 +96,7 @@ pub fn file(path: &str) -> Option<&'static File> {
 mod tests {
     use super::*;
 
-    /// What the page asks for is there, and nothing of it comes from anywhere else.
+    /// All files of the page are included; nothing is loaded from elsewhere.
     #[test]
     fn the_page_is_all_here() {
         for file in FILES {

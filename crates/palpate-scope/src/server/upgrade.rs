@@ -1,4 +1,4 @@
-//! From a request to a WebSocket.
+//! Upgrade of a request to a WebSocket.
 
 use hyper::body::Incoming;
 use hyper::upgrade::Upgraded;
@@ -13,8 +13,8 @@ use super::{Body, client};
 /// A WebSocket on a connection that this server has accepted.
 pub type WebSocket = WebSocketStream<TokioIo<Upgraded>>;
 
-/// The answer that makes `request` a WebSocket, and the socket: it is there once the answer is sent.
-/// Nothing if the request does not ask for one.
+/// Returns the answer that upgrades `request` to a WebSocket, and the socket, which is ready once the answer is sent.
+/// `None` if the request asks for no upgrade.
 pub fn upgrade(
     mut request: Request<Incoming>,
 ) -> Option<(

@@ -6,15 +6,15 @@ use palpate_device::{
     Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench, ZeroWriter,
 };
 
-/// A device in a loop that gives it back when it goes.
+/// A device in a loop that is returned when dropped.
 pub struct Carried {
-    /// Kept apart, so that it can be asked for when the device has been given back.
+    /// Copy of the capabilities, available after the device has been returned.
     capabilities: Capabilities,
     device: Option<Box<dyn Device>>,
     back: Sender<Box<dyn Device>>,
 }
 
-/// Where it is given back.
+/// Channel on which the device is returned.
 pub type Returned = Receiver<Box<dyn Device>>;
 
 impl Carried {
@@ -64,7 +64,7 @@ impl Device for Carried {
 impl Drop for Carried {
     fn drop(&mut self) {
         if let Some(device) = self.device.take() {
-            // Nobody may want it any more.
+            // The receiver may be gone.
             let _ = self.back.send(device);
         }
     }

@@ -27,10 +27,10 @@ pub struct Session<End = SessionEnd> {
 }
 
 impl<End: Send + 'static> Session<End> {
-    /// Begins what `begin` makes of the hub and a flag below `stop`, and its thread.
+    /// Starts the session that `begin` creates from the hub and a child of the flag `stop`, and its thread.
     ///
     /// # Errors
-    /// It does not begin, or the system has no thread.
+    /// The session does not start, or the system cannot create a thread.
     pub(crate) fn begin<Running>(
         stop: &StopFlag,
         begin: impl FnOnce(Arc<Hub>, StopFlag) -> Result<Running, SessionError>,
@@ -57,19 +57,19 @@ impl<End: Send + 'static> Session<End> {
         })
     }
 
-    /// Where clients join.
+    /// Returns the hub, which clients join.
     #[must_use]
     pub fn hub(&self) -> Arc<Hub> {
         Arc::clone(&self.hub)
     }
 
-    /// Where clients say what they ask for.
+    /// Returns the sender for requests of clients.
     #[must_use]
     pub fn commands(&self) -> SyncSender<Command> {
         self.commands.clone()
     }
 
-    /// What the machine granted the first loop.
+    /// Returns the scheduling that the system granted to the first loop.
     #[must_use]
     pub fn answers(&self) -> &[Answer] {
         &self.answers
@@ -81,10 +81,10 @@ impl<End: Send + 'static> Session<End> {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
 
-    /// Waits for its end.
+    /// Waits for the end of the session.
     ///
     /// # Panics
-    /// The session's thread panicked; its loops have let go of their devices.
+    /// The session's thread panicked; its loops have disabled the outputs of their devices.
     #[must_use]
     pub fn join(mut self) -> End {
         match self.thread.take().map(JoinHandle::join) {
@@ -99,7 +99,7 @@ impl<End> Drop for Session<End> {
     fn drop(&mut self) {
         self.stop.raise();
         if let Some(thread) = self.thread.take() {
-            // Nobody asks how it ended. If it panicked, its loops have let go of their devices.
+            // The result is discarded. After a panic the loops have disabled the outputs of their devices.
             let _ = thread.join();
         }
     }

@@ -1,4 +1,4 @@
-//! A lane: one loop on a device, and what the scope knows of it.
+//! A rendering of a session: one loop on a device, and its data for the live view.
 
 use std::path::{Path, PathBuf};
 
@@ -23,13 +23,13 @@ use crate::rows::Rows;
 /// Ticks of one contact that may wait for the scope: 4 s at 4 kHz.
 const ROOM: usize = 1 << 14;
 
-/// Methods that a lane remembers having rendered by.
+/// Number of past methods that a rendering stores.
 const MOST_CHOSEN: usize = 16;
 
-/// How a lane's loop has ended.
+/// End of a rendering's loop.
 pub type Ended = LoopEnd<Carried, MonotonicClock>;
 
-/// One loop on a device, and what the scope knows of it.
+/// One loop on a device, and its data for the live view.
 pub struct Lane {
     thread: Option<LoopThread<Carried, MonotonicClock>>,
     returned: Returned,
@@ -42,7 +42,7 @@ pub struct Lane {
     heard: ClientMessage,
     statistics: Statistics,
     trip: Option<Tripped>,
-    /// The methods that it was told to render by, the newest last.
+    /// Selected methods, the newest last.
     chosen: Vec<MethodName>,
     account: Account,
     capabilities: Capabilities,
@@ -50,16 +50,16 @@ pub struct Lane {
     end: Option<Ended>,
 }
 
-/// What holds the force at none.
+/// Cause of a zero force.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tripped {
-    /// Why, in words.
+    /// The reason.
     pub why: String,
     /// The method whose held forces are the reason, if it is a method's.
     pub method: Option<MethodName>,
 }
 
-/// Which ticks were heard of, by their numbers.
+/// Counter of received ticks, by their numbers.
 #[derive(Clone, Copy, Debug, Default)]
 struct ClientMessage {
     next: u64,
@@ -73,7 +73,7 @@ impl ClientMessage {
     }
 }
 
-/// Counted from what the loop tells.
+/// Statistics of the ticks received from the loop.
 #[derive(Default)]
 struct Statistics {
     ticks: u64,
@@ -83,17 +83,17 @@ struct Statistics {
     tick: Durations,
 }
 
-/// What a lane's loop is run with.
+/// Parameters for running the loop of a rendering.
 pub struct Run<'a> {
     /// The clock of loop and device.
     pub clock: &'a MonotonicClock,
-    /// What the machine is asked for.
+    /// Requested scheduling.
     pub request: Request,
     /// Limits between renderer and device.
     pub limits: SafetyParams,
     /// Ends it.
     pub stop: &'a StopFlag,
-    /// How many ticks it makes, if not until it is stopped.
+    /// Number of ticks; `None`: until the loop is stopped.
     pub most: Option<u64>,
 }
 
@@ -134,8 +134,8 @@ impl Lane {
         })
     }
 
-    /// Listens to all that the loop has told; whatever happened is given to `note`. Whether the loop
-    /// has ended just now.
+    /// Processes all messages of the loop and passes its events to `note`. Returns whether the loop has ended since the
+    /// last call.
     pub fn listen(&mut self, mut note: impl FnMut(&Noted)) -> bool {
         let has_ended = self.thread.as_ref().is_some_and(LoopThread::has_ended);
         while let Some(told) = self.listener.next() {
@@ -211,7 +211,7 @@ impl Lane {
         self.thread.is_some()
     }
 
-    /// What holds the force at none, if something does.
+    /// Returns the cause of a zero force, if there is one.
     pub fn trip(&self) -> Option<&Tripped> {
         self.trip.as_ref()
     }
@@ -223,10 +223,10 @@ impl Lane {
         }
     }
 
-    /// Renders something else from now on, by the method of that name.
+    /// Changes the rendering and its method from now on.
     ///
     /// # Errors
-    /// What cannot change while the loop runs, in words.
+    /// A message about settings that cannot change while the loop runs.
     pub fn change(&mut self, method: MethodName, rendering: Rendering) -> Result<(), String> {
         if let Some(parameters) = self.thread.as_mut().and_then(LoopThread::parameters) {
             parameters
@@ -260,7 +260,7 @@ impl Lane {
             .map_or(0, |parameters| parameters.generation())
     }
 
-    /// Where the device was at the last tick `[m]`.
+    /// Returns the device position at the last tick `[m]`.
     pub fn position(&self) -> Option<f64> {
         let position = self.account.last?.contact.device_position;
         position.is_finite().then_some(position)
@@ -298,17 +298,17 @@ impl Lane {
         self.recorded.as_deref()
     }
 
-    /// What the device can do.
+    /// Returns the capabilities of the device.
     pub fn capabilities(&self) -> &Capabilities {
         &self.capabilities
     }
 
-    /// What the machine granted.
+    /// Returns the scheduling that the system granted.
     pub fn answers(&self) -> Vec<Answer> {
         self.answers.clone()
     }
 
-    /// How the loop has kept time.
+    /// Returns the timing status of the loop.
     pub fn status(&self) -> LaneStatus {
         let spread = |durations: &Durations| Spread {
             median: durations.quantile(0.5).as_secs_f64(),
@@ -332,18 +332,18 @@ impl Lane {
         }
     }
 
-    /// Ticks that were not heard of; of those that were made last it is known once the loop has ended.
+    /// Returns the number of lost ticks; the most recent ones are known only after the loop has ended.
     fn untold(&self) -> u64 {
         let made = self.end.as_ref().map_or(0, |end| end.statistics.ticks);
         self.heard.missing + made.saturating_sub(self.heard.next)
     }
 
-    /// How the loop has ended, if it has.
+    /// Returns the end of the loop, if it has ended.
     pub fn end(&self) -> Option<&Ended> {
         self.end.as_ref()
     }
 
-    /// Waits for a loop that was told to stop, and hears all it had to say.
+    /// Waits for a loop that has been stopped, and processes all its messages.
     pub fn finish(&mut self, note: impl FnMut(&Noted)) {
         if let Some(thread) = self.thread.take() {
             self.end = Some(thread.join());
@@ -366,7 +366,7 @@ impl Lane {
         })
     }
 
-    /// What was heard of the loop, and how it has ended.
+    /// Returns the received data of the loop, and its end.
     pub fn into_account(self) -> Option<(Account, Ended, Vec<Answer>)> {
         let mut account = self.account;
         account.counted(&self.listener.counted());

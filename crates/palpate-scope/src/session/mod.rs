@@ -33,21 +33,21 @@ use recording::Ending;
 pub use start::{Devices, Placed, Receipts, SessionError, Setup};
 pub(crate) use turns::Turns;
 
-/// The place of a hand that moves is told this often.
+/// Interval of messages about the position of a moving hand.
 const HAND_EVERY: Duration = Duration::from_millis(100);
-/// Notes of a lane that are told at once, and then each second; the rest is counted.
+/// Notes of a rendering: burst size, and rate per second. Further notes are only counted.
 const NOTES: (f64, f64) = (32.0, 20.0);
-/// States that are told at once, and then each second; the newest comes with each frame.
+/// State messages: burst size, and rate per second. The newest state is sent with each frame.
 const STATES: (f64, f64) = (32.0, 60.0);
 /// Restarts, and beginnings of recordings, at once and then each second: more than any hand does.
 const BEGINNINGS: (f64, f64) = (8.0, 4.0);
-/// How far a hand may reach `[m]`.
+/// Reach of a hand `[m]`.
 const REACH: f64 = 1.0;
 
 /// ServerMessage of a request that would begin the loops again too soon.
 const TOO_OFTEN: &str = "the loops begin anew too often; allowed: 4 times each second";
 
-/// Something for the session to do.
+/// Command to the session.
 #[derive(Clone, Debug)]
 pub enum Command {
     /// A client asks for something.
@@ -56,50 +56,50 @@ pub enum Command {
     Gone(ClientId),
 }
 
-/// How a session has ended.
+/// Result of a session.
 pub struct SessionEnd {
     /// The loops that ran last.
     pub lanes: Vec<LaneEnd>,
     /// Recordings that ended or failed before their loop did, or whose loop was not the last, by name.
     pub recordings: Vec<Written>,
-    /// Why loops that were to begin anew did not, if they did not.
+    /// Reason why loops could not restart, if they did not.
     pub failed: Option<String>,
 }
 
-/// What has become of a recording.
+/// Result of a recording.
 #[derive(Debug)]
 pub struct Written {
     /// Its file.
     pub path: PathBuf,
-    /// How many ticks it holds, or what the system said while writing.
+    /// Number of ticks in the file, or the error while writing.
     pub ticks: Result<u64, WriteError>,
     /// Ticks that the loop made and that it does not hold.
     pub lost: u64,
 }
 
-/// How a lane has ended, for a report.
+/// Final state of a rendering, for a report.
 pub struct LaneEnd {
-    /// What was rendered at the end.
+    /// Final state of the rendered scene.
     pub scene: Scene,
     /// The device.
     pub capabilities: Capabilities,
-    /// How the loop has ended.
+    /// End of the loop.
     pub end: Ended,
-    /// What the machine granted.
+    /// Scheduling that the system granted.
     pub answers: Vec<Answer>,
-    /// What was heard of the loop.
+    /// Data received from the loop.
     pub account: Account,
     /// The recording that ended with it, if one was made.
     pub recording: Option<Written>,
 }
 
 impl Session {
-    /// Starts the loops and the thread that listens to them, until `stop` is raised. The loops look at
-    /// it themselves: they end when it is raised, whatever that thread is busy with.
+    /// Starts the loops and the thread that receives their ticks, until `stop` is raised. The loops check `stop`
+    /// themselves, so they end even if that thread is busy.
     ///
     /// # Errors
-    /// There are more methods than the device has lanes, a device does not open, something cannot be
-    /// rendered, a recording cannot be begun; in words.
+    /// There are more methods than the device supports, a device does not open, the scene cannot be rendered, or a
+    /// recording cannot be started; with the reason as text.
     pub fn start(setup: Setup, stop: &StopFlag) -> Result<Self, SessionError> {
         settings::check_lanes(setup.methods.len(), setup.devices.most_lanes())?;
         Self::begin(stop, |hub, stop| {
@@ -121,25 +121,25 @@ struct Running {
     /// Ends the loops that run now.
     stop_lanes: StopFlag,
     lanes: Vec<Lane>,
-    /// How often the loops have begun.
+    /// Number of starts of the loops.
     runs: u32,
     /// Time at which the recording began, and why it is written no more.
     recorded_since: f64,
     recording_failed: Option<String>,
     endings: Vec<Ending>,
-    /// What has become of those that were ended.
+    /// Results of ended recordings.
     written: Vec<Written>,
-    /// Why no loop runs, if none began.
+    /// Reason why no loop runs, if none has started.
     failed: Option<String>,
-    /// How often loops may begin anew, and recordings begin.
+    /// Rate limits of restarts and of new recordings.
     restarts: Pace,
     recordings: Pace,
-    /// How often notes of each lane are told, and how many were not.
+    /// Rate limit of the notes of each rendering, and the number of suppressed notes.
     notes: [(Pace, u64); 2],
-    /// How often the state is told at once, and whether it is to be told.
+    /// Rate limit of immediate state messages, and whether one is pending.
     states: Pace,
     is_state_due: bool,
-    /// Who moved the hand last.
+    /// Client that moved the hand last.
     holder: Option<ClientId>,
     hand_told: Instant,
 }
@@ -156,7 +156,7 @@ impl Turns for Running {
             Command::Request(client, request) => (client, request),
             Command::Gone(client) => {
                 if self.holder == Some(client) {
-                    // A hand that nobody leads holds nothing.
+                    // Without a client the hand must release the device.
                     self.holder = None;
                     if let Some(hand) = &self.setup.hand {
                         hand.let_go();
@@ -187,7 +187,7 @@ impl Turns for Running {
             self.hub.tell(client, refused.text());
         }
         self.is_state_due |= changes_state;
-        // Else it comes with the next frame, the newest for all.
+        // Otherwise the next frame carries the newest state.
         if self.is_state_due && self.states.take(Instant::now()) {
             self.tell_state();
         }
@@ -204,7 +204,7 @@ impl Turns for Running {
             self.lanes.iter_mut().enumerate().zip(&mut self.notes)
         {
             let has_ended = lane.listen(|noted| {
-                // A client that makes the loop say much must not make others too slow for it.
+                // A client that causes many notes must not overload the queues of the others.
                 if !pace.take(Instant::now()) {
                     *untold += 1;
                     return;
@@ -222,7 +222,7 @@ impl Turns for Running {
                 }
             });
             changed |= has_ended;
-            // Whoever stopped it says so.
+            // The code that stops a loop sends its own message.
             let is_over = |end: &&lane::Ended| end.ending != LoopEnding::Stopped;
             if has_ended && let Some(end) = lane.end().filter(is_over) {
                 let mut text = format!("lane {}: {}", index + 1, end.ending.text());
@@ -285,7 +285,7 @@ impl Turns for Running {
 }
 
 impl Running {
-    /// Says how many notes of a lane were not told, when there is room for it.
+    /// Sends the number of suppressed notes of each rendering as soon as the rate limit permits.
     fn tell_untold(&mut self) {
         for (index, lane) in self.lanes.iter().enumerate() {
             let Some((pace, untold)) = self.notes.get_mut(index) else {
@@ -335,7 +335,7 @@ impl Running {
     fn set(&mut self, set: &Set) -> Result<(), String> {
         let most = self.setup.devices.most_lanes();
         let new = self.settings.with(set, &self.limits, most)?;
-        // All of it is looked at before anything changes.
+        // Check all values before changing anything.
         let renderings = new.renderings(&self.setup.scene)?;
         let another_loop =
             new.period != self.settings.period || new.lanes.len() != self.settings.lanes.len();
@@ -419,7 +419,7 @@ impl Running {
         }
     }
 
-    /// Tells the state if it has changed. Of a hand that moves not every place is told.
+    /// Sends the state if it has changed. Positions of a moving hand are sent at a limited rate.
     fn tell_state(&mut self) {
         if std::mem::take(&mut self.is_state_due) || self.hand_told.elapsed() >= HAND_EVERY {
             self.hand_told = Instant::now();

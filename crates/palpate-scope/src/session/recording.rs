@@ -1,4 +1,4 @@
-//! A recording of one lane that begins and ends while its loop runs.
+//! A recording of one rendering that starts and ends while its loop runs.
 
 use std::path::{Path, PathBuf};
 
@@ -8,30 +8,30 @@ use palpate_rt::{Counted, Note, Noted, Recorder, Tap};
 
 use super::Written;
 
-/// A recording of what the scope hears of a loop. Its first tick has the number 0, whichever it was
-/// of the loop, and a tick that got lost on its way to the scope is missing here by its number.
+/// A recording of the received ticks of a loop. Its first tick has the number 0, independently of the loop's count. A
+/// tick that was lost before it was received leaves a gap in the numbers.
 #[derive(Debug)]
 pub struct LaneRecording {
     tap: Tap,
     recorder: Recorder,
     path: PathBuf,
-    /// The parameters that the receipt has.
+    /// Generation of the parameters in the metadata.
     generation: u32,
     first: Option<u64>,
-    /// The newest that came into force before the first tick and is not what the receipt says.
+    /// Newest change that took effect before the first tick and is not in the metadata.
     changed: Option<Noted>,
-    /// How many ticks there have been since the first.
+    /// Number of ticks since the first.
     known: u64,
     told: u64,
-    /// How many of those that were passed on found no room on their way to the disk.
+    /// Number of ticks that were dropped because the disk queue was full.
     dropped: u64,
 }
 
 impl LaneRecording {
-    /// Begins one at `path` with the first tick that is rendered by the parameters with this number.
+    /// Starts a recording at `path` with the first tick that is rendered by the parameters of this generation.
     ///
     /// # Errors
-    /// A file is there already or cannot be written; the system gives no thread.
+    /// The file exists or cannot be written, or the system cannot create a thread.
     pub fn begin(path: PathBuf, receipt: &Receipt, generation: u32) -> Result<Self, WriteError> {
         let (tap, recorder) = Recorder::begin(&path, receipt)?;
         Ok(Self {
@@ -47,8 +47,8 @@ impl LaneRecording {
         })
     }
 
-    /// The same recording, of a loop that has not begun: its first tick is the loop's, even where that
-    /// gets lost on its way.
+    /// Returns the same recording for a loop that has not started: its first tick is that of the loop, even if it is
+    /// lost before it is received.
     pub fn with_the_first_tick(self) -> Self {
         Self {
             first: Some(0),
@@ -60,7 +60,7 @@ impl LaneRecording {
     pub fn tick(&mut self, tick: &Tick, contacts: &[ContactTick]) {
         let first = match self.first {
             Some(first) => first,
-            // What was rendered before is not what the receipt says.
+            // Ticks of earlier parameters do not match the metadata.
             None if tick.generation < self.generation => return,
             None => *self.first.insert(tick.sequence),
         };
@@ -142,7 +142,7 @@ impl LaneRecording {
         self.recorder.has_ended()
     }
 
-    /// Nothing more comes, since the loop is over, and has counted so much.
+    /// Ends the recording of a loop that has ended with these counters.
     pub fn end_with_loop(mut self, counted: &Counted) -> Ending {
         if let Some(first) = self.first {
             let here = match first {
@@ -163,7 +163,7 @@ impl LaneRecording {
         }
     }
 
-    /// Nothing more comes; the rest is written while the loop goes on.
+    /// Ends the input; the remaining data is written while the loop continues.
     pub fn end(self) -> Ending {
         Ending {
             recorder: self.recorder,
@@ -210,7 +210,7 @@ mod tests {
         recording.tick(&tick, &[ContactTick::default()]);
     }
 
-    /// It begins with the parameters of its receipt, counts from 0, and what is lost is missing.
+    /// A recording begins with the parameters of its metadata, counts from 0, and has gaps for lost ticks.
     #[test]
     fn a_recording_counts_from_its_own_beginning() {
         let folder = tempfile::tempdir().unwrap();
@@ -293,7 +293,7 @@ mod tests {
         }
     }
 
-    /// What came into force between receipt and first tick stands in the file, the newest of it.
+    /// The file contains the newest change between metadata and first tick.
     #[test]
     fn what_changed_before_the_first_tick_is_written_with_it() {
         let text = include_str!("../../../../experiments/live.toml");

@@ -1,4 +1,4 @@
-//! How loops and recordings of a session begin and end.
+//! Start and end of a session's loops and recordings.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -24,22 +24,21 @@ use crate::message::ServerMessage;
 use crate::pace::Pace;
 use crate::settings::{Limits, Settings, make_room};
 
-/// Where devices come from.
+/// Source of devices.
 pub trait Devices: Send {
-    /// How many lanes there can be, 1 or 2: several for a device of which there can be several.
+    /// Returns the largest number of renderings, 1 or 2; several only if the device can exist several times.
     fn most_lanes(&self) -> usize;
 
-    /// Whether a device goes on where it is when its loop begins anew; one that does not is opened
-    /// again.
+    /// Returns whether a device continues at its position when its loop restarts; otherwise it is reopened.
     fn go_on(&self) -> bool;
 
     /// Whether a device that is open can be in a loop of another period.
     fn any_period(&self) -> bool;
 
-    /// Opens a device, `at` a place `[m]` if it can be put there, else where it starts.
+    /// Opens a device, at the position `at` `[m]` if possible, otherwise at its start position.
     ///
     /// # Errors
-    /// Why it does not open, in words.
+    /// The reason as text.
     fn open(&mut self, at: Option<f64>) -> Result<Placed, String>;
 }
 
@@ -51,13 +50,13 @@ pub struct Placed {
     pub axis: AlongAxis<f64, 3>,
 }
 
-/// Why a session does not start.
+/// Reason why a session does not start.
 #[derive(Debug, thiserror::Error)]
 pub enum SessionError {
-    /// What is rendered, or a limit of the safety.
+    /// Error in the scene or in a safety limit.
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// Anything else, in words.
+    /// Any other reason, as text.
     #[error("{0}")]
     Other(String),
 }
@@ -68,35 +67,35 @@ impl From<String> for SessionError {
     }
 }
 
-/// Of a lane that has ended: where its device was `[m]`, and the device if it can be used again.
+/// State of an ended rendering: position of its device `[m]`, and the device if it can be used again.
 type Carried = (Option<f64>, Option<Placed>);
 
-/// What a recording says of how it came to be: of a scene as it is rendered, on a device.
+/// Creates the metadata of a recording from the rendered scene and the device.
 pub type Receipts = Box<dyn Fn(&Scene, &Capabilities) -> Result<Receipt, String> + Send>;
 
-/// What a session is started with.
+/// Parameters for starting a session.
 pub struct Setup {
-    /// What is rendered at first.
+    /// Initial scene.
     pub scene: Scene,
-    /// By which methods: one for each lane, one or two.
+    /// Methods, one for each rendering; one or two.
     pub methods: Vec<MethodName>,
-    /// Where devices come from.
+    /// Source of devices.
     pub devices: Box<dyn Devices>,
     /// The hand that clients lead, if they do.
     pub hand: Option<PointerHand>,
     /// The clock of loops and devices.
     pub clock: MonotonicClock,
-    /// What the machine is asked for.
+    /// Requested scheduling.
     pub request: Request,
     /// Limits between renderer and device.
     pub limits: Box<dyn Fn(&Capabilities) -> SafetyParams + Send>,
-    /// How long a loop runs, if not until it is stopped: so many periods, whether ticked or missed.
+    /// Duration of a loop in whole periods, including missed ones; `None`: until it is stopped.
     pub duration: Option<Duration>,
     /// Receipts of recordings.
     pub receipts: Receipts,
-    /// Where recordings go that clients ask for.
+    /// Folder of recordings that clients request.
     pub folder: PathBuf,
-    /// A recording from the first tick on: its file, if there is one lane.
+    /// File of a recording that begins with the first tick, for a single rendering.
     pub record: Option<PathBuf>,
 }
 
@@ -131,7 +130,7 @@ impl Running {
         }
     }
 
-    /// Ends the loops, so that no force is on, and begins anew.
+    /// Stops the loops, so that no force is on, and restarts them.
     pub(super) fn restart(&mut self) -> Result<(), String> {
         let was_recording = self.lanes.iter().any(|lane| lane.recording().is_some());
         self.stop_lanes();
@@ -153,7 +152,7 @@ impl Running {
         let failed = opened.map_err(|error| error.to_string()).err();
         self.failed.clone_from(&failed);
         failed.map_or(Ok(()), |text| {
-            // Where one lane cannot be opened, no lane runs: the page shows all that was asked for, or nothing.
+            // If a device cannot be opened, no rendering runs: the page shows all requested renderings or none.
             self.stop_lanes();
             self.end_recordings();
             self.lanes.clear();
@@ -180,7 +179,7 @@ impl Running {
         let mut renderings = self.settings.renderings(&self.setup.scene)?;
         let mut devices = Vec::new();
         for rendering in &mut renderings {
-            // A lane that is new begins where the first is.
+            // A new rendering starts at the position of the first.
             let (at, device) = carried.next().unwrap_or((at, None));
             if let Some(at) = at {
                 make_room(rendering, at);
@@ -243,7 +242,7 @@ impl Running {
         for ending in self.endings.drain(..) {
             let written = ending.finish();
             if let Err(error) = &written.ticks {
-                // ServerMessage to whoever still listens; whoever joins is told as well.
+                // Notify the connected clients; new clients receive the same message.
                 let text = error.to_string();
                 self.hub
                     .tell_all(ServerMessage::Ended { text: &text }.text());
@@ -271,7 +270,7 @@ impl Running {
                 recording,
             });
         }
-        // They were written side by side, and ended as the disk let them.
+        // The recordings ended in arbitrary order.
         self.written.sort_by(|one, other| one.path.cmp(&other.path));
         SessionEnd {
             lanes,
@@ -280,7 +279,7 @@ impl Running {
         }
     }
 
-    /// Begins a recording of every lane.
+    /// Starts a recording of every rendering.
     pub(super) fn record(&mut self) -> Result<(), String> {
         if self.lanes.iter().any(|lane| lane.recording().is_some()) {
             return Err("a recording is being made; end it first".to_owned());
@@ -340,7 +339,7 @@ impl Running {
         self.setup.folder.join(format!("live-{number:03}.mcap"))
     }
 
-    /// The file of a lane: with two, its number and method stand in its name.
+    /// Returns the file of a rendering; with two, its name contains number and method.
     fn path_of(&self, path: &std::path::Path, lane: usize) -> PathBuf {
         if self.settings.lanes.len() == 1 {
             return path.to_path_buf();
@@ -363,7 +362,7 @@ impl Running {
         }
     }
 
-    /// Says what has become of recordings that were ended, and of those that cannot be written.
+    /// Reports the results of ended recordings, and ends recordings that cannot be written.
     pub(super) fn watch_recordings(&mut self) {
         let failing = |lane: &&mut Lane| lane.recording().is_some_and(LaneRecording::has_failed);
         for lane in self.lanes.iter_mut().filter(|lane| failing(lane)) {

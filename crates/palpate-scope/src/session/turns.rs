@@ -8,35 +8,35 @@ use palpate_rt::realtime::Answer;
 
 use super::Command;
 
-/// How long the session rests at most when nobody asks for anything.
+/// Longest idle time of the session without requests.
 const REST: Duration = Duration::from_millis(4);
-/// How long requests are done before it is listened and shown again; the last may take longer.
+/// Time limit for executing requests before ticks are read and shown again; the last request may take longer.
 const TURN: Duration = Duration::from_millis(4);
 /// Frames are sent this often.
 const FRAME_EVERY: Duration = Duration::from_nanos(1_000_000_000 / 60);
-/// The status is told this often.
+/// Interval of status messages.
 const STATUS_EVERY: Duration = Duration::from_millis(500);
 
-/// What a session does in its turns.
+/// Operations of a session in its main loop.
 pub(crate) trait Turns {
-    /// How it ends.
+    /// Result of the session.
     type End;
 
-    /// What the machine granted the first loop.
+    /// Returns the scheduling that the system granted to the first loop.
     fn answers(&self) -> Vec<Answer>;
     /// Does what a client asks for.
     fn obey(&mut self, command: Command);
-    /// How often the loops have begun.
+    /// Returns the number of starts of the loops.
     fn runs(&self) -> u32;
-    /// Hears what the loops say.
+    /// Processes the messages of the loops.
     fn listen(&mut self);
     /// Sends clients a frame.
     fn show(&mut self);
     /// Tells clients how the loops are.
     fn tell_status(&mut self);
-    /// Whether its loops were to last for so long, and have ended. Else they can be begun anew.
+    /// Returns whether the loops had a limited duration and have ended. Otherwise they can be restarted.
     fn is_over(&self) -> bool;
-    /// Stops the loops, and says how they ended.
+    /// Stops the loops and returns their results.
     fn finish(self) -> Self::End;
 }
 
@@ -72,8 +72,8 @@ pub(super) fn take_turns<T: Turns>(
     }
 }
 
-/// Waits for commands, and does those that are there: for one turn at most, and only the first
-/// that begins the loops anew, since others want to be heard and shown something as well.
+/// Waits for commands and executes the pending ones, for one turn at most and with at most one restart, so that other
+/// clients are served in between.
 fn take_commands<T: Turns>(
     session: &mut T,
     commands: &Receiver<Command>,
@@ -83,7 +83,7 @@ fn take_commands<T: Turns>(
     let mut next = match commands.recv_timeout(rest) {
         Ok(command) => Some(command),
         Err(RecvTimeoutError::Timeout) => None,
-        // Nobody serves any more; the loops go on.
+        // The server has ended; the loops continue.
         Err(RecvTimeoutError::Disconnected) => {
             std::thread::sleep(rest);
             None

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-/// Cells along the longest side of the mesh where the search begins, and by how much it goes on.
+/// Initial number of cells along the longest side of the mesh, and the factor of each coarser grid.
 const FINEST: f64 = 512.0;
 const COARSER: f64 = 0.8;
 

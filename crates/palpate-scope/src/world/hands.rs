@@ -6,9 +6,9 @@ use palpate_sim::device::SpatialHand;
 
 use crate::hub::ClientId;
 
-/// By how much the length of a quaternion may be another than 1: a page has few digits.
+/// Tolerance on the length of a quaternion: a page sends few digits.
 const LENGTH_SLACK: f64 = 1e-3;
-/// How far from where the tool begins a hand may reach along each axis `[m]`.
+/// Reach of a hand along each axis, from the initial position of the tool `[m]`.
 const REACH: f64 = 1.0;
 
 /// The hands of the devices of a world, in their order. Each is led by the client that moved it last.
@@ -17,10 +17,10 @@ pub struct Hands(Vec<Led>);
 /// A device, and its hand if a page leads it.
 struct Led {
     hand: Option<SpatialHand>,
-    /// Where its tool begins `[m]`.
+    /// Initial position of its tool `[m]`.
     start: Vector,
     turns: bool,
-    /// Who moved the hand last.
+    /// Client that moved the hand last.
     holder: Option<ClientId>,
 }
 
@@ -60,7 +60,7 @@ impl Hands {
         }
     }
 
-    /// A client is gone: the hands that it moved last let go.
+    /// Removes a client: the hands that it moved last release their devices.
     pub fn gone(&mut self, client: ClientId) {
         for led in &mut self.0 {
             if led.holder == Some(client) {
@@ -72,7 +72,7 @@ impl Hands {
         }
     }
 
-    /// Leads the hand of a device to a place, or lets go.
+    /// Moves the hand of a device to a position, or releases the device.
     pub fn lead(
         &mut self,
         client: ClientId,
@@ -104,7 +104,7 @@ impl Hands {
         Ok(())
     }
 
-    /// Turns the hand of a device, whoever leads it, or turns it back to as it began.
+    /// Turns the hand of a device, for any client, or resets its orientation.
     pub fn turn(&mut self, device: usize, orientation: Option<[f64; 4]>) -> Result<(), String> {
         let led = self.of(device)?;
         let hand = led.hand()?;

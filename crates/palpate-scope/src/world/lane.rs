@@ -1,4 +1,4 @@
-//! A lane of a world: one loop on a device, and what the page is shown of it.
+//! A rendering of a world: one loop on its devices, and its data for the page.
 
 use std::time::Duration;
 
@@ -20,7 +20,7 @@ use crate::session::SessionError;
 /// Ticks of one contact that may wait for the scope.
 const ROOM: usize = 1 << 15;
 
-/// What a lane's loop is run with.
+/// Parameters for running the loop of a rendering.
 pub struct Run<'a> {
     pub clock: &'a MonotonicClock,
     pub request: Request,
@@ -28,12 +28,12 @@ pub struct Run<'a> {
     pub duration: Option<Duration>,
 }
 
-/// One loop on its devices, and what the scope knows of it.
+/// One loop on its devices, and its data for the live view.
 pub struct Lane {
     pub method: &'static str,
     /// The devices.
     pub capabilities: Vec<Capabilities>,
-    /// Where they stand in the world.
+    /// Frames of the devices in the world.
     frames: Vec<WorldFrame>,
     pub answers: Vec<Answer>,
     thread: Option<LoopThread<Box<dyn Device>, MonotonicClock, RenderedWorld>>,
@@ -41,7 +41,7 @@ pub struct Lane {
     rows: Rows,
     newest: Option<Newest>,
     is_shown: bool,
-    /// What holds the forces at none, for each device.
+    /// Cause of a zero force, for each device.
     trips: Vec<Option<String>>,
     account: Account,
     ticks: u64,
@@ -54,7 +54,7 @@ pub struct Lane {
     end: Option<WorldEnded>,
 }
 
-/// The newest tick that was heard of.
+/// Newest received tick.
 struct Newest {
     tick: Tick,
     contacts: Vec<ContactTick>,
@@ -63,7 +63,7 @@ struct Newest {
 }
 
 impl Lane {
-    /// Starts the loop of a lane that is open.
+    /// Starts the loop of an open rendering.
     pub fn start(
         method: &'static str,
         opened: WorldLane,
@@ -104,7 +104,8 @@ impl Lane {
         })
     }
 
-    /// Listens to all that the loop has told; whatever happened is given to `note`. Whether the loop has ended just now.
+    /// Processes all messages of the loop and passes its events to `note`. Returns whether the loop has ended since the
+    /// last call.
     pub fn listen(&mut self, mut note: impl FnMut(&Noted, Event)) -> bool {
         let has_ended = self.thread.as_ref().is_some_and(LoopThread::has_ended);
         while let Some(told) = self.listener.next() {
@@ -215,7 +216,7 @@ impl Lane {
         self.thread.is_some()
     }
 
-    /// What holds the force at none, if something does.
+    /// Returns the cause of a zero force, if there is one.
     pub fn trip(&self) -> Option<String> {
         let trips: Vec<&str> = self.trips.iter().flatten().map(String::as_str).collect();
         (!trips.is_empty()).then(|| trips.join("; "))
@@ -228,12 +229,12 @@ impl Lane {
         }
     }
 
-    /// How the loop has ended, if it has.
+    /// Returns the end of the loop, if it has ended.
     pub fn end(&self) -> Option<&WorldEnded> {
         self.end.as_ref()
     }
 
-    /// Waits for a loop that was told to stop, and hears all it had to say.
+    /// Waits for a loop that has been stopped, and processes all its messages.
     pub fn finish(&mut self) {
         if let Some(thread) = self.thread.take() {
             self.end = Some(thread.join());
@@ -241,7 +242,7 @@ impl Lane {
         self.listen(|_, _| {});
     }
 
-    /// How it has ended, for a report.
+    /// Returns the final state, for a report.
     pub fn into_end(self) -> Option<WorldLaneEnd> {
         let mut account = self.account;
         account.counted(&self.listener.counted());
@@ -254,7 +255,7 @@ impl Lane {
         })
     }
 
-    /// How the loop has kept time.
+    /// Returns the timing status of the loop.
     pub fn status(&self) -> LaneStatus {
         let spread = |durations: &Durations| Spread {
             median: durations.quantile(0.5).as_secs_f64(),

@@ -26,7 +26,7 @@ use lane::{Lane, Run};
 
 /// Most lanes: what the page has room for.
 pub const MOST_LANES: usize = 2;
-/// Notes of all lanes that are told at once, and then each second.
+/// Notes of all renderings: burst size, and rate per second.
 const NOTES: (f64, f64) = (32.0, 20.0);
 /// Restarts at once and then each second: more than any hand does.
 const RESTARTS: (f64, f64) = (8.0, 4.0);
@@ -35,56 +35,56 @@ const RESTARTS: (f64, f64) = (8.0, 4.0);
 pub struct WorldLane {
     /// The devices, one for each tool of the world in their order, with the limits between renderer and device.
     pub devices: Vec<(Box<dyn Device>, SafetyParams)>,
-    /// The world, with where each device stands in it.
+    /// The world, with the frame of each device.
     pub world: RenderedWorld,
 }
 
-/// Opens the devices of a lane, by its number, and its world.
+/// Opens the devices and the world of a rendering, by its number.
 ///
-/// The error is why it cannot, in words.
+/// The error is the reason as text.
 pub type OpenLane = Box<dyn FnMut(usize) -> Result<WorldLane, String> + Send>;
 
-/// What a session on a world is set up with.
+/// Parameters for a session on a world.
 pub struct WorldSetup {
     /// The world, for the page.
     pub scene: WorldScene,
-    /// A method for each lane, by name; one or two.
+    /// Method of each rendering, by name; one or two.
     pub methods: Vec<&'static str>,
-    /// Where lanes come from.
+    /// Source of renderings.
     pub open: OpenLane,
-    /// The hand of each device that the page leads, in the order of the devices; `None` is of a device that it does not
-    /// lead. Lanes can begin anew where it leads all.
+    /// Hands that the page moves, in the order of the devices; `None` for a device that it does not move. Renderings
+    /// can restart if the page moves all hands.
     pub hands: Vec<Option<SpatialHand>>,
     /// The clock of loops and devices.
     pub clock: MonotonicClock,
-    /// What the machine is asked for.
+    /// Requested scheduling.
     pub request: Request,
-    /// How long loops last, if not until they are stopped.
+    /// Duration of the loops; `None`: until they are stopped.
     pub duration: Option<Duration>,
 }
 
-/// How a loop on a world has ended.
+/// End of a loop on a world.
 pub type WorldEnded = LoopEnd<Box<dyn Device>, MonotonicClock, RenderedWorld>;
 
-/// How a lane has ended, for a report.
+/// Final state of a rendering, for a report.
 pub struct WorldLaneEnd {
     /// Name of its method.
     pub method: &'static str,
     /// The devices.
     pub capabilities: Vec<Capabilities>,
-    /// How the loop has ended.
+    /// End of the loop.
     pub end: WorldEnded,
-    /// What the machine granted.
+    /// Scheduling that the system granted.
     pub answers: Vec<Answer>,
-    /// What was heard of the loop.
+    /// Data received from the loop.
     pub account: Account,
 }
 
-/// How a session has ended.
+/// Result of a session.
 pub struct WorldSessionEnd {
     /// The loops that ran last.
     pub lanes: Vec<WorldLaneEnd>,
-    /// Why loops that were to begin anew did not, if they did not.
+    /// Reason why loops could not restart, if they did not.
     pub failed: Option<String>,
 }
 
@@ -284,7 +284,7 @@ impl Running {
         for lane in &mut self.lanes {
             lane.finish();
         }
-        // They are gone before their successors come.
+        // Drop the old loops before starting new ones.
         self.lanes.clear();
         match self.start_lanes() {
             Ok(()) => {

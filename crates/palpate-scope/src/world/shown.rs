@@ -1,4 +1,4 @@
-//! What a page is told of a world: its shapes once, its places sixty times a second.
+//! Messages about a world: its shapes once, the poses sixty times a second.
 
 use palpate_device::{Capabilities, Vector};
 use palpate_record::recording::{BodyTick, ContactTick, Row, Tick};
@@ -26,7 +26,7 @@ const KNOWN: [&str; 7] = [
 /// The column of the force on the first device, and of the others with their names behind it.
 const FORCE: &str = "force_on_device_n";
 
-/// What every client is greeted with: the world, on these devices.
+/// Returns the greeting for new clients: the world with these devices.
 pub fn hello(scene: &WorldScene, devices: &[Capabilities], hands: &Hands, lanes: usize) -> String {
     let further = scene.world.tools.iter().enumerate().skip(1);
     let further = further.map(|(number, tool)| {
@@ -89,14 +89,14 @@ pub fn hello(scene: &WorldScene, devices: &[Capabilities], hands: &Hands, lanes:
         "device": first,
         "world": { "tools": tools, "bodies": bodies },
     });
-    // Of one device there is nothing to add.
+    // A single device has no additional fields.
     if !further.is_empty() {
         hello["further_devices"] = further.into();
     }
     hello.to_string()
 }
 
-/// The state that is told whenever it changes.
+/// Returns the state message, which is sent after every change.
 pub fn state(scene: &WorldScene, lanes: &[Lane], hands: &Hands) -> String {
     let target = |hand: Option<&SpatialHand>| hand.and_then(SpatialHand::target);
     let orientation = |hand: Option<&SpatialHand>| hand.and_then(SpatialHand::orientation);
@@ -214,7 +214,7 @@ pub fn frame(
             .to_le_bytes(),
     );
     bytes.extend(count(bodies.len()).to_le_bytes());
-    // The frame's number stands here.
+    // Position of the frame's number.
     bytes.extend(0_u32.to_le_bytes());
     bytes.extend(run.to_le_bytes());
     bytes.extend(tick.time.to_le_bytes());
@@ -288,7 +288,7 @@ mod tests {
         assert_eq!(single(72), 4.0, "the first contact");
         assert_eq!(bytes.len(), 40 + 32 + 2 * 24);
         assert_eq!(bytes[2..4], [0, 0], "one device");
-        // The force on a second device stands behind all that there is of one.
+        // The force on a second device follows all data of the first.
         let of_two = told(&forces);
         assert_eq!(of_two[2..4], [1, 0]);
         assert_eq!(of_two[4..bytes.len()], bytes[4..]);

@@ -38,7 +38,7 @@ fn the_page_comes_with_what_keeps_it_safe() {
     assert!(refused.contains("\r\nallow: get\r\n"), "{refused}");
 }
 
-/// A page of somebody else's in the same browser, and a name of somebody else's that leads here.
+/// A foreign page in the same browser, and a foreign name that resolves to this server.
 #[test]
 fn a_foreign_page_and_a_foreign_name_are_refused() {
     let stage = Stage::new(Play::default());
@@ -186,7 +186,7 @@ fn a_thousand_connections_that_say_nothing_keep_nobody_out() {
     let mut late = stage.client();
     late.text("hello");
     late.is_well();
-    // Most of them have been let go already.
+    // Most of them are already closed.
     let mut open = 0;
     for stream in &mut idle {
         stream.set_nonblocking(true).unwrap();
@@ -243,7 +243,7 @@ fn the_sixty_fifth_client_is_refused_until_one_goes() {
     witness.is_well();
 }
 
-/// It is told less and less, then nothing, and then it is gone; the others miss no frame.
+/// The client receives fewer frames, then none, and is then disconnected; the others miss no frame.
 #[test]
 fn a_client_that_stops_reading_slows_nobody_and_is_dropped() {
     let stage = Stage::new(Play::default());
@@ -272,7 +272,7 @@ fn a_client_that_stops_reading_slows_nobody_and_is_dropped() {
     witness.is_well();
 }
 
-/// Who talks without end is listened to no faster than anybody may talk, and everybody else as before.
+/// A client that sends without pause is processed at the rate limit, and the others as before.
 #[test]
 fn who_talks_without_end_is_listened_to_slowly() {
     let stage = Stage::new(Play::default());
@@ -305,7 +305,7 @@ fn a_client_that_is_frozen_lets_go_of_the_hand() {
     drop(frozen);
 }
 
-/// Restarts and recordings are so many each second, and nobody is too slow for what is told of them.
+/// Restarts and recordings are rate-limited, and their messages disconnect no client.
 #[test]
 fn who_begins_recordings_and_restarts_without_end_is_refused_and_sends_nobody_away() {
     let stage = Stage::new(Play::default());

@@ -228,7 +228,7 @@ fn another_rate_and_another_lane_begin_anew_where_the_device_is() {
         let frame = client.frame(|frame| frame.run == 2 && frame.lane == lane);
         assert!((frame.column(DEVICE)[0] + 0.05).abs() < 0.01, "lane {lane}");
     }
-    // Another method in the same lanes is no other loop.
+    // Another method in the same renderings does not restart the loop.
     client.say(r#"{"type":"set","lanes":[{"method":"seh"},{"method":"coupled"}]}"#);
     client.until("state", |state| state["lanes"][0]["method"] == "seh");
     assert_eq!(client.frame(|frame| frame.lane == 0).run, 2);
@@ -253,16 +253,16 @@ fn a_trip_is_told_and_ends_when_somebody_rearms() {
     client.frame(|frame| frame.column(DEVICE).last().unwrap().abs() < 0.01);
     client.say(r#"{"type":"rearm","lane":0}"#);
     client.until("note", |note| note["kind"] == "rearmed");
-    // On a machine that stands still for a moment the late forces may bring another trip at once.
+    // If the machine pauses, late forces may cause another safety stop at once.
     client.until("state", |state| state["lanes"][0]["trip"] != trip);
 }
 
-/// The server goes on without a device, and begins again when there is one.
+/// The server continues without a device, and the loop restarts when there is one.
 #[test]
 fn a_device_that_is_gone_is_said_and_can_come_back() {
     let stage = Stage::new(Play::default());
     let mut client = stage.client();
-    // Whoever is greeted is told of all that comes later.
+    // Clients that have received the greeting receive all later messages.
     client.text("state");
     stage.is_out.store(true, Ordering::Release);
     let ended = client.text("ended");
@@ -299,7 +299,7 @@ fn a_recording_begins_and_ends_while_the_loop_runs() {
     client.say(r#"{"type":"record","on":true}"#);
     let refused = client.text("refused");
     assert!(refused["text"].as_str().unwrap().contains("end it first"));
-    // What a second frame shows of a lane was ticked after its recording had begun: that has a first tick.
+    // The ticks in a second frame come after the start of the recording, which therefore has a first tick.
     for lane in [0, 1] {
         for _frame in 0..2 {
             client.frame(|frame| frame.lane == lane);
@@ -341,7 +341,7 @@ fn a_recording_begins_and_ends_while_the_loop_runs() {
             }
         }
         assert_eq!((generations[0], generations.last()), (0, Some(&1)));
-        // What it changed to stands in the file, too.
+        // The file also contains the new value.
         assert_eq!(changes.len(), 1, "{changes:?}");
         assert!(changes[0].contains("parameters number 1"), "{changes:?}");
         assert!(changes[0].contains("654 N/m"), "{changes:?}");
@@ -439,7 +439,7 @@ fn clients_come_and_go_and_are_counted() {
     first.until("status", |status| status["clients"] == 1);
 }
 
-/// Whoever loses it to an error leaves no force on, and no recording half written.
+/// A session that is dropped on an error leaves no force on, and no recording incomplete.
 #[test]
 fn a_session_that_is_dropped_ends_its_loops_and_recordings() {
     let mut stage = Stage::new(Play::default());
@@ -519,7 +519,7 @@ fn a_session_that_was_to_last_does_not_wait_for_every_deadline_that_is_missed() 
     assert!((5..100).contains(&last), "tick {last}");
 }
 
-/// What was recorded before the end is told at the end, too.
+/// The end also reports the recordings made before it.
 #[test]
 fn whoever_joins_is_told_of_every_recording_and_of_loops_that_did_not_begin() {
     let mut stage = Stage::new(Play::default());

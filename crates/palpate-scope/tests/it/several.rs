@@ -1,5 +1,5 @@
-//! A session on a world of two devices: who leads which hand, what a page is told of each, and what a device that has gone
-//! does to the other.
+//! A session on a world of two devices: ownership of the hands, messages about each device, and the effect of a removed
+//! device on the other.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -26,7 +26,7 @@ fn scene() -> WorldScene {
     WorldFile::parse("pinch.toml", &heavy).unwrap().scene
 }
 
-/// What was written to each finger last.
+/// Last wrench written to each finger.
 type Written = Arc<Mutex<[Wrench; 2]>>;
 
 /// A finger that can be pulled out.
@@ -56,7 +56,7 @@ impl Device for Finger {
     }
 }
 
-/// A session on two fingers, what pulls the right one out, and what was written to them.
+/// A session on two fingers, a flag that removes the right one, and the wrenches written to them.
 struct Stage {
     session: WorldSession,
     is_out: Arc<AtomicBool>,
@@ -216,7 +216,7 @@ fn a_page_is_told_of_both_devices_and_leads_each() {
     let bytes = frame(&mut one, 1, |_| true);
     assert_eq!(usize::from(bytes[2]), columns);
 
-    // Who is gone lets go of what he led.
+    // The hands of a departed client release their devices.
     let gone = Command::Gone(other.id);
     session.commands().send(gone).unwrap();
     let state = text(&mut one, "state", |state| {
@@ -226,7 +226,7 @@ fn a_page_is_told_of_both_devices_and_leads_each() {
     lead(&session, &one, 2, None);
     let refused = text(&mut one, "refused", |_| true);
     assert_eq!(refused["text"], "device is 2; allowed: 0 to 1");
-    // What a world refuses of one device it refuses of several.
+    // A world rejects the same requests with several devices as with one.
     for request in [
         ClientRequest::Record(true),
         ClientRequest::Set(Set {

@@ -24,21 +24,21 @@ use crate::world::judged_turning;
 /// Most forces that begin later: those of the longest delay that a scene can state.
 const MOST_LATER: usize = DelayedHold::LONGEST_DELAY + 1;
 
-/// The device of a world with its hand, moved by the time that passes on the loop's clock. Along each of its axes it is a mass
-/// in a hand, as the scene says. A device of six axes turns in its hand, too.
+/// The device of a world with its hand, simulated on the loop's clock. Along each of its axes it is a mass in a hand,
+/// with the parameters of the scene. The hand also turns a six-axis device.
 #[derive(Clone, Debug)]
 pub struct SpatialDevice<C> {
     clock: C,
     capabilities: Capabilities,
-    /// What it is in the scene, which says where its axes are.
+    /// The device in the scene, which defines its axes.
     device: WorldDevice,
     axes: [Axis; 3],
-    /// How it turns, of a device of six axes.
+    /// Rotation of a six-axis device.
     turning: Option<HeldTurning>,
     moved_until: Option<Duration>,
-    /// What the motors hold on the device.
+    /// Wrench that the motors hold on the device.
     held: Wrench,
-    /// What was written last.
+    /// Last written wrench.
     written: Wrench,
     /// Time from a write to the beginning of its force.
     late: Duration,
@@ -77,10 +77,10 @@ impl Axis {
 }
 
 impl<C: Clock> SpatialDevice<C> {
-    /// A device and its hand, with motors that give what is commanded as `actuator` says.
+    /// Creates a device and its hand, with motors that follow the model `actuator`.
     ///
     /// # Errors
-    /// A quantity of the device, the hand or the motors outside its range.
+    /// A quantity of the device, the hand or the motors is out of range.
     pub fn new(
         device: &WorldDevice,
         actuator: &WorldActuator,
@@ -147,7 +147,7 @@ impl<C: Clock> SpatialDevice<C> {
         self.device.out(self.axes.each_ref().map(Axis::position))
     }
 
-    /// How it is truly turned at the last call, a unit quaternion `[w, x, y, z]`; `None` for a device of three axes.
+    /// Returns the true orientation at the last call, a unit quaternion `[w, x, y, z]`; `None` for a three-axis device.
     #[must_use]
     pub fn orientation(&self) -> Option<[f64; 4]> {
         self.turning.as_ref().map(HeldTurning::orientation)
@@ -241,7 +241,7 @@ impl<C: Clock> Device for SpatialDevice<C> {
     }
 }
 
-/// Where a pointer's hand wants to be in a world, and how it wants to be turned; set by any thread at any time.
+/// Target position and orientation of a pointer's hand in a world; any thread may set them at any time.
 #[derive(Clone, Debug)]
 pub struct SpatialHand {
     along: [PointerHand; 3],
@@ -251,7 +251,7 @@ pub struct SpatialHand {
 }
 
 impl SpatialHand {
-    /// A hand that holds its device where it wants it `[m]`.
+    /// Creates a hand that holds its device at a target `[m]`.
     #[must_use]
     pub fn at(target: Vector) -> Self {
         Self {
@@ -280,8 +280,8 @@ impl SpatialHand {
         self.along.iter().all(|hand| hand.target().is_some())
     }
 
-    /// Wants to be at `target` `[m]`, and takes hold of the device if it had let go. A coordinate that is not finite
-    /// changes nothing.
+    /// Sets the target position `[m]`, and grips the device again if the hand had released it. Non-finite coordinates
+    /// are ignored.
     pub fn move_to(&self, target: Vector) {
         let target = self.device().map_or(target, |device| device.own(target));
         for (hand, target) in self.along.iter().zip(target) {
@@ -296,8 +296,8 @@ impl SpatialHand {
         }
     }
 
-    /// Wants a device of six axes to be turned so, a quaternion `[w, x, y, z]` of any length. What has no direction changes
-    /// nothing.
+    /// Sets the target orientation of a six-axis device, a quaternion `[w, x, y, z]` of any length above 0. Invalid
+    /// quaternions are ignored.
     pub fn turn_to(&self, orientation: [f64; 4]) {
         self.turned.turn_to(orientation);
     }
@@ -307,13 +307,13 @@ impl SpatialHand {
         self.turned.forget();
     }
 
-    /// How it wants the device to be turned, a unit quaternion `[w, x, y, z]`; `None`: as it begins.
+    /// Returns the target orientation of the device, a unit quaternion `[w, x, y, z]`; `None`: the initial orientation.
     #[must_use]
     pub fn orientation(&self) -> Option<[f64; 4]> {
         self.turned.get()
     }
 
-    /// Where it wants to be `[m]`; `None` if it holds nothing.
+    /// Returns the target position `[m]`; `None` if the hand has released the device.
     #[must_use]
     pub fn target(&self) -> Option<Vector> {
         let [x, y, z] = self.along.each_ref().map(PointerHand::target);

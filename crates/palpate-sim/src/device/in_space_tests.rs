@@ -1,4 +1,4 @@
-//! Devices of six axes, and of axes of their own, in a hand.
+//! Six-axis devices, and devices with their own axes, in a hand.
 
 use palpate_device::clock::SteppedClock;
 use palpate_scene::world::WorldFile;
@@ -29,7 +29,7 @@ fn apart(one: [f64; 4], other: [f64; 4]) -> f64 {
     2.0 * cosine.abs().min(1.0).acos()
 }
 
-/// A device of these moments of inertia in a hand of its own, on a clock that a test moves.
+/// Creates a device with these moments of inertia in its hand, on a clock that the test advances.
 fn turned_by_a_hand(
     inertia: &str,
     hand: &SpatialHand,
@@ -42,7 +42,7 @@ fn turned_by_a_hand(
     (device, clock)
 }
 
-/// Orientations at the ends of so many milliseconds, under a torque.
+/// Returns the orientations after each of a number of milliseconds, under a torque.
 fn turns(
     device: &mut SpatialPointer<SteppedClock>,
     clock: &SteppedClock,
@@ -61,14 +61,14 @@ fn turns(
     (0..millis).map(tick).collect()
 }
 
-/// Whoever let go, and comes back, takes hold of the device as it is by then, and leads it to the wish from there.
+/// A hand that grips the device again starts from its present orientation and turns it to the target from there.
 #[test]
 fn a_hand_takes_hold_of_a_turned_device_without_a_jolt() {
     let hand = SpatialHand::at([0.0; 3]);
     let (mut device, clock) = turned_by_a_hand("[1e-4, 2e-4, 3e-4]", &hand);
     turns(&mut device, &clock, [0.0; 3], 10);
     hand.let_go();
-    // It gets going, and comes to rest nearly by the hand's damping.
+    // Start to turn; the hand's damping then nearly stops the motion.
     turns(&mut device, &clock, [0.0, 0.03, 0.0], 200);
     let left = *turns(&mut device, &clock, [0.0; 3], 300).last().unwrap();
     let wish = [1.0, 0.0, 0.0, 0.0];
@@ -88,8 +88,8 @@ fn a_hand_takes_hold_of_a_turned_device_without_a_jolt() {
     assert!(fastest < 0.03, "{fastest} rad in a millisecond");
 }
 
-/// A pen turns about its length a thousand times more easily than about the others: the hand is softer then, and what it
-/// holds comes to rest.
+/// A pen turns about its length a thousand times more easily than about the other axes. The hand is then softer, and
+/// the device comes to rest.
 #[test]
 fn a_slender_device_comes_to_rest_in_its_hand() {
     let hand = SpatialHand::at([0.0; 3]);
@@ -101,7 +101,7 @@ fn a_slender_device_comes_to_rest_in_its_hand() {
     assert!(away < 1e-3, "{away} rad from where it began");
 }
 
-/// Somebody who stops the program for a minute finds the device at rest, and soon.
+/// After a pause of a minute the device soon comes to rest.
 #[test]
 fn a_long_pause_is_caught_up_in_part() {
     let hand = SpatialHand::at([0.0; 3]);
@@ -136,8 +136,8 @@ fn a_hand_too_stiff_for_its_device_is_refused() {
     }
 }
 
-/// The hand turns the device, gives way to a torque, and lets it turn on when it lets go; the device takes a torque off
-/// when it is cut.
+/// The hand turns the device and yields to a torque. After its release the device continues to turn. When the output is
+/// cut, the device drops the torque.
 #[test]
 fn a_pointer_s_hand_turns_a_device_of_six_axes() {
     let scene = WorldFile::parse("plate.toml", PLATE).unwrap().scene;

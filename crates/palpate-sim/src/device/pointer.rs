@@ -1,4 +1,4 @@
-//! A device in a hand that is led by a pointer: a mouse, a finger on a screen, a test.
+//! A device in a hand that follows a pointer: a mouse, a finger on a screen, a test.
 //!
 //! ```text
 //! a″ = ω² (target − a) − 2 ω a′                          where the hand aims
@@ -6,11 +6,10 @@
 //! m x″ = − b x′ − F_c sgn(x′) + f                         while nobody does
 //! ```
 //!
-//! A mouse says sixty times a second where it is, and each time it is somewhere else at once. No hand
-//! moves like that: it aims at the target through a critically damped filter, whose place and speed are
-//! continuous, and so is the force of spring and damper between that aim and the device. At the
-//! default ω of 100 rad/s a hand that moves at 0.3 m/s, in steps of 5 mm, shakes the device by some
-//! 0.02 mm at 60 Hz, and lags by 2/ω = 20 ms.
+//! A mouse reports its position sixty times a second, in steps. The hand therefore follows the target through a
+//! critically damped filter, whose position and speed are continuous, as is the force of spring and damper between the
+//! aim and the device. At the default ω of 100 rad/s a hand that moves at 0.3 m/s, in steps of 5 mm, shakes the device
+//! by some 0.02 mm at 60 Hz, and lags by 2/ω = 20 ms.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -29,15 +28,15 @@ use palpate_testbed::measure::Sampler;
 use palpate_device::clock::Clock;
 use palpate_device::{Capabilities, Cut, Device, DeviceError, Pose, Wrench, ZeroWriter};
 
-/// What a pointer's device is, and the hand that holds it.
+/// Parameters of a pointer's device and its hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointerParams {
     /// Mass m of the device `[kg]`.
     pub device_mass: f64,
     /// Viscous friction b of the device `[N s/m]`.
     pub viscous_friction: f64,
-    /// Dry friction F_c of the device while nobody holds it `[N]`: what it comes to rest by, and what
-    /// carries an object that lies on it. A hand covers it.
+    /// Dry friction F_c of the free device `[N]`. It stops the device and carries an object that lies on it; it does
+    /// not act while a hand holds the device.
     pub dry_friction: f64,
     /// Quantum of the position `[m]`; 0 for a sensor without one.
     pub encoder_quantum: f64,
@@ -49,9 +48,9 @@ pub struct PointerParams {
     pub hand_damping: f64,
     /// Rate ω of the filter through which the hand follows its target `[rad/s]`.
     pub aim_rate: f64,
-    /// Where the device is at the start, at rest `[m]`.
+    /// Initial position of the device, at rest `[m]`.
     pub position: f64,
-    /// What the motor gives at most `[N]`; `None`: whatever is commanded.
+    /// Largest force of the motor `[N]`; `None`: unlimited.
     pub largest_force: Option<f64>,
     /// Periods after which a command acts: what is written is held after as many further writes.
     pub delay: usize,
@@ -86,9 +85,9 @@ impl Default for PointerParams {
 }
 
 impl PointerParams {
-    /// The device of `scene` in a pointer's hand: its mass, sensor, motor, delay, lag, gain and place at
-    /// the start; a fraction of a period and the jitter of commands are left out. Its friction is that of the scene, and at least that of
-    /// [`default`](Self::default), by which a device comes to rest that nobody holds.
+    /// Returns the device of `scene` in a pointer's hand, with its mass, sensor, motor, delay, lag, gain and initial
+    /// position. A fraction of a period and the jitter of commands are omitted. Its friction is that of the scene, but
+    /// at least that of [`default`](Self::default), so that a free device comes to rest.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let default = Self::default();
@@ -178,8 +177,8 @@ impl PointerParams {
     }
 }
 
-/// Where a pointer's hand wants to be, set by any thread at any time; nobody waits. Clones are the same
-/// hand, so several devices can be in it.
+/// Target position of a pointer's hand. Any thread may set it at any time without blocking. Clones share one hand, so
+/// it can hold several devices.
 #[derive(Clone, Debug)]
 pub struct PointerHand(Arc<AtomicU64>);
 
@@ -187,7 +186,7 @@ pub struct PointerHand(Arc<AtomicU64>);
 const LETS_GO: u64 = u64::MAX;
 
 impl PointerHand {
-    /// A hand that holds its device where it wants it `[m]`.
+    /// Creates a hand that holds its device at a target `[m]`.
     #[must_use]
     pub fn at(target: f64) -> Self {
         let hand = Self::free();
@@ -201,8 +200,7 @@ impl PointerHand {
         Self(Arc::new(AtomicU64::new(LETS_GO)))
     }
 
-    /// Wants to be at `target` `[m]`, and takes hold of the device if it had let go. What is not finite
-    /// is no place, and changes nothing.
+    /// Sets the target `[m]`, and grips the device again if the hand had released it. Non-finite targets are ignored.
     pub fn move_to(&self, target: f64) {
         if target.is_finite() {
             self.0.store(target.to_bits(), Ordering::Release);
@@ -214,7 +212,7 @@ impl PointerHand {
         self.0.store(LETS_GO, Ordering::Release);
     }
 
-    /// Where it wants to be `[m]`; none if it holds nothing.
+    /// Returns the target `[m]`; `None` if the hand has released the device.
     #[must_use]
     pub fn target(&self) -> Option<f64> {
         let bits = self.0.load(Ordering::Acquire);
@@ -222,7 +220,7 @@ impl PointerHand {
     }
 }
 
-/// Who holds the device.
+/// State of the device, with or without a hand.
 #[derive(Clone, Debug)]
 enum HeldOrFree {
     Held { target: f64, state: Held },
@@ -238,9 +236,8 @@ struct Held {
     velocity: f64,
 }
 
-/// A device in a [`PointerHand`]. Between two calls it moves exactly as the equations above say, under
-/// the force that was written last and towards the target that was seen last. It is taken hold of
-/// without a jolt: the hand begins with place and speed of the device.
+/// A device in a [`PointerHand`]. Between two calls it moves exactly by the equations above, under the last written
+/// force and towards the last target. A grip is smooth: the hand starts with the position and speed of the device.
 #[derive(Clone, Debug)]
 pub struct PointerDevice<C> {
     clock: C,
@@ -266,8 +263,7 @@ pub struct PointerDevice<C> {
     cut: Cut,
 }
 
-/// Nothing moves on for longer than this between two calls: whoever was away for longer finds the
-/// device where it was then.
+/// Largest simulated time between two calls; a longer pause is cut to it.
 pub(super) const LONGEST: f64 = 10.0;
 
 /// Terms of the series over a span of one radian: 1/24! is far below round-off.
@@ -381,7 +377,7 @@ impl<C: Clock> PointerDevice<C> {
         }
     }
 
-    /// Takes over what the hand wants now.
+    /// Reads the hand's target.
     fn look_at_hand(&mut self) {
         let (position, velocity) = (self.position(), self.velocity());
         match (&mut self.motion, self.hand.target()) {
@@ -398,7 +394,7 @@ impl<C: Clock> PointerDevice<C> {
                 };
             }
             (HeldOrFree::Held { .. }, None) => {
-                // A force that is no number could have moved it nowhere: then it is at its start.
+                // A non-finite force has produced an invalid state: restart the device at its initial position.
                 let alone = self.alone.clone().starting_at(position, velocity);
                 self.motion = HeldOrFree::Free(alone.unwrap_or_else(|_| self.alone.clone()));
             }
@@ -423,7 +419,7 @@ impl Moved for Led<'_> {
         self.state.velocity
     }
 
-    /// The work is not counted: nobody asks for it.
+    /// The returned work is unused, so it is not computed.
     fn advance(&mut self, force_on_object: f64, duration: f64) -> f64 {
         self.state
             .advance(self.params, self.target, -force_on_object, duration);
@@ -451,7 +447,7 @@ impl Held {
     fn follow(&mut self, params: &PointerParams, target: f64, force: f64, span: f64) {
         let rate = params.aim_rate;
         let mass = params.device_mass + params.hand_mass;
-        // What drives is constant, and so it stands in the second term only.
+        // The excitation is constant, so it appears in the second term only.
         let (mut pull, mut push) = (rate * rate * target, force);
         let mut term = *self;
         for order in 1..TERMS {

@@ -1,4 +1,4 @@
-//! A pointer's device against closed forms, and what it takes over from its hand.
+//! Compares a pointer's device with closed forms, and tests the transfer of state from its hand.
 
 use super::*;
 use palpate_device::clock::SteppedClock;
@@ -38,8 +38,8 @@ fn a_command_acts_after_its_delay_and_within_the_motor_s_limit() {
     assert_eq!(refused.unwrap_err().name, "largest_force");
 }
 
-/// A delay in seconds of so many periods is the delay of as many writes, and the fraction of one and a lag
-/// delay the device by as much as they are.
+/// A delay in seconds of a number of whole periods equals a delay of as many writes. A fraction of a period and a lag
+/// delay the device by their own duration.
 #[test]
 fn a_delay_in_seconds_and_a_lag_delay_the_device_by_as_much() {
     let moved = |params: PointerParams| {
@@ -72,7 +72,7 @@ fn a_delay_in_seconds_and_a_lag_delay_the_device_by_as_much() {
         };
         moved(params).1[39]
     };
-    // Once a lag has settled, it is a delay, but for what the hand has done meanwhile.
+    // A settled lag equals a delay, except for the hand's effect in the meantime.
     let (together, as_delay) = (late(0.7e-3, 0.5e-3), late(1.2e-3, 0.0));
     assert!(
         (together / as_delay - 1.0).abs() < 1e-3,
@@ -107,7 +107,7 @@ fn a_held_force_moves_it_as_the_closed_form_says() {
     }
 }
 
-/// With a stiff hand on hardly any mass, the device is where the hand aims.
+/// With a stiff hand of small mass, the device is at the hand's aim.
 #[test]
 fn the_hand_comes_to_its_target_by_a_critically_damped_step() {
     let params = PointerParams {
@@ -131,7 +131,7 @@ fn the_hand_comes_to_its_target_by_a_critically_damped_step() {
     }
 }
 
-/// A clock that goes in one step or in a thousand brings it to the same place.
+/// The position does not depend on whether the clock advances in one step or in a thousand.
 #[test]
 fn how_often_it_is_asked_changes_nothing() {
     let hand = PointerHand::at(0.0);
@@ -189,7 +189,7 @@ fn a_device_that_nobody_holds_comes_to_rest_and_is_taken_hold_of_without_a_jolt(
     clock.advance(1000 * MS);
     device.read().unwrap();
     assert_eq!(device.velocity(), 0.0);
-    // It carries what is lighter than its dry friction.
+    // The device carries an object that is lighter than its dry friction.
     let rests = device.position();
     device.write([-1.0, 0.0, 0.0].into()).unwrap();
     clock.advance(1000 * MS);

@@ -1,4 +1,4 @@
-//! The device of a scene, in real time or as fast as the clock goes.
+//! The device of a scene, on a real-time or simulated clock.
 
 use std::collections::VecDeque;
 use std::time::Duration;

@@ -1,24 +1,23 @@
-//! What the renderer of a world is told of the device that it runs on.
+//! Renderer's model of the device of a world.
 
 use palpate_device::Capabilities;
 use palpate_scene::world::WorldScene;
 
-/// What there is to tell of a device.
+/// Model values of a device.
 #[derive(Clone, Copy, Debug)]
 pub struct Told<'a> {
-    /// What it can do.
+    /// Capabilities of the device.
     pub device: &'a Capabilities,
     /// Along which axes of the world it moves.
     pub has_axes: [bool; 3],
-    /// The safety lets no more force through `[N]`.
+    /// Force limit of the safety layer `[N]`.
     pub largest_force: f64,
-    /// The safety lets no more torque through `[N m]`.
+    /// Torque limit of the safety layer `[N m]`.
     pub largest_torque: f64,
 }
 
-/// The scene as the renderer of a loop with one device is told it: no force above `largest_force` `[N]` and no torque above
-/// `largest_torque` `[N m]`, a sensor as coarse as the device says, and a device that lacks the axes of the world that it has
-/// not.
+/// Returns the scene of a renderer for a loop with one device: no force above `largest_force` `[N]`, no torque above
+/// `largest_torque` `[N m]`, the device's sensor resolution, and only the world axes that the device has.
 #[must_use]
 pub fn told_of(
     scene: &WorldScene,
@@ -38,8 +37,8 @@ pub fn told_of(
     )
 }
 
-/// The same of a loop with several devices, in the order of the scene. The limits of the renderer are those of the device that
-/// is given the most: the safety of each limits its own.
+/// Returns the scene of a renderer for a loop with several devices, in the order of the scene. The renderer has the
+/// largest of the devices' limits; the safety layer of each device applies its own.
 #[must_use]
 pub fn told_of_devices(scene: &WorldScene, devices: &[Told<'_>]) -> WorldScene {
     let mut told = scene.clone();

@@ -1,7 +1,7 @@
-//! How a device of six axes turns in a pointer's hand.
+//! Rotation of a six-axis device in a pointer's hand.
 //!
-//! L' = tau - k phi - b omega about the mass centre: phi is the rotation vector from where the hand aims to the tool. The aim
-//! follows the hand's wish at a rate, since a pointer's wish jumps. Where nobody holds the device, b alone is left.
+//! L' = tau - k phi - b omega about the mass centre: phi is the rotation vector from the hand's aim to the tool. The
+//! aim follows the hand's target at a finite rate, because a pointer's target jumps. For a free device only b remains.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -30,21 +30,21 @@ const AIM_RATE: f64 = 50.0;
 const STIFFNESS: f64 = 0.3;
 /// Damping of a hand that the scene gives none, over that of the aperiodic limit.
 const DAMPING: f64 = 0.7;
-/// How fast a hand that the scene gives none is at most, over the fastest that is allowed: a slender tool is held more softly.
+/// Rate of a default hand, relative to the fastest that is allowed: a slender tool is held more softly.
 const OWN_RATE: f64 = 0.25;
 
-/// How a pointer's hand wants its device to be turned, set by any thread at any time.
+/// Target orientation of a pointer's hand; any thread may set it at any time.
 #[derive(Clone, Debug)]
 pub(super) struct TurningWish(Arc<[AtomicU64; 4]>);
 
 impl TurningWish {
-    /// As the device begins.
+    /// The initial orientation of the device.
     pub fn none() -> Self {
         let unknown = || AtomicU64::new(f64::NAN.to_bits());
         Self(Arc::new([unknown(), unknown(), unknown(), unknown()]))
     }
 
-    /// Wants the device turned so. What has no direction changes nothing.
+    /// Sets the target orientation. Quaternions without a direction are ignored.
     pub fn turn_to(&self, orientation: Quaternion) {
         let length = orientation
             .iter()
@@ -79,17 +79,17 @@ impl TurningWish {
 pub(super) struct TurningPointer<C> {
     clock: C,
     turning: HeldTurning,
-    /// As it begins.
+    /// Initial orientation.
     start: Quaternion,
     wish: TurningWish,
-    /// Where the hand aims.
+    /// Filtered orientation that the hand pulls towards.
     aim: Quaternion,
     /// Whether the hand held it at the last call.
     is_held: bool,
     moved_until: Option<Duration>,
-    /// What the motors hold `[N m]`.
+    /// Torque that the motors hold `[N m]`.
     held: Vector,
-    /// What was written last `[N m]`.
+    /// Last written torque `[N m]`.
     written: Vector,
     late: Duration,
     /// Torques that begin later, with the instant of each, oldest first.
@@ -98,7 +98,8 @@ pub(super) struct TurningPointer<C> {
 }
 
 impl<C: Clock> TurningPointer<C> {
-    /// The device of a world, with its sensor, motors and start; a hand without a stiffness in the scene has one of its own.
+    /// Creates the device of a world, with its sensor, motors and initial state. A hand without a stiffness in the
+    /// scene gets a default one.
     pub fn new(
         device: &DeviceTurning,
         actuator: &WorldActuator,
@@ -137,7 +138,7 @@ impl<C: Clock> TurningPointer<C> {
         })
     }
 
-    /// Moves on to now, in the hand or, if nobody holds it, alone; what the sensor says then.
+    /// Advances to the present time, in the hand or as a free device, and returns the measured orientation.
     pub fn read(&mut self, is_held: bool) -> Quaternion {
         self.move_on(is_held);
         self.turning.measured()

@@ -1,4 +1,4 @@
-//! A scene as its judge takes it.
+//! Conversion of a scene for the reference solution.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use palpate_testbed::hand::Sinusoid;
 use palpate_testbed::world as judge;
 use palpate_world::{Body, Joint, JointKind, MassTable, Motion, Shape, Tool};
 
-/// The scene as the judge takes it: every pair that has a law and of which one side can move.
+/// Returns the scene for the reference solution: every pair that has a law and at least one movable member.
 #[must_use]
 pub fn as_judged(scene: &WorldScene) -> judge::WorldScene {
     let world = &scene.world;
@@ -115,10 +115,10 @@ fn judged_device(tool: &Tool, device: &WorldDevice) -> judge::WorldDevice {
     }
 }
 
-/// The table as the judge has it.
+/// Converts a mass table for the reference solution.
 ///
 /// # Panics
-/// Never: what makes a table of the renderer makes one of the judge.
+/// Never: every valid table of the renderer is valid for the reference solution.
 fn judged_masses(table: &MassTable) -> Arc<judge::MassTable> {
     let (places, masses) = (table.places().clone(), table.matrices().to_vec());
     let judged = judge::MassTable::new(table.axes(), places, masses);
@@ -141,7 +141,7 @@ fn judged_tremor(tremor: &Tremor) -> [Vec<Sinusoid>; 3] {
     })
 }
 
-/// How a device turns, as the judge has it.
+/// Converts the rotation of a device for the reference solution.
 pub(crate) fn judged_turning(turning: &DeviceTurning) -> judge::Turning {
     let hand = &turning.hand;
     judge::Turning {
@@ -160,10 +160,10 @@ pub(crate) fn judged_turning(turning: &DeviceTurning) -> judge::Turning {
     }
 }
 
-/// The mesh as the judge has it, with the same points and the same function about it.
+/// Converts a mesh for the reference solution, with the same points and the same distance function.
 ///
 /// # Panics
-/// Never: what makes a mesh of the renderer makes one of the judge.
+/// Never: every valid mesh of the renderer is valid for the reference solution.
 fn judged_mesh(mesh: &palpate_world::Mesh) -> Arc<judge::mesh::TriangleMesh> {
     let judged = judge::mesh::TriangleMesh::new(&mesh.vertices(), mesh.faces());
     let mut judged = judged.expect("a checked mesh has neither flat triangles nor edges of three");
@@ -185,10 +185,10 @@ fn judged_mesh(mesh: &palpate_world::Mesh) -> Arc<judge::mesh::TriangleMesh> {
     Arc::new(judged)
 }
 
-/// The hull as the judge has it: around the same corners.
+/// Converts a hull for the reference solution, from the same corners.
 ///
 /// # Panics
-/// Never: the corners of a hull have one.
+/// Never: the corners of a hull have a hull.
 fn judged_hull(hull: &palpate_world::Hull) -> Arc<judge::Hull> {
     let judged = judge::Hull::around(&hull.corners());
     Arc::new(judged.expect("the corners of a hull do not lie in a plane"))

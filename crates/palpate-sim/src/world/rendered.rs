@@ -1,4 +1,4 @@
-//! A scene of the judge as a renderer takes it.
+//! Conversion of a scene of the reference solution for a renderer.
 
 use std::sync::Arc;
 
@@ -8,10 +8,10 @@ use palpate_world::{
     SphereAt, Tool, World,
 };
 
-/// The world of a scene that the judge has drawn: its tools, bodies and laws, without its devices.
+/// Returns the world of a random scene of the testbed: its tools, bodies and laws, without its devices.
 ///
 /// # Panics
-/// The scene has a mesh or hull that the renderer refuses; no mesh of the judge's gallery is one.
+/// The scene has a mesh or hull that the renderer rejects; the testbed's gallery has no such mesh.
 #[must_use]
 pub fn as_rendered(scene: &judge::WorldScene) -> World {
     let tools = scene.devices.iter().map(|device| {

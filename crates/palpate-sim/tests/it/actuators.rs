@@ -1,5 +1,5 @@
-//! Actuators with a gain, a lag and late commands, and devices that are not rigid: what the bench moves and
-//! judges, against what is computed here; and what the renderer is told of it.
+//! Actuators with a gain, a lag and late commands, and flexible devices. Compares the testbed's motion and evaluation
+//! with independent computations, and tests the renderer's model values.
 #![allow(clippy::print_stdout)] // what was measured
 
 use crate::common::scene as experiment;
@@ -149,7 +149,7 @@ fn what_is_told_of_delay_and_lag_takes_coupled_to_what_the_actuator_can_do() {
         let nothing = error(&scene, MethodName::Coupled);
         println!("{name}: told the truth {truth:.2} %, nothing {nothing:.2} %");
         assert!(truth < 0.1 * nothing);
-        // Told by a fraction, nobody tells.
+        // A delay in fractions of a period is unmodelled.
         let mut fraction = real(name, 0.0, 0.0, 1.0, 0.0);
         fraction.delay = Delay::Periods {
             samples: 0,
@@ -165,7 +165,7 @@ fn what_is_told_of_delay_and_lag_takes_coupled_to_what_the_actuator_can_do() {
     }
 }
 
-/// The same loop, whatever a method that looks at no actuator is told.
+/// Model values do not affect the loop of a method that ignores the actuator.
 #[test]
 fn what_is_told_changes_nothing_but_the_renderer() {
     let mut scene = real("experiment1", 0.5, 0.3, 0.95, 0.1);
@@ -238,7 +238,7 @@ fn a_flexible_device_has_an_ideal_of_its_own_and_a_stiff_one_that_of_the_point_m
     assert!(e > 0.1 && e < 100.0);
 }
 
-/// The wall on half of a device, with a resonance of 100 Hz, and what the renderer is told of that.
+/// The wall on half of a device, with a resonance of 100 Hz, without and with a model of it.
 fn told_flexible(stiffness: f64, period: f64) -> [Scene; 2] {
     let mut untold = experiment("coupled/flexible");
     untold.contact.stiffness = stiffness;

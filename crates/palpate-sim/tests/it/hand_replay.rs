@@ -1,5 +1,5 @@
-//! Replay of a recorded hand: its force is found within what is said of it, and the loop that is
-//! closed again is the one that this hand would have closed.
+//! Replay of a recorded hand: its force is estimated within the stated uncertainty, and the replayed loop equals the
+//! true loop of this hand.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -100,7 +100,7 @@ fn true_loop(method: MethodName, setup: &ReplaySetup, samples: usize) -> (Vec<f6
     (positions, forces)
 }
 
-/// What a recorder at 1 kHz keeps of `seconds` of that hand on the block.
+/// Recording at 1 kHz of `seconds` of that hand on the block.
 struct Recorded {
     times: Vec<f64>,
     exact: Vec<f64>,
@@ -161,7 +161,7 @@ fn the_force_of_a_hand_is_found_within_what_is_said_of_it() {
     let hand = RecordedHand::estimate(&recorded.recording(), &model()).unwrap();
     let said = hand.uncertainty();
     eprintln!("{said:?}");
-    // At the ends there is a half of the samples only, and so it is said.
+    // At the ends only one side has samples, and the reported deviation is larger.
     let errors: Vec<f64> = hand
         .forces()
         .map(|at| (at.force - hand_force(at.time)) / at.deviation)
@@ -181,7 +181,7 @@ fn the_force_of_a_hand_is_found_within_what_is_said_of_it() {
         (0.9..1.3).contains(&(said.position_noise / noise)),
         "{said:?}"
     );
-    // What hides in the quantum cannot be told from what is exact.
+    // Errors within the quantum are below the sensor noise.
     let exact = (0..recorded.times.len()).map(|i| {
         let (position, _) = hand.motion(i as f64 * STEP);
         position - recorded.exact[i]
@@ -366,7 +366,7 @@ fn a_stated_bandwidth_is_kept_and_costs_what_it_leaves_out() {
 
 #[test]
 fn a_hand_that_lets_go_is_smeared_over_its_bandwidth_and_no_further() {
-    // It pushes with 0.3 N against a spring of its own, and lets go at 1 s.
+    // The hand pushes with 0.3 N against its own spring, and releases the device at 1 s.
     const RELEASE: f64 = 1.0;
     let (mut position, mut velocity) = (0.0, 0.0);
     let (mut times, mut positions, mut truth) = (Vec::new(), Vec::new(), Vec::new());

@@ -135,7 +135,7 @@ friction = 0.4
 duration_s = 0.1
 "#;
 
-/// What a sample that is refused would have made of the world is in no book.
+/// The energy ledger excludes the effects of a rejected sample.
 #[test]
 fn the_books_of_refused_samples_have_nothing_of_a_motion_that_grows() {
     for (key, strong) in [
@@ -252,7 +252,7 @@ fn a_perfect_sensor_is_about_as_good_as_one_of_a_micrometre_after_an_impact() {
             println!(
                 "{period} s, {mass} kg told {told}, {damping} N s/m: E {perfect:.2} %, with 1 um {real:.2} %"
             );
-            // What docs/worlds.md says under "Limits": at 2 ms, told too large a mass, it may stay wrong.
+            // At 2 ms with too large a model mass the error may be large (docs/worlds.md, "Limits").
             let most = match (period, told > mass) {
                 ("0.001", _) => 0.5,
                 (_, false) => 3.0,
@@ -411,7 +411,7 @@ duration_s = 0.3
     )
 }
 
-/// Told 1.5 times the masses, in a hand, with 2 um.
+/// Checks a conical hole with 1.5 times the true mass as the model value, in a hand, with a quantum of 2 um.
 fn check_conical_hole(faces: u32, lean: f64, friction: f64) {
     let run = coupled(&conical_hole(faces, lean, friction));
     println!(

@@ -1,7 +1,6 @@
-//! Recorded hands, as a user would replay them: sums of absolute leaks of the held force.
+//! Replay of recorded hands: sums of absolute leaks of the held force.
 //!
-//! The recordings are not part of the repository. Where they are missing the test says so and
-//! checks nothing.
+//! The recordings are not part of the repository. If they are missing, the test prints a note and checks nothing.
 
 use crate::common::{lifted_object, recorded_hands};
 use palpate_scene::method::{MethodName, Settings};

@@ -208,7 +208,7 @@ proptest! {
                 + last.held_leak.accumulated;
             prop_assert!(near(gained, accounted), "{method}: {gained} J, {accounted} J");
             prop_assert_eq!(last.outside_work, 0.0);
-            // Each column against the books kept here, of measured positions.
+            // Compares each column with the energy ledger of this test, which uses measured positions.
             for (column, given, expected) in [
                 ("port work", last.port_work, books.port_work),
                 ("work of f_V", last.virtual_force_work, books.virtual_force_work),
@@ -309,7 +309,7 @@ proptest! {
     }
 }
 
-/// Coupled rendering plans past the forces that are on their way, so what it is told shows.
+/// Coupled rendering plans past the pending forces, so its model delay affects the result.
 #[test]
 fn a_replay_tells_the_renderer_its_delay() {
     let hand = crate::common::synthetic_hand(2);
@@ -353,7 +353,7 @@ fn a_replay_tells_the_renderer_its_delay() {
     assert_ne!(found, answers(0));
 }
 
-/// A replay has no bench to integrate the port's work: its books are compared with those kept here.
+/// A replay does not integrate the port's work; its energy ledger is compared with that of this test.
 #[test]
 fn a_replay_holds_each_answer_after_its_delay_and_books_what_it_held() {
     let hand = crate::common::synthetic_hand(2);

@@ -138,7 +138,7 @@ fn known(bench: &WorldBench, scene: &WorldScene) -> f64 {
     error(&bench.run("coupled", &renderer).unwrap())
 }
 
-/// The scene as told by somebody who knows the masses along the world's axes only: 1/m is the diagonal of the mobility.
+/// Returns the scene with model masses along the world's axes only: 1/m is the diagonal of the mobility.
 fn told_the_diagonal(scene: &WorldScene) -> WorldScene {
     let mut told = scene.clone();
     let own = told.world.tools[0].own_axes.take().unwrap();

@@ -219,7 +219,7 @@ fn a_recorded_intention_moves_the_hand_as_the_swing_that_was_recorded() {
 
 #[test]
 fn a_hand_lets_go_of_the_loop_and_of_its_ideal() {
-    // Pressed to a wall, then let go: the spring throws the device off, and nothing holds it.
+    // The hand presses the device against a wall and releases it: the spring accelerates the free device away.
     let mut scene = experiment("wall");
     scene.measure = Measure::Duration(0.2);
     *hand_of(&mut scene) = Hand {
@@ -252,7 +252,7 @@ fn a_hand_lets_go_of_the_loop_and_of_its_ideal() {
         (some / last - 1.0).abs() < 1e-9 && last < -0.05,
         "{some} {last}"
     );
-    // A hand of a constant force lets go, too, and then the ideal is integrated.
+    // The release of a constant-force hand also makes the ideal an integrated one.
     let mut scene = experiment("wall");
     scene.measure = Measure::Duration(0.1);
     hand_of(&mut scene).release = Some(0.0);
@@ -293,7 +293,7 @@ fn a_loop_is_judged_against_another_by_the_forces_both_held() {
     let ideal = coarse.force.fidelity.unwrap().force_rendering_error;
     println!("{against} against 20 kHz, {ideal} against the ideal");
     assert!((against - ideal).abs() < 0.5, "{against} {ideal}");
-    // One that ends too early cannot judge.
+    // A run that ends too early cannot be the reference.
     let mut short = scene.clone();
     short.measure = Measure::Duration(0.3);
     assert_eq!(

@@ -70,7 +70,7 @@ fn mirrored(mut scene: Scene) -> Scene {
     scene
 }
 
-/// What a recorder keeps.
+/// A recording.
 struct Recorded {
     times: Vec<f64>,
     positions: Vec<f64>,
@@ -157,7 +157,7 @@ fn the_method_that_was_recorded_gives_its_motion_and_its_forces_back() {
             hand.uncertainty()
         );
         assert!(peak > 0.5, "{method}: {peak}");
-        // What the device carries off for good with a delay of two samples is most of it.
+        // The permanent displacement of the device, with a delay of two samples, dominates.
         assert!(moved < 30.0 * QUANTUM, "{method}: {moved}");
         assert!(pushed < 0.04 * peak, "{method}: {pushed} of {peak}");
         let departure = largest_departure(&hand, &closed);
@@ -210,7 +210,7 @@ fn a_sample_without_a_position_is_bridged_with_the_force_that_was_held_there() {
     // Where nothing was seen the force is known less well.
     let deviation = |hand: &RecordedHand, at| hand.forces().nth(at).unwrap().deviation;
     assert!(deviation(&hand, 302) > 1.2 * deviation(&hand, 200));
-    // What the motor held in between still counts.
+    // The motor forces between the measured positions still count.
     let mut without = recorded.forces.clone();
     for force in &mut without[301..306] {
         *force += 2.0;

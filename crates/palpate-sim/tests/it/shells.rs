@@ -1,4 +1,4 @@
-//! Meshes that touch hulls by a shell of points, judged by their ideal.
+//! Meshes in contact with hulls by a shell of points, evaluated against their ideal.
 #![allow(missing_docs)]
 #![allow(clippy::print_stdout)] // what was measured
 

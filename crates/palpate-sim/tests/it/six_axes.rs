@@ -1,4 +1,4 @@
-//! Devices of six axes in closed loop, judged by their ideal.
+//! Six-axis devices in closed loop, evaluated against their ideal.
 #![allow(missing_docs)]
 #![allow(clippy::print_stdout)] // what was measured
 
@@ -19,7 +19,7 @@ fn scene(name: &str) -> WorldScene {
     WorldFile::parse(&path, &source).unwrap().scene
 }
 
-/// The scene without a hand's spring and damper, with perfect sensors, and the renderer told the truth.
+/// Returns the scene without a hand's spring and damper, with perfect sensors and true model values.
 fn known(mut scene: WorldScene) -> WorldScene {
     scene = free(scene, 0.0, 0.0);
     for (device, (mass, inertia)) in scene.devices.iter().zip(
@@ -90,7 +90,7 @@ fn best_damper(scene: &WorldScene, bench: &WorldBench, stiffness: f64) -> f64 {
     shares.map(damped).into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// The best virtual coupling of a few, likewise.
+/// Returns the least E of several virtual couplings.
 fn best_coupling(scene: &WorldScene, bench: &WorldBench, stiffness: f64) -> f64 {
     let turning = scene.devices[0].turning.unwrap();
     let inertia = turning.inertia.iter().sum::<f64>() / 3.0;
@@ -117,7 +117,8 @@ fn best_coupling(scene: &WorldScene, bench: &WorldBench, stiffness: f64) -> f64 
     best
 }
 
-/// Largest E that each scene may have: told wrong without a hand, told wrong in a hand, there with coarse sensors.
+/// Largest allowed E of a scene: wrong model value without a hand, wrong model value in a hand, and the latter with
+/// coarse sensors.
 fn largest(name: &str) -> [f64; 3] {
     match name {
         // Many contacts, and gaps of ten quanta.
@@ -285,7 +286,7 @@ fn a_peg_that_a_hand_presses_for_a_minute_stays_in_its_hole_and_is_quiet() {
     }
 }
 
-/// The tool is a box, and what it is pressed onto is a free box on a table, with friction.
+/// The tool is a box that is pressed onto a free box on a table, with friction.
 #[test]
 fn a_box_that_is_pressed_onto_a_free_box_is_near_the_floor_and_at_it_with_the_device_known() {
     let told = scene("box-on-box");

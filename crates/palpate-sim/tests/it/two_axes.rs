@@ -184,7 +184,7 @@ fn error(run: &WorldRun) -> f64 {
     run.judgement.sum.unwrap().mean_force_error
 }
 
-/// The scene as it was told before a device could lack an axis: with a mass along the third.
+/// Returns the equivalent scene without the missing axis: with a mass along z.
 fn with_a_mass_along_z(scene: &WorldScene, mass: f64) -> WorldScene {
     let mut told = scene.clone();
     told.world.tools[0].axes = [true; 3];
@@ -224,7 +224,7 @@ fn with_the_device_known_each_held_force_is_the_mean_of_the_ideal_one() {
             "{name}: {before}"
         );
         assert!(coupled < 0.5 && told < 1.5 && basic > 10.0 * told, "{name}");
-        // No motor pushes along z, and nothing is judged there.
+        // No motor acts along z, and no force is evaluated there.
         assert!(known.commanded.iter().all(|forces| forces[0][2] == 0.0));
         let ideal = &bench.ideal().devices[0];
         assert!(ideal.impulses.iter().all(|impulse| impulse[2] == 0.0));
@@ -338,7 +338,7 @@ fn a_recorded_motion_along_an_axis_without_a_motor_is_followed() {
     assert!((last.devices[0].position[2] - 0.036).abs() < 1e-9);
 }
 
-/// What has one axis is a device along a line.
+/// A scene with one axis is a device along a line.
 #[test]
 fn a_device_of_one_axis_is_rendered_too() {
     let source = format!("{DEVICE}{BALL}[measure]\nduration_s = 0.25\n")

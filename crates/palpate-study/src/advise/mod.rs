@@ -18,13 +18,13 @@ const FORMAT: &str = "palpate advise 2";
 /// Largest mean-force error of a faithful rendering, E `[%]`.
 pub const FAITHFUL_PERCENT: f64 = 20.0;
 
-/// A method with the settings that it is tried with, and the damping among them where one is set.
+/// A method with the settings of the trial, and its damping if the trial sets one.
 type Trial = (MethodName, Settings, Option<f64>);
 
-/// Dampings that are tried for each method that has one.
+/// Number of dampings tried for each method with a damping.
 const TRIED: usize = 24;
 
-/// The advice on a device, and on a contact where one is asked for.
+/// Advice on a device, and on a contact if one is requested.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -34,7 +34,7 @@ pub struct Advice {
     pub format: &'static str,
     /// The device.
     pub device: DeviceReport,
-    /// What is asked for; none where only limits are.
+    /// Requested contact; none if only limits are requested.
     pub contact: Option<ContactReport>,
     /// The answer.
     pub verdict: Verdict,
@@ -47,7 +47,7 @@ pub struct Advice {
     pub files: Vec<String>,
 }
 
-/// The device that is asked about, and the bounce on it.
+/// The device of the advice, and the bounce on it.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct DeviceReport {
@@ -63,28 +63,28 @@ pub struct DeviceReport {
     pub encoder_quantum_m: f64,
     /// Delay of the loop in whole samples.
     pub delay_samples: usize,
-    /// Part of a period by which the delay is longer; left out where it is 0.
+    /// Fraction of a period by which the delay is longer; omitted if 0.
     #[serde(skip_serializing_if = "is_zero")]
     pub delay_fraction: f64,
-    /// Time constant of the actuator's lag `[s]`; left out where it is 0.
+    /// Time constant of the actuator's lag `[s]`; omitted if 0.
     #[serde(skip_serializing_if = "is_zero")]
     pub lag_s: f64,
-    /// Standard deviation of the delay in the renderer's model `[s]`; left out where it is 0.
+    /// Standard deviation of the delay in the renderer's model `[s]`; omitted if 0.
     #[serde(skip_serializing_if = "is_zero")]
     pub delay_deviation_s: f64,
-    /// Standard deviation of the lag in the renderer's model `[s]`; left out where it is 0.
+    /// Standard deviation of the lag in the renderer's model `[s]`; omitted if 0.
     #[serde(skip_serializing_if = "is_zero")]
     pub lag_deviation_s: f64,
-    /// Standard deviation of the gain in the renderer's model, over the gain; left out where it is 0.
+    /// Standard deviation of the gain in the renderer's model, relative to the gain; omitted if 0.
     #[serde(skip_serializing_if = "is_zero")]
     pub gain_deviation: f64,
-    /// Standard deviation of the sensor's noise in the renderer's model `[m]`; left out where it is 0.
+    /// Standard deviation of the sensor noise in the renderer's model `[m]`; omitted if 0.
     #[serde(skip_serializing_if = "is_zero")]
     pub sensor_noise_m: f64,
-    /// Stiffest contact that the first resonance allows `[N/m]`; left out where no resonance is known.
+    /// Maximum contact stiffness that the first resonance allows `[N/m]`; omitted if no resonance is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stiffest_by_resonance_n_per_m: Option<f64>,
-    /// M of the object whose limits are looked for; none for a wall.
+    /// Object mass M of the limit search `[kg]`; none for a wall.
     pub object_mass_kg: Option<f64>,
     /// Gap from which the object falls `[m]`.
     pub gap_m: f64,
@@ -92,7 +92,7 @@ pub struct DeviceReport {
     pub start_heights: usize,
 }
 
-/// The contact that is asked for.
+/// The requested contact.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -103,103 +103,103 @@ pub struct ContactReport {
     pub kappa: f64,
     /// Kc = K T²/M; 0 for a wall.
     pub object_kappa: f64,
-    /// What one count of the encoder changes of the spring's force.
+    /// Change of the spring force per encoder count.
     pub force_per_count_n: f64,
-    /// FRE that no held force can be below, median over the start heights `[%]`.
+    /// Zero-order-hold bound: minimum FRE of any held force, median over the start heights `[%]`.
     pub hold_floor_percent: f64,
 }
 
-/// The answer in one word, and by which method.
+/// The verdict and the method that it is based on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case", tag = "answer")]
 pub enum Verdict {
-    /// Stable and faithful, steady at rest and pressed, and the hold floor is low enough.
+    /// Stable and faithful, steady at rest and pressed, with a sufficiently low hold bound.
     Yes {
         /// The method.
         method: &'static str,
-        /// Its damping or cap `[N s/m]`; none where the method chooses or has none.
+        /// Its damping or cap `[N s/m]`; none if the method chooses it or has none.
         damping_n_s_per_m: Option<f64>,
     },
-    /// Bounces stably, but swings at rest or pressed.
+    /// Bounces stably, but oscillates at rest or pressed.
     Swings {
         /// The method.
         method: &'static str,
-        /// Its damping or cap `[N s/m]`; none where the method chooses or has none.
+        /// Its damping or cap `[N s/m]`; none if the method chooses it or has none.
         damping_n_s_per_m: Option<f64>,
-        /// Whether it swings at rest on the device.
+        /// Whether it oscillates at rest on the device.
         resting: bool,
-        /// Whether it swings pressed.
+        /// Whether it oscillates when pressed.
         pressed: bool,
     },
-    /// As good as a held force can be, which at this rate is far from the ideal.
+    /// As good as a held force can be, but far from the ideal at this rate.
     HoldTooCoarse {
         /// The method.
         method: &'static str,
-        /// Its damping or cap `[N s/m]`; none where the method chooses or has none.
+        /// Its damping or cap `[N s/m]`; none if the method chooses it or has none.
         damping_n_s_per_m: Option<f64>,
     },
     /// Stable, but with a large error.
     StableOnly {
         /// The method.
         method: &'static str,
-        /// Its damping or cap `[N s/m]`; none where the method chooses or has none.
+        /// Its damping or cap `[N s/m]`; none if the method chooses it or has none.
         damping_n_s_per_m: Option<f64>,
     },
-    /// Beyond what the device's first resonance allows, which no trial here has.
+    /// Stiffer than the device's first resonance allows; the trials do not model the resonance.
     TooFlexible {
-        /// Stiffest contact that it allows `[N/m]`.
+        /// Maximum contact stiffness of the device `[N/m]`.
         stiffest_n_per_m: f64,
     },
     /// No method is stable.
     No {
         /// The method.
         method: &'static str,
-        /// Growth of the energy per collision from the worst start height; none where it diverged.
+        /// Growth of the energy per collision from the worst start height; none if it diverged.
         growth: Option<f64>,
     },
-    /// No contact was asked for.
+    /// No contact was requested.
     NotAsked,
 }
 
-/// What a method can do on the device.
+/// Results of a method on the device.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct MethodAdvice {
     /// Name of the method.
     pub method: &'static str,
-    /// With the settings it has by itself.
+    /// Result with the default settings of the method.
     pub by_itself: Option<Judged>,
-    /// With the best of the dampings that were tried.
+    /// Result with the best of the tried dampings.
     pub tuned: Option<Judged>,
-    /// Stiffest contact that is stable `[N/m]`.
+    /// Maximum stiffness of a stable contact `[N/m]`.
     pub stiffest_n_per_m: Reach,
-    /// Lightest object that is stable `[kg]`; none where no contact was asked for.
+    /// Minimum mass of a stable object `[kg]`; none if no contact was requested.
     pub lightest_kg: Option<Reach>,
 }
 
-/// How a method does with the contact that is asked for.
+/// Evaluation of a method on the requested contact.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct Judged {
-    /// The damping B, b or cap that was set; none where the method chose.
+    /// The damping B, b or cap that was set; none if the method chose it.
     pub damping_n_s_per_m: Option<f64>,
     /// `stable`, `growing` or `diverged`.
     pub class: &'static str,
-    /// Median and worst over the start heights; none where a loop diverged.
+    /// Median and worst over the start heights; none if a loop diverged.
     pub growth: [Option<f64>; 2],
     /// Mean-force error E, median and worst over the start heights `[%]`.
     pub error_percent: [Option<f64>; 2],
-    /// Standard deviation of the force at rest, over the weight; none for a wall, for a loop that
-    /// diverged, and for one that was not followed since its bounces gain energy.
+    /// Standard deviation of the force at rest, relative to the weight. None for a wall, for a diverged loop, and for
+    /// bounces that gain energy, whose rest is not simulated.
     pub resting_swing: Option<f64>,
-    /// The same pressed, over the force that presses.
+    /// Standard deviation of the pressed force, relative to the pressing force.
     pub pressed_swing: Option<f64>,
-    /// Contacts that stay.
+    /// Sustained contacts.
     #[serde(skip)]
     stay: Option<Stay>,
-    /// What judgements are ordered by.
+    /// Sort key of evaluations.
     #[serde(skip)]
     rank: (Class, f64),
 }
@@ -209,23 +209,23 @@ pub struct Judged {
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Reach {
-    /// None where not even the easiest is stable.
+    /// None if not even the easiest contact is stable.
     pub value: Option<f64>,
-    /// Whether all that was tried is stable, so that the limit lies beyond.
+    /// Whether all tried contacts are stable, so that the limit is beyond the search range.
     pub or_beyond: bool,
 }
 
-/// Classical bounds of the stiffness of walls on the device.
+/// Classical bounds of the wall stiffness on the device.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct Bounds {
     /// Colgate and Schenkel: K < 2 b/T without virtual damping `[N/m]`.
     pub colgate_schenkel_n_per_m: f64,
-    /// Gil et al., with a delay; a lag counts as so much delay `[N/m]`.
+    /// Gil et al., with a delay; a lag is added to the delay `[N/m]`.
     pub gil_n_per_m: f64,
     /// Abbott and Okamura, with Coulomb friction and an encoder `[N/m]`.
     pub abbott_okamura_n_per_m: f64,
-    /// Of an undamped device with the best virtual damper.
+    /// Undamped device with the best virtual damper.
     pub undamped_wall_n_per_m: f64,
     /// The damping of that virtual damper `[N s/m]`.
     pub undamped_wall_damping_n_s_per_m: f64,
@@ -237,13 +237,13 @@ fn is_zero(value: &f64) -> bool {
 }
 
 impl Advice {
-    /// Adds a file that was written.
+    /// Adds a written file.
     pub fn wrote(&mut self, path: &std::path::Path) {
         self.files.push(path.display().to_string());
     }
 
-    /// Says that the device's first resonance allows contacts up to `stiffest` `[N/m]`. The trials are of a
-    /// rigid device: a contact beyond that gets no yes.
+    /// Sets the maximum contact stiffness that the device's first resonance allows `[N/m]`. The trials assume a rigid
+    /// device, so a stiffer contact cannot get a positive verdict.
     pub fn bounded_by_a_resonance(&mut self, stiffest: f64) {
         self.device.stiffest_by_resonance_n_per_m = Some(stiffest);
         let is_beyond = |contact: &ContactReport| contact.stiffness_n_per_m > stiffest;
@@ -256,8 +256,8 @@ impl Advice {
         }
     }
 
-    /// Finds out what `methods` can do on the device of `bounce`, and at its own stiffness if that
-    /// is `asked`, on all processors; `done` hears of each method.
+    /// Computes the limits of `methods` on the device of `bounce`, and their results at its stiffness if `asked`, on
+    /// all processors. Calls `done` after each method.
     pub fn on(
         bounce: &Bounce,
         asked: bool,
@@ -315,7 +315,7 @@ impl Advice {
         Ok(advice)
     }
 
-    /// Judges the contact that is asked for.
+    /// Evaluates the requested contact.
     fn judge(&mut self, bounce: &Bounce, methods: &[MethodName]) -> Result<(), BounceError> {
         let impedance = bounce.stiffness * bounce.period;
         let mut trials: Vec<Trial> = Vec::new();
@@ -328,7 +328,7 @@ impl Advice {
         let settings: Vec<_> = trials.iter().map(|(m, s, _)| (*m, *s)).collect();
         let (entries, _) = bounce.judge(Plant::Damped, &settings)?;
         let judge = |((method, settings, damping), entry): (&Trial, &Entry)| {
-            // What gains energy from bounce to bounce is no answer, whatever it does at rest.
+            // Bounces that gain energy rule a method out, so its contact at rest is not simulated.
             let stay = match entry.class() {
                 Class::Stable => Some(bounce.stay(*method, *settings)?.0),
                 Class::Growing | Class::Diverged => None,
@@ -384,13 +384,13 @@ impl Advice {
         Ok(())
     }
 
-    /// The judgement that the verdict rests on.
+    /// Returns the evaluation that the verdict is based on.
     #[must_use]
     pub fn chosen(&self) -> Option<(&'static str, Judged)> {
         recommended(self.judged())
     }
 
-    /// The judgement that is nearest to the ideal, if that is not the chosen one.
+    /// Returns the evaluation nearest to the ideal, if it is not the chosen one.
     #[must_use]
     pub fn nearer(&self) -> Option<(&'static str, Judged)> {
         let (_, chosen) = self.chosen()?;
@@ -406,8 +406,8 @@ impl Advice {
     }
 }
 
-/// Coupled rendering as it is, where it renders the object: it needs no tuning, so that it holds
-/// away from this one scene, too. Elsewhere the best.
+/// Returns coupled rendering with its defaults if it is faithful, because it needs no tuning and is also valid away
+/// from this scene. Otherwise returns the best method.
 fn recommended(
     judged: impl Iterator<Item = (&'static str, Judged)> + Clone,
 ) -> Option<(&'static str, Judged)> {
@@ -418,8 +418,8 @@ fn recommended(
         .or_else(|| best(judged))
 }
 
-/// The stablest, of those one that is steady at rest and pressed, and of those the one with the least
-/// error from the worst start height.
+/// Returns the most stable evaluation; ties go to one that is steady at rest and pressed, then to the lowest error
+/// from the worst start height.
 fn best(judged: impl Iterator<Item = (&'static str, Judged)>) -> Option<(&'static str, Judged)> {
     judged.min_by(|(_, a), (_, b)| {
         (a.rank.0.cmp(&b.rank.0))
@@ -428,7 +428,7 @@ fn best(judged: impl Iterator<Item = (&'static str, Judged)>) -> Option<(&'stati
     })
 }
 
-/// The dampings to try, up to where they are known to be too much.
+/// Returns the dampings to try, up to values known to be too large.
 fn dampings(method: MethodName, impedance: f64) -> Vec<(Settings, f64)> {
     let Some(setting) = tunable(method) else {
         return Vec::new();
@@ -440,7 +440,7 @@ fn dampings(method: MethodName, impedance: f64) -> Vec<(Settings, f64)> {
     };
     (first..=TRIED)
         .map(|step| {
-            // Closer together where they are small.
+            // The spacing is finer at small values.
             let share = step as f64 / TRIED as f64;
             let value = most * share * share;
             (Settings::default().with(setting.key, value), value)
@@ -475,7 +475,7 @@ impl Judged {
         self.rank.0 == Class::Stable && self.rank.1 < FAITHFUL_PERCENT && self.is_steady()
     }
 
-    /// Whether the contact comes to rest on the device, and pressed.
+    /// Whether the contact comes to rest on the device and when pressed.
     fn is_steady(&self) -> bool {
         self.stay
             .is_some_and(|stay| stay.rests() && stay.is_steady_pressed())

@@ -1,4 +1,4 @@
-//! What is asked of an advice, as far as somebody says it.
+//! Input of an advice.
 
 use palpate_calibrate::{Calibration, Quantity};
 use palpate_scene::Told;
@@ -6,7 +6,7 @@ use palpate_scene::Told;
 use crate::calibrated;
 use crate::map::{Bounce, BounceDevice, MapParams, SEARCHED};
 
-/// A device and a contact on it. What nobody states is taken from the device file.
+/// A device and a contact on it. Unstated values come from the device file.
 #[derive(Clone, Copy, Debug)]
 pub struct Question<'a> {
     /// The device file.
@@ -17,33 +17,33 @@ pub struct Question<'a> {
     pub viscous_friction: f64,
     /// Coulomb friction of the device `[N]`.
     pub coulomb_friction: f64,
-    /// Quantum of its position sensor `[m]`; 0 where neither says one.
+    /// Quantum of its position sensor `[m]`; 0 if neither source states it.
     pub encoder_quantum: Option<f64>,
     /// Period of the loop `[s]`.
     pub period: f64,
-    /// Time from a sample to the beginning of its force `[periods]`; 0 where neither says one.
+    /// Time from a sample to the start of its force `[periods]`; 0 if neither source states it.
     pub delay: Option<f64>,
-    /// Time constant of the force after that `[s]`; 0 where neither says one.
+    /// Time constant of the following first-order lag `[s]`; 0 if neither source states it.
     pub lag: Option<f64>,
-    /// Standard deviation of the delay `[periods]`; 0 where neither says one.
+    /// Standard deviation of the delay `[periods]`; 0 if neither source states it.
     pub delay_deviation: Option<f64>,
-    /// Standard deviation of the lag `[s]`; 0 where neither says one.
+    /// Standard deviation of the lag `[s]`; 0 if neither source states it.
     pub lag_deviation: Option<f64>,
-    /// Contact stiffness `[N/m]`; `None` asks for limits only.
+    /// Contact stiffness `[N/m]`; `None` requests only limits.
     pub stiffness: Option<f64>,
     /// Object mass `[kg]`; infinite for a wall.
     pub object_mass: f64,
 }
 
 impl Question<'_> {
-    /// The scene that is asked about, whose values nobody has checked; `None` where the device's mass is not known. A softest
-    /// stiffness stands in where none is asked for.
+    /// Returns the scene, with unchecked values; `None` if the device mass is unknown. Without a requested stiffness
+    /// the scene gets the softest one of the search.
     #[must_use]
     pub fn bounce(&self) -> Option<Bounce> {
         let known = |quantity| self.file.and_then(|file| file.value(quantity));
         let mass = self.device_mass.or(known(Quantity::DeviceMass))?;
         let quantum = known(Quantity::SensorQuantum);
-        // Where the two are known only together, the sum is the better delay.
+        // If only the sum of delay and lag is known, the sum is the better delay.
         let delay = known(Quantity::Delay).or(known(Quantity::DelayPlusLag));
         let delay = delay.map(|seconds| seconds / self.period);
         let defaults = MapParams::default();
@@ -69,7 +69,7 @@ impl Question<'_> {
         })
     }
 
-    /// The renderer's deviations of its model: a stated value has only a stated deviation.
+    /// Returns the deviations of the renderer's model: a stated value uses only a stated deviation.
     fn deviations(&self) -> Told {
         let taken = |quantity: Quantity| match quantity {
             Quantity::Delay | Quantity::DelayPlusLag => self.delay.is_none(),
@@ -94,7 +94,7 @@ mod tests {
 
     use super::*;
 
-    /// Asks about a device of which nothing is stated.
+    /// Creates the input for a device without stated values.
     fn asked(file: &Calibration) -> Question<'_> {
         Question {
             file: Some(file),
@@ -127,7 +127,7 @@ mod tests {
         assert_eq!(found.device.mass, 0.2);
         assert_eq!(found.device.encoder_quantum, 1e-5);
         assert_eq!((found.delay, found.lag), (2.0, 0.0));
-        // A deviation of the file is one of the renderer's model; one that is stated replaces it.
+        // A deviation in the file applies to the renderer's model; a stated deviation replaces it.
         file.set(
             Quantity::DelayPlusLag,
             Known::found(2e-3, 2e-5, "least squares"),
@@ -151,7 +151,7 @@ mod tests {
         let told = other.bounce().unwrap().told;
         assert_eq!(told.delay_deviation, None);
         assert_eq!(told.lag_deviation, Some(1e-5));
-        // Not the sum, once the delay itself is known.
+        // The sum is ignored once the delay itself is known.
         file.set(Quantity::Delay, Known::given(1e-3, "given"));
         assert_eq!(asked(&file).bounce().unwrap().delay, 1.0);
         let stated = Question {

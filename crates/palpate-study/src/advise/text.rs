@@ -1,4 +1,4 @@
-//! The advice in words, then in tables.
+//! The advice as text, then as tables.
 
 use std::fmt;
 
@@ -26,7 +26,7 @@ impl fmt::Display for Advice {
 }
 
 impl Advice {
-    /// The object in words: `an object of 0.1 kg`, `a wall`.
+    /// Returns the object in words: `an object of 0.1 kg`, `a wall`.
     #[must_use]
     pub fn object(&self) -> String {
         match self.device.object_mass_kg {
@@ -146,7 +146,8 @@ impl Advice {
         answer
     }
 
-    /// Why another method than coupled rendering is recommended, though its force errs less: it swings.
+    /// Returns why another method than coupled rendering is recommended despite its larger force error: coupled
+    /// rendering oscillates.
     fn reason_against_coupled(&self) -> Option<String> {
         let Verdict::Yes { method, .. } = self.verdict else {
             return None;

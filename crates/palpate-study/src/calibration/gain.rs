@@ -1,28 +1,28 @@
-//! The gain of the motor, where something beside the motion says it.
+//! Motor gain from a source other than the motion.
 
 use palpate_calibrate::{Calibration, Known};
 
-/// What says the gain.
+/// Source of the gain.
 #[derive(Debug, Clone, Copy)]
 pub enum GainFrom<'a> {
-    /// It was measured: force of the motor over the command.
+    /// Measured gain: force of the motor over the command.
     Given(f64),
-    /// A spring of this stiffness `[N/m]` that the device was fixed to, with no hand on it.
+    /// Stiffness of a spring `[N/m]` that the device was fixed to, without a hand.
     Spring(f64),
-    /// A mass `[kg]` that was fixed to the device after this calibration, with no hand on it.
+    /// Mass `[kg]` that was fixed to the device after this calibration, without a hand.
     AddedMass(f64, &'a Calibration),
 }
 
-/// The gain is not known well enough to be said.
+/// The gain is too uncertain.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("the gain is not known to 20 % from {0}: it was found to change too little")]
 pub struct GainUnknown(&'static str);
 
 impl GainFrom<'_> {
-    /// The gain of the motor of a device of which this was `found`.
+    /// Returns the motor gain of a device with the calibration `found`.
     ///
     /// # Errors
-    /// It is known to less than 20 %.
+    /// The gain is not known to 20 %.
     pub fn gain(&self, found: &Calibration) -> Result<Known, GainUnknown> {
         match *self {
             Self::Given(gain) => Ok(Known::given(gain, "given")),

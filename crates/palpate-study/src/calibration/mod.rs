@@ -1,4 +1,4 @@
-//! What a calibration gives beside the device file: the motion that it is made from, and its report.
+//! Results of a calibration besides the device file: the motion that it is computed from, and its report.
 
 mod gain;
 mod motion;

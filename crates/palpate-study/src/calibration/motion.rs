@@ -1,11 +1,12 @@
-//! An excitation under way, and what came of it: positions and forces, sample by sample.
+//! A running excitation and its result: positions and forces, sample by sample.
 
 use palpate_calibrate::{Excitation, ExcitationError, ExcitationParams, Known, Phase};
 
-/// How far the mean time between samples may be from the period, over the period: a mass is wrong by twice that.
+/// Maximum relative deviation of the mean sampling time from the period. The relative error of the mass is twice as
+/// large.
 const MOST_DRIFT: f64 = 0.002;
-/// Largest standard deviation of the time between samples over the period: at 0.1 delay and lag are wrong by five of
-/// their deviations, at 0.05 by one.
+/// Maximum standard deviation of the sampling time relative to the period. At 0.1 the errors of delay and lag are
+/// five of their standard deviations, at 0.05 one.
 const MOST_JITTER: f64 = 0.05;
 
 /// An excitation and its samples so far.
@@ -14,18 +15,18 @@ pub struct ExcitedMotion {
     excitation: Excitation,
     /// Positions `[m]`.
     pub positions: Vec<f64>,
-    /// The force that each position was answered with `[N]`.
+    /// Force on the device after each position `[N]`.
     pub forces: Vec<f64>,
-    /// Times of the samples `[s]`, where the device or the stream has them.
+    /// Times of the samples `[s]`, if the device or the stream provides them.
     pub times: Vec<f64>,
     missed: usize,
 }
 
 impl ExcitedMotion {
-    /// No samples yet, with room for all.
+    /// Creates an excitation without samples, with capacity for all.
     ///
     /// # Errors
-    /// A parameter out of its range.
+    /// A parameter is out of range.
     pub fn new(params: ExcitationParams) -> Result<Self, ExcitationError> {
         let excitation = Excitation::new(params)?;
         let room = excitation.length();
@@ -38,7 +39,7 @@ impl ExcitedMotion {
         })
     }
 
-    /// The force `[N]` on the device from the sample of `position` `[m]` on.
+    /// Adds the sample of `position` `[m]` and returns the force on the device from then on `[N]`.
     pub fn take(&mut self, time: Option<f64>, position: f64) -> f64 {
         let force = self.excitation.next(position);
         self.positions.push(position);
@@ -47,7 +48,7 @@ impl ExcitedMotion {
         force
     }
 
-    /// A period without a sample, over which the device kept the last force.
+    /// Adds a period without a sample, in which the device kept the last force.
     pub fn miss(&mut self) {
         self.excitation.miss();
         self.missed += 1;
@@ -55,25 +56,25 @@ impl ExcitedMotion {
         self.forces.push(self.forces.last().copied().unwrap_or(0.0));
     }
 
-    /// Counts the last sample as missing: the loop stood still, and nobody knows when the force went.
+    /// Counts the last sample as missing: the loop stalled, so the time of its force is unknown.
     pub fn lose_last(&mut self) {
         self.missed += 1;
     }
 
-    /// Says that the last sample was answered by another force than it asked for `[N]`.
+    /// Replaces the force of the last sample by the force actually sent `[N]`.
     pub fn really_sent(&mut self, force: f64) {
         if let Some(last) = self.forces.last_mut() {
             *last = force;
         }
     }
 
-    /// Samples that are missing.
+    /// Returns the number of missing samples.
     #[must_use]
     pub fn missed(&self) -> usize {
         self.missed
     }
 
-    /// Puts positions on straight lines where samples are missing.
+    /// Interpolates the positions of missing samples linearly.
     pub fn fill(&mut self) {
         let known: Vec<usize> = (0..self.positions.len())
             .filter(|&i| self.positions[i].is_finite())
@@ -95,7 +96,7 @@ impl ExcitedMotion {
         }
     }
 
-    /// Standard deviation of the time between samples `[s]`, where each sample has a time.
+    /// Returns the standard deviation of the sampling time `[s]`, if each sample has a time.
     #[must_use]
     pub fn sample_jitter(&self) -> Option<Known> {
         if self.times.len() < 100 || self.times.len() != self.positions.len() {
@@ -114,7 +115,7 @@ impl ExcitedMotion {
         ))
     }
 
-    /// Why samples with times did not come in the even periods that a fit takes for granted, if they did not.
+    /// Returns why timed samples are not evenly spaced, as a fit requires; `None` if they are.
     #[must_use]
     pub fn uneven_pace(&self) -> Option<String> {
         let jitter = self.sample_jitter()?.value;
@@ -140,19 +141,19 @@ impl ExcitedMotion {
         })
     }
 
-    /// Where the excitation is.
+    /// Returns the phase of the excitation.
     #[must_use]
     pub fn phase(&self) -> Phase {
         self.excitation.phase()
     }
 
-    /// The samples at which there is a force.
+    /// Returns the range of samples with a force.
     #[must_use]
     pub fn excited(&self) -> std::ops::Range<usize> {
         self.excitation.excited()
     }
 
-    /// Samples of the whole.
+    /// Returns the number of all samples.
     #[must_use]
     pub fn length(&self) -> usize {
         self.excitation.length()
@@ -163,7 +164,7 @@ impl ExcitedMotion {
 mod tests {
     use super::*;
 
-    /// Samples at the times that `time` gives them.
+    /// Returns samples at the times that `time` returns.
     fn at_times(time: impl Fn(f64) -> f64) -> ExcitedMotion {
         let mut motion = ExcitedMotion::new(ExcitationParams::new(0.001)).unwrap();
         for number in 0..1000 {
@@ -175,7 +176,7 @@ mod tests {
     #[test]
     fn samples_that_do_not_come_in_even_periods_are_told() {
         assert_eq!(at_times(|n| 0.001 * n).uneven_pace(), None);
-        // A sine of 40 us: its steps vary by 25 us.
+        // A sine of 40 us amplitude: its steps vary by 25 us.
         assert_eq!(at_times(|n| 0.001 * n + 4e-5 * n.sin()).uneven_pace(), None);
         let slow = at_times(|n| 0.00101 * n).uneven_pace().unwrap();
         assert!(

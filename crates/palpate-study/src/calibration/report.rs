@@ -1,4 +1,4 @@
-//! What a calibration found, as text and as JSON.
+//! Results of a calibration, as text and as JSON.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -13,44 +13,44 @@ use crate::text::digits;
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate calibrate 1";
 
-/// What a calibration found.
+/// Results of a calibration.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct CalibrationReport {
     #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     format: &'static str,
-    /// Samples of the excitation.
+    /// Number of samples of the excitation.
     pub samples: usize,
-    /// How far the device went from where it started.
+    /// Largest distance of the device from its start.
     pub excursion_m: f64,
-    /// Time that the fit took.
+    /// Duration of the fit.
     pub fit_s: f64,
-    /// What was found, by the keys of a device file.
+    /// Identified values, by the keys of a device file.
     pub found: BTreeMap<&'static str, Found>,
-    /// A part of the motion beside its fit; only in the file of `--report`.
+    /// A part of the motion and its fit; only in the file of `--report`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<MotionCard>,
     /// Files that were written.
     pub wrote: Vec<String>,
 }
 
-/// A value that was found.
+/// An identified value.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct Found {
-    /// In the unit of the key.
+    /// Value in the unit of the key.
     pub value: f64,
-    /// In the same unit; none where nobody said it.
+    /// Standard deviation in the same unit; none if unknown.
     pub standard_deviation: Option<f64>,
-    /// How it was found.
+    /// Identification method.
     pub found_by: Option<String>,
 }
 
 impl CalibrationReport {
-    /// The report of a calibration on the `positions` `[m]` of its motion, whose fit took `fit_s` `[s]`.
+    /// Creates the report of a calibration on the `positions` `[m]` of its motion, whose fit took `fit_s` `[s]`.
     ///
     /// # Panics
-    /// Without a position.
+    /// `positions` is empty.
     #[must_use]
     pub fn new(calibration: &Calibration, positions: &[f64], fit_s: f64) -> Self {
         let from = positions[0];
@@ -74,7 +74,7 @@ impl CalibrationReport {
         }
     }
 
-    /// Says that a file was written.
+    /// Adds a written file.
     pub fn wrote(&mut self, path: &Path) {
         self.wrote.push(path.display().to_string());
     }

@@ -1,14 +1,14 @@
-//! The part of a motion that a report and a figure show.
+//! The part of a motion shown in reports and figures.
 
 use palpate_calibrate::Measured;
 
 use super::motion::ExcitedMotion;
 use crate::card::MotionCard;
 
-/// How much of the motion is drawn `[s]`: steps of the force have to be seen.
+/// Duration of the drawn part `[s]`, short enough to show steps of the force.
 const SHOWN: f64 = 0.25;
 
-/// Positions, forces and what the fit foresees of the positions, over a part in the middle.
+/// Returns positions, forces and the fit's predictions of the positions, over a part in the middle.
 #[must_use]
 pub fn shown(motion: &ExcitedMotion, measured: &Measured, period: f64) -> MotionCard {
     let excited = motion.excited();

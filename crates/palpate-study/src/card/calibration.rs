@@ -1,27 +1,27 @@
-//! The calibration on a card: what a device file says, and the fit where its report is there.
+//! Calibration in a device report: the values of a device file, and the fit if its report is available.
 
 use palpate_calibrate::{Calibration, Quantity};
 use serde::{Deserialize, Serialize};
 
-/// Format of the reports of calibrations that are read.
+/// Format of the readable calibration reports.
 const RUN_FORMAT: &str = "palpate calibrate 1";
 
-/// What a device file says.
+/// Content of a device file.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct CalibrationCard {
     /// The device file.
     pub file: String,
-    /// When it was found, if the file says.
+    /// Date of the calibration, if the file contains it.
     pub date: Option<String>,
-    /// What found it, if the file says.
+    /// Command of the calibration, if the file contains it.
     pub command: Option<String>,
-    /// Along which axis, if the file says.
+    /// Axis of the calibration, if the file contains it.
     pub axis: Option<String>,
-    /// What was found, in the order of the file.
+    /// Identified values, in the order of the file.
     pub found: Vec<FoundCard>,
-    /// The motion beside the fit, where the report of the calibration is there.
+    /// The motion and its fit, if the report of the calibration is available.
     pub motion: Option<MotionCard>,
 }
 
@@ -32,57 +32,57 @@ pub struct CalibrationCard {
 pub struct FoundCard {
     /// Key of the file, with the unit.
     pub key: &'static str,
-    /// What it is.
+    /// Meaning of the value.
     pub meaning: &'static str,
-    /// In the unit of the key.
+    /// Value in the unit of the key.
     pub value: f64,
-    /// In the same unit; none where nobody said it.
+    /// Standard deviation in the same unit; none if unknown.
     pub standard_deviation: Option<f64>,
-    /// How it was found; none where nobody said it.
+    /// Identification method; none if unknown.
     pub found_by: Option<String>,
 }
 
-/// A part of the motion of a calibration, and the same as the fit foresees it.
+/// A part of the motion of a calibration, with the fit's prediction.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct MotionCard {
     /// Times `[s]`.
     pub t_s: Vec<f64>,
-    /// Positions from where the device started `[m]`.
+    /// Measured positions relative to the start of the device `[m]`.
     pub measured_m: Vec<f64>,
-    /// The same as the fit foresees each from those before it `[m]`.
+    /// One-step predictions of the fit relative to the start of the device `[m]`.
     pub fitted_m: Vec<f64>,
     /// Commands `[N]`.
     pub command_n: Vec<f64>,
 }
 
-/// What is read of the report of a calibration, `palpate calibrate --report`.
+/// Parsed content of a calibration report, `palpate calibrate --report`.
 #[derive(Debug, Clone, Deserialize)]
 pub struct CalibrationRun {
     format: String,
-    /// Samples of the excitation.
+    /// Number of samples of the excitation.
     pub samples: usize,
-    /// A part of the motion, if the report has it.
+    /// A part of the motion, if the report contains it.
     pub motion: Option<MotionCard>,
 }
 
-/// Why a text is no report of a calibration.
+/// Reason why a text is not a calibration report.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum NoCalibrationRun {
-    /// It is no JSON of that kind.
+    /// The JSON is invalid or of another type.
     #[error("it is no report of a calibration, as `palpate calibrate --report` writes one: {0}")]
     Json(#[from] serde_json::Error),
-    /// It is a report of another kind or version.
+    /// The report has another format or version.
     #[error("its format is `{0}`, but must be `{RUN_FORMAT}`")]
     Format(String),
-    /// It has no motion.
+    /// The report has no motion.
     #[error(
         "it has no motion to draw; `palpate calibrate --report FILE` writes a report with one, --json does not"
     )]
     NoMotion,
-    /// Its series differ in length, or a value is no number.
+    /// The series differ in length, or a value is not finite.
     #[error("the series of its motion differ in length")]
     Lengths,
 }
@@ -91,7 +91,7 @@ impl CalibrationRun {
     /// Reads the JSON text of a report.
     ///
     /// # Errors
-    /// No JSON, a report of another kind, or one without a motion.
+    /// The text is not JSON, has another format, or has no motion.
     pub fn parse(text: &str) -> Result<Self, NoCalibrationRun> {
         let run: Self = serde_json::from_str(text)?;
         if run.format != RUN_FORMAT {

@@ -1,4 +1,4 @@
-//! What was checked of a device and its loop, with a remedy for what is not as it should be.
+//! Checks of a device and its loop, with a remedy for each warning.
 
 use palpate_calibrate::Quantity;
 use serde::Serialize;
@@ -8,52 +8,52 @@ use super::{Card, Sources};
 use crate::recording::{motors_off, shortcomings};
 use crate::text::{counted, digits};
 
-/// Share of late ticks, and lateness over the period, from which a loop is warned of.
+/// Limits of a warning: share of late ticks, and lateness relative to the period.
 const LATE_SHARE: f64 = 0.01;
 const LATE: f64 = 0.1;
-/// Delay that is told or not, over the period, from which it matters: coupled rendering loses its lead.
+/// Unmodelled delay relative to the period from which coupled rendering loses its advantage.
 const DELAY: f64 = 0.03;
-/// Coulomb friction over the largest force from which it hides forces.
+/// Coulomb friction relative to the largest force from which it masks rendered forces.
 const FRICTION: f64 = 0.2;
-/// Least counts of the sensor in the deepest penetration of a contact.
+/// Minimum number of sensor counts in the deepest penetration of a contact.
 const COUNTS: f64 = 20.0;
-/// Frequency of a contact over the resonance from which the device is not a rigid one.
+/// Frequency of a contact relative to the resonance from which the device is not rigid.
 const RESONANCE: f64 = 1.0 / 3.0;
-/// Standard deviation of delay and lag over the period, and of the mass over the mass.
+/// Limits of the standard deviations: delay and lag relative to the period, mass relative to the mass.
 const DELAY_DEVIATION: f64 = 0.1;
 const MASS_DEVIATION: f64 = 0.1;
-/// Share of ticks from which a force that safety changed is told.
+/// Share of ticks with a force changed by the safety layer from which a warning is given.
 const LIMITED_SHARE: f64 = 0.01;
 
-/// Something that was looked at.
+/// A check and its outcome.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Check {
-    /// What was looked at.
+    /// Name of the check.
     pub name: &'static str,
-    /// How it is.
+    /// Outcome of the check.
     pub outcome: Outcome,
-    /// What was found, or what is missing to say anything.
+    /// Finding, or the information that is missing for the check.
     pub finding: String,
-    /// What helps; none where nothing needs to.
+    /// Remedy; none if there is no warning.
     pub remedy: Option<String>,
 }
 
-/// How something is.
+/// Outcome of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
-    /// Not as it should be.
+    /// A problem was found.
     Warning,
-    /// As it should be.
+    /// No problem was found.
     InOrder,
-    /// Nothing says.
+    /// The check needs information that is not available.
     NotChecked,
 }
 
-/// A check that ended in a warning, or in order with the same finding.
+/// Creates a check with a warning, or in order with the same finding.
 fn check(name: &'static str, is_wrong: bool, finding: String, remedy: &str) -> Check {
     Check {
         name,
@@ -76,7 +76,7 @@ fn not_checked(name: &'static str, why: &str) -> Check {
     }
 }
 
-/// All checks, warnings first.
+/// Runs all checks; warnings come first.
 pub(super) fn of(card: &Card, sources: &Sources<'_>, read: &[Ticks]) -> Vec<Check> {
     let mut checks = Vec::new();
     if sources.recordings.is_empty() {

@@ -1,4 +1,4 @@
-//! One contact on a card: recorded and judged against the ideal on its motion, or simulated.
+//! Contact in a device report: recorded and evaluated against the ideal on its motion, or simulated.
 
 use super::file_name;
 use palpate_record::recording::{Flags, Recording, Row};
@@ -14,25 +14,25 @@ use super::ticks::{Ticks, is_seen};
 use crate::recording::scene_of;
 use crate::text::digits;
 
-/// Longest contact that is judged and drawn `[s]`.
+/// Maximum duration of an evaluated and drawn contact `[s]`.
 const LONGEST: f64 = 1.0;
-/// What is drawn before and after a contact, over its length, and at least so many periods.
+/// Drawn time before and after a contact: share of its duration, and minimum number of periods.
 const MARGIN: f64 = 0.1;
 const LEAST_MARGIN: f64 = 5.0;
-/// Most points of a curve.
+/// Maximum number of points of a curve.
 const POINTS: usize = 800;
-/// Force of the hand that presses a simulated wall `[N]`, and from how far `[m]`.
+/// Force of the hand that presses a simulated wall `[N]`, and its initial distance from the wall `[m]`.
 const HAND: f64 = 2.0;
 const FROM: f64 = 0.002;
 
-/// A contact, and how near its force comes to the ideal's.
+/// A contact, and the error of its force against the ideal.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct ContactCard {
-    /// What was judged, and against what.
+    /// Source of the contact, and the reference of its evaluation.
     pub source: String,
-    /// Whether the motion was recorded; else device and hand are simulated.
+    /// Whether the motion was recorded; otherwise device and hand are simulated.
     pub is_recorded: bool,
     /// The method.
     pub method: &'static str,
@@ -40,25 +40,25 @@ pub struct ContactCard {
     pub stiffness_n_per_m: f64,
     /// Mass of the object `[kg]`; none for a wall.
     pub object_mass_kg: Option<f64>,
-    /// When it begins in the recording, or in the simulation `[s]`.
+    /// Start in the recording or in the simulation `[s]`.
     pub begins_s: f64,
-    /// How long it lasts, with what is drawn before and after it `[s]`.
+    /// Duration, including the drawn time before and after the contact `[s]`.
     pub lasts_s: f64,
     /// FRE `[%]`.
     pub force_rendering_error_percent: Option<f64>,
-    /// E, the part of the error that a method can avoid `[%]`.
+    /// E, the avoidable part of the error `[%]`.
     pub mean_force_error_percent: Option<f64>,
-    /// FRE that no held force can be below `[%]`.
+    /// Zero-order-hold bound: minimum FRE of any held force `[%]`.
     pub hold_floor_percent: Option<f64>,
     /// Strongest held force `[N]`.
     pub peak_force_n: f64,
     /// Deepest penetration `[m]`.
     pub deepest_penetration_m: f64,
-    /// Energy that the held force has created by the end `[J]`.
+    /// Generated energy of the held force at the end `[J]`.
     pub leak_held_j: f64,
-    /// The same as the recorded loop booked it over the contact `[J]`.
+    /// Generated energy in the ledger of the recorded loop over the contact `[J]`.
     pub recorded_leak_held_j: Option<f64>,
-    /// Strongest force that the recorded loop sent over the contact `[N]`.
+    /// Strongest force sent by the recorded loop over the contact `[N]`.
     pub recorded_peak_force_n: Option<f64>,
     /// The curves.
     pub curves: Vec<Curve>,
@@ -79,10 +79,10 @@ pub struct Curve {
 }
 
 impl ContactCard {
-    /// The strongest contact of a recording.
+    /// Returns the strongest contact of a recording.
     ///
     /// # Errors
-    /// Why there is none: no contact, no scene, or a motion on which nothing can be rendered.
+    /// The reason as text: no contact, no scene, or a motion on which nothing can be rendered.
     pub(super) fn recorded(recording: &Recording, ticks: &Ticks) -> Result<Self, String> {
         let file = scene_of(recording).map_err(|error| error.to_string())?;
         let name = file_name(recording.path());
@@ -98,7 +98,7 @@ impl ContactCard {
         Self::on_motion(recording, &file, part).map_err(|error| format!("{name}: {error}"))
     }
 
-    /// A recorded motion, rendered again by the method of its scene and judged against the ideal on that motion.
+    /// Renders a recorded motion again by the method of its scene and evaluates it against the ideal on that motion.
     fn on_motion(
         recording: &Recording,
         file: &SceneFile,
@@ -137,10 +137,10 @@ impl ContactCard {
         })
     }
 
-    /// A hand that presses the device of `device` into a wall, by coupled rendering.
+    /// Simulates a hand that presses the device of `device` into a wall, with coupled rendering.
     ///
     /// # Errors
-    /// Why there is none.
+    /// The reason as text.
     pub(super) fn simulated(
         device: &DeviceCard,
         deviations: &Told,
@@ -258,7 +258,7 @@ method = "coupled"
         }
     }
 
-    /// A curve by its quantity.
+    /// Returns the curve of a quantity.
     #[must_use]
     pub fn curve(&self, quantity: &str) -> Option<&Curve> {
         self.curves.iter().find(|curve| curve.quantity == quantity)
@@ -266,7 +266,7 @@ method = "coupled"
 }
 
 impl Curve {
-    /// Every n-th point, and the last.
+    /// Returns every n-th point, and the last.
     fn thinned(self) -> Self {
         let step = self.t_s.len().div_ceil(POINTS).max(1);
         let last = self.t_s.len().saturating_sub(1);
@@ -285,15 +285,15 @@ impl Curve {
     }
 }
 
-/// Until the hand has pressed the device into the wall, and it has swung there twice `[s]`.
+/// Returns the time in which the hand presses the device into the wall and the device oscillates twice `[s]`.
 fn duration(mass: f64, stiffness: f64, hand: f64, period: f64) -> f64 {
     let approach = (2.0 * FROM * mass / hand).sqrt();
     let swing = std::f64::consts::TAU * (mass / stiffness).sqrt();
     (approach + 2.0 * swing).max(50.0 * period)
 }
 
-/// The contact in which the strongest force was sent, with what is before and after it: ticks in which the device was
-/// seen, under the parameters of the receipt.
+/// Returns the contact with the strongest sent force, with a margin before and after it. It only contains ticks with
+/// a device position and with the parameters of the metadata.
 fn strongest(ticks: &[Row], period: f64) -> Option<&[Row]> {
     let whole = |row: &Row| is_seen(row) && row.tick.generation == 0;
     let mut best: Option<(f64, usize, usize)> = None;
@@ -370,10 +370,10 @@ mod tests {
             (at(&part[0]), at(&part[part.len() - 1]))
         };
         assert_eq!(span(&ticks), (35.0, 64.0));
-        // One of which no position is known ends it.
+        // A tick without a position ends the part.
         ticks[62].contact.device_position = f64::NAN;
         assert_eq!(span(&ticks), (35.0, 61.0));
-        // Under other parameters, nobody says what the contact was.
+        // After a change of parameters the contact is unknown.
         ticks[40..]
             .iter_mut()
             .for_each(|row| row.tick.generation = 1);

@@ -1,15 +1,16 @@
-//! The time of day, in words.
+//! Date and time as text.
 
 use std::time::SystemTime;
 
-/// A time as UTC to the minute, such as `2026-11-23 09:41 UTC`; one before 1970 as the beginning of 1970.
+/// Returns a time as UTC to the minute, for example `2026-11-23 09:41 UTC`; a time before 1970 becomes the beginning
+/// of 1970.
 #[must_use]
 pub fn utc(time: SystemTime) -> String {
     let since = time.duration_since(SystemTime::UNIX_EPOCH);
     in_words(since.map_or(0, |since| since.as_secs()))
 }
 
-/// A time in seconds since 1970.
+/// Formats a time in seconds since 1970.
 fn in_words(seconds: u64) -> String {
     let (mut days, of_day) = (seconds / 86_400, seconds % 86_400);
     let is_leap = |year: u64| {

@@ -1,4 +1,4 @@
-//! The device of a card: its name, and every number that is known of it with where it comes from.
+//! The device of a device report: its name, and its known properties with their sources.
 
 use super::file_name;
 use palpate_calibrate::Quantity;
@@ -9,45 +9,45 @@ use super::{CardError, Sources};
 use crate::recording::report::told;
 use crate::recording::scene_of;
 
-/// The name of the simulated device in receipts.
+/// Name of the simulated device in metadata.
 const SIMULATED: &str = "simulated";
 
-/// A device, and what is known of it.
+/// A device and its known properties.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct DeviceCard {
-    /// What it is called.
+    /// Name of the device.
     pub name: String,
-    /// Who says so.
+    /// Source of the name.
     pub name_from: String,
-    /// Whether it is a simulated one.
+    /// Whether the device is simulated.
     pub is_simulated: bool,
-    /// Whether its motors hold their last force when nobody commands another; none where nobody said.
+    /// Whether its motors hold their last force without new commands; none if unknown.
     pub holds_last_force: Option<bool>,
-    /// What is known of it.
+    /// Known properties.
     pub numbers: Vec<NumberCard>,
     /// Stiffness in the scene of the first recording `[N/m]`.
     #[serde(skip)]
     pub stiffness_of_scene: Option<f64>,
 }
 
-/// A number, and where it comes from.
+/// A property with its source.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct NumberCard {
-    /// What it is, with its unit.
+    /// Name of the property, with its unit.
     pub key: &'static str,
-    /// In that unit.
+    /// Value in that unit.
     pub value: f64,
-    /// In that unit; none where nobody said it.
+    /// Standard deviation in that unit; none if unknown.
     pub standard_deviation: Option<f64>,
-    /// Where it comes from.
+    /// Source of the value.
     pub source: String,
 }
 
-/// What the receipt of a recording says of its device.
+/// Metadata of a recording on its device.
 struct Receipt<'a> {
     recording: &'a Recording,
     device: toml::Table,
@@ -64,8 +64,8 @@ impl<'a> Receipt<'a> {
         self.device.get("name")?.as_str()
     }
 
-    /// What the receipt calls `from`, as the number `key` of the card: receipts and device files call the quantum by
-    /// two names.
+    /// Returns the metadata value `from` as the property `key`: metadata and device files use different names for the
+    /// quantum.
     fn number(&self, from: &str, key: &'static str) -> Option<NumberCard> {
         let value = self.device.get(from)?;
         let value = value
@@ -85,7 +85,7 @@ impl<'a> Receipt<'a> {
 }
 
 impl DeviceCard {
-    /// The device that all sources are of.
+    /// Creates the device that all sources describe.
     pub(super) fn of(sources: &Sources<'_>) -> Result<Self, CardError> {
         let receipts: Vec<Receipt<'_>> = sources.recordings.iter().map(Receipt::of).collect();
         refuse_several(&receipts)?;
@@ -135,7 +135,7 @@ impl DeviceCard {
             .or_else(|| of_file(Quantity::Period)));
         put(of_file(Quantity::DeviceMass).or_else(|| told_to("device_mass_kg")));
         let delay = of_file(Quantity::Delay).or_else(|| {
-            // Where the two are known only together, the sum is the better delay.
+            // If only the sum of delay and lag is known, the sum is the better delay.
             Some(NumberCard {
                 key: Quantity::Delay.key(),
                 ..of_file(Quantity::DelayPlusLag)?
@@ -180,13 +180,13 @@ impl DeviceCard {
         })
     }
 
-    /// The value of a number in the unit of its key, if it is known.
+    /// Returns the value of a property in the unit of its key, if known.
     #[must_use]
     pub fn value(&self, key: &str) -> Option<f64> {
         self.number(key).map(|number| number.value)
     }
 
-    /// A number, if it is known.
+    /// Returns a property, if known.
     #[must_use]
     pub fn number(&self, key: &str) -> Option<&NumberCard> {
         self.numbers.iter().find(|number| number.key == key)

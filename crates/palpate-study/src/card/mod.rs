@@ -1,7 +1,7 @@
-//! The report card of a device: what is known of it, how its loop keeps time, and what can be rendered on it.
+//! Device report: known properties of a device, timing of its loop, and renderable contacts.
 //!
 //! Everything on a [`Card`] comes from recordings, from a calibrated device file, or from a simulation with their
-//! numbers, and says which. What nothing says is not on it.
+//! values, and has its source. Unknown values are omitted.
 
 mod calibration;
 mod checks;
@@ -35,13 +35,13 @@ use ticks::Ticks;
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate card 1";
 
-/// Stiffness that is asked about where nothing says another `[N/m]`.
+/// Default contact stiffness if no source states one `[N/m]`.
 const USUAL_STIFFNESS: f64 = 1000.0;
 
-/// Most recordings of a card.
+/// Maximum number of recordings of a report.
 pub const MOST_RECORDINGS: usize = 3;
 
-/// What is to be said of a device, from real data with their source.
+/// Report on a device, from real data with their sources.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -49,35 +49,35 @@ pub struct Card {
     /// Name and version of this JSON.
     #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
-    /// Version of palpate that made it.
+    /// Version of palpate that made the report.
     pub palpate_version: String,
-    /// When it was made, as UTC.
+    /// Time at which the report was made, as UTC.
     pub made: String,
-    /// How the data were obtained, a sentence each.
+    /// Origin of the data, one sentence per source.
     pub obtained: Vec<String>,
-    /// The device, and the numbers that are known of it.
+    /// The device and its known properties.
     pub device: DeviceCard,
-    /// How its loop kept time, one entry for each recording.
+    /// Timing of its loop, one entry per recording.
     pub timing: Vec<TimingCard>,
     /// The calibration; none without a device file.
     pub calibration: Option<CalibrationCard>,
-    /// What can be rendered; none where a number for it is not known.
+    /// Renderable contacts; none if a required value is unknown.
     pub reach: Option<ReachCard>,
-    /// A contact, recorded or simulated; none where there is none.
+    /// A recorded or simulated contact, if any.
     pub contact: Option<ContactCard>,
-    /// Why there is no contact, or why it is not a recorded one.
+    /// Reasons why there is no contact, or no recorded one.
     pub no_contact: Vec<String>,
-    /// What was checked, warnings first.
+    /// Checks, warnings first.
     pub checks: Vec<Check>,
     /// Files that were written.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<String>,
 }
 
-/// What a card is made from.
+/// Sources of a device report.
 #[derive(Debug)]
 pub struct Sources<'a> {
-    /// What the device is called, where somebody says so.
+    /// Name of the device, if stated.
     pub name: Option<&'a str>,
     /// Recordings of its loop.
     pub recordings: &'a [Recording],
@@ -85,33 +85,33 @@ pub struct Sources<'a> {
     pub device_file: Option<(&'a str, &'a Calibration)>,
     /// The report of the calibration, with its [`file_name`].
     pub calibration_run: Option<(&'a str, CalibrationRun)>,
-    /// Stiffness of the contact that is asked about `[N/m]`; that of the first recording where nothing says so.
+    /// Stiffness of the requested contact `[N/m]`; defaults to the stiffness of the first recording.
     pub stiffness: Option<f64>,
-    /// Period of the loop `[s]`, where nothing else says it.
+    /// Period of the loop `[s]`, if no other source states it.
     pub period: Option<f64>,
     /// Methods to compare.
     pub methods: &'a [MethodName],
-    /// When it is made, as UTC.
+    /// Time at which the report is made, as UTC.
     pub made: String,
 }
 
-/// How far the work on a card is.
+/// Progress of a device report.
 #[derive(Clone, Copy, Debug)]
 pub enum CardProgress<'a> {
-    /// A part begins.
+    /// Start of a part.
     Part(&'a str),
-    /// A step is done, of the number that [`Card::steps`] says.
+    /// End of one of the [`Card::steps`] steps.
     Step,
 }
 
-/// Why there is no card.
+/// Reason why there is no report.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CardError {
     /// A recording cannot be read to its end.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// The recordings are of several devices.
+    /// The recordings are of different devices.
     #[error(
         "{first} is of the device `{of_first}`, and {other} of `{of_other}`; a report is of one device"
     )]
@@ -125,22 +125,22 @@ pub enum CardError {
         /// Its device.
         of_other: String,
     },
-    /// The numbers of the device are such that the map cannot be computed.
+    /// The map cannot be computed with the properties of the device.
     #[error("what can be rendered cannot be computed with the numbers of this device: {0}")]
     Reach(#[from] BounceError),
 }
 
 impl Card {
-    /// Number of [steps](CardProgress::Step) of the work, if the device's mass and period are known.
+    /// Returns the number of [steps](CardProgress::Step) of the work, for a device with known mass and period.
     #[must_use]
     pub fn steps(methods: usize) -> usize {
         methods * ReachCard::lines()
     }
 
-    /// Makes the card; `progress` hears of the parts and steps of the work.
+    /// Creates the report. Calls `progress` at each part and step.
     ///
     /// # Errors
-    /// A recording that cannot be read, recordings of several devices, and numbers that no map takes.
+    /// A recording cannot be read, the recordings are of different devices, or the map cannot be computed.
     pub fn of(
         sources: &Sources<'_>,
         progress: impl Fn(CardProgress<'_>) + Sync,
@@ -205,12 +205,12 @@ impl Card {
         Ok(card)
     }
 
-    /// Adds a file that was written.
+    /// Adds a written file.
     pub fn wrote(&mut self, path: &std::path::Path) {
         self.files.push(file_name(path));
     }
 
-    /// The checks that ended in a warning.
+    /// Returns the checks with a warning.
     pub fn warnings(&self) -> impl Iterator<Item = &Check> {
         self.checks
             .iter()
@@ -218,7 +218,7 @@ impl Card {
     }
 }
 
-/// Deviations of the renderer's model: those of the device file, else those of the first recording.
+/// Returns the deviations of the renderer's model from the device file, or else from the first recording.
 fn deviations(sources: &Sources<'_>) -> Told {
     if let Some((_, calibration)) = sources.device_file {
         return calibrated::deviations(calibration, |_| true);
@@ -235,14 +235,14 @@ fn deviations(sources: &Sources<'_>) -> Told {
     }
 }
 
-/// Name of a file without its folder: the page is made to be sent.
+/// Returns the name of a file without its folder, because the page is made for sharing.
 #[must_use]
 pub fn file_name(path: &std::path::Path) -> String {
     let name = path.file_name().unwrap_or(path.as_os_str());
     name.to_string_lossy().into_owned()
 }
 
-/// How the data were obtained, a sentence for each source.
+/// Returns the origin of the data, one sentence per source.
 fn obtained(sources: &Sources<'_>) -> Vec<String> {
     let mut said: Vec<String> = sources
         .recordings

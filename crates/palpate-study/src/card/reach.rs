@@ -1,4 +1,4 @@
-//! What can be rendered on the device of a card: a coarse map with its numbers.
+//! Renderable contacts on the device of a report: a coarse map with its properties.
 
 use std::time::Instant;
 
@@ -13,24 +13,23 @@ use crate::map::{
     Bounce, BounceDevice, BounceError, Class, Limit, MapParams, PHASES, Plant, default_settings,
 };
 
-/// The numbers of difficulty, kappa or Kc, between which a limit is looked for, and the steps for each
-/// factor of ten.
+/// Range of kappa or Kc in which a limit is searched, and steps per decade.
 const SEARCHED: (f64, f64) = (1e-3, 10.0);
 const PER_DECADE: i32 = 4;
 
-/// Halvings of the last step, on a logarithmic scale, for the wall and for the object that the table names.
+/// Halvings of the last step, on a logarithmic scale, for the wall and for the object in the table.
 const HALVINGS: u32 = 3;
 
-/// Object masses over the device's, and how many for each factor of ten.
+/// Object masses relative to the device's, and their number per decade.
 const MASSES: (f64, f64) = (0.01, 100.0);
 const MASSES_PER_DECADE: i32 = 1;
 
-/// What can be rendered on a device.
+/// Renderable contacts on a device.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct ReachCard {
-    /// Mass of the device that was simulated `[kg]`.
+    /// Mass of the simulated device `[kg]`.
     pub device_mass_kg: f64,
     /// Period of its loop `[s]`.
     pub period_s: f64,
@@ -46,60 +45,60 @@ pub struct ReachCard {
     pub viscous_friction_n_s_per_m: f64,
     /// Quantum of its position sensor `[m]`.
     pub sensor_quantum_m: f64,
-    /// What of these nothing says, so that it was taken as 0.
+    /// Keys of unknown properties, assumed to be 0.
     pub assumed: Vec<&'static str>,
-    /// kappa and Kc that were tried, from the first to the last.
+    /// First and last tried kappa or Kc.
     pub searched: [f64; 2],
-    /// From one step of the search to the next: the resolution of the limits over the object's mass.
+    /// Ratio of successive search steps: the resolution of the limits over the object's mass.
     pub step: f64,
-    /// The same for the stiffest wall and the lightest object, whose last step is halved.
+    /// Ratio for the stiffest wall and the lightest object, whose last step is halved.
     pub finest_step: f64,
-    /// Start heights of each bounce.
+    /// Number of start heights of each bounce.
     pub start_heights: usize,
-    /// Contacts that were simulated from all start heights, each by one method.
+    /// Number of simulated contacts, each from all start heights by one method.
     pub contacts: usize,
-    /// How long that took `[s]`.
+    /// Computing time `[s]`.
     pub computed_in_s: f64,
-    /// Largest mean-force error E, and largest hold floor, of what is good `[%]`.
+    /// Maximum mean-force error E and maximum hold bound of a good contact `[%]`.
     pub good_below_percent: f64,
     /// Object masses of the limits `[kg]`.
     pub object_masses_kg: Vec<f64>,
-    /// Stiffness at which the lightest object is looked for `[N/m]`.
+    /// Stiffness for the search of the lightest object `[N/m]`.
     pub stiffness_n_per_m: f64,
     /// One entry for each method.
     pub methods: Vec<MethodReachCard>,
 }
 
-/// The limits of a method. Stable: no bounce gains more than 1 % of energy from any start height. Good: stable,
-/// E and hold floor small enough, and steady at rest and pressed in a hand.
+/// Limits of a method. Stable: no bounce gains more than 1 % of energy from any start height. Good: stable, with
+/// small E and hold bound, and steady at rest and pressed in a hand.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct MethodReachCard {
     /// The method.
     pub method: &'static str,
-    /// Stiffest wall that is stable `[N/m]`.
+    /// Maximum stiffness of a stable wall `[N/m]`.
     pub stable_wall_n_per_m: Reach,
-    /// Stiffest wall that is good `[N/m]`.
+    /// Maximum stiffness of a good wall `[N/m]`.
     pub good_wall_n_per_m: Reach,
-    /// Lightest object that is stable at the stiffness that is asked about `[kg]`.
+    /// Minimum mass of a stable object at the requested stiffness `[kg]`.
     pub stable_object_kg: Reach,
-    /// Lightest object that is good at that stiffness `[kg]`.
+    /// Minimum mass of a good object at that stiffness `[kg]`.
     pub good_object_kg: Reach,
-    /// Stiffest contact that is stable, for each object mass `[N/m]`.
+    /// Maximum stiffness of a stable contact, per object mass `[N/m]`.
     pub stable_n_per_m: Vec<Reach>,
-    /// Stiffest contact that is good, for each object mass `[N/m]`.
+    /// Maximum stiffness of a good contact, per object mass `[N/m]`.
     pub good_n_per_m: Vec<Reach>,
 }
 
-/// Contacts from the easiest to the hardest: what of them is asked about, and the contact of each.
+/// Contacts from the easiest to the hardest. `of` returns the searched quantity and the contact of a hardness.
 struct Line<'a> {
     hardness: &'a [f64],
     of: &'a (dyn Fn(f64) -> (f64, Bounce) + Sync),
     halvings: u32,
 }
 
-/// The hardest contacts of a line.
+/// The hardest stable and the hardest good contact of a line.
 struct Limits {
     stable: Reach,
     good: Reach,
@@ -107,13 +106,13 @@ struct Limits {
 }
 
 impl ReachCard {
-    /// Lines of contacts of a method: the wall, the object, then the masses of the figure.
+    /// Returns the number of lines of contacts of a method: the wall, the object, then the masses of the figure.
     pub(super) fn lines() -> usize {
         2 + steps(MASSES, MASSES_PER_DECADE).len()
     }
 
-    /// With the numbers of `device`; none where its mass or its period is not known. `done` is called after each line of
-    /// each method.
+    /// Computes the limits with the properties of `device`; `None` if its mass or its period is unknown. Calls `done`
+    /// after each line of each method.
     pub(super) fn of(
         device: &DeviceCard,
         deviations: &Told,
@@ -133,7 +132,7 @@ impl ReachCard {
                 0.0
             })
         };
-        // A gain that is told divides every command, so that no limit depends on it.
+        // The renderer divides every command by the modelled gain, so the limits do not depend on it.
         let (delay, lag) = (known("delay_s"), known("lag_s"));
         let viscous = known("viscous_friction_n_s_per_m");
         let quantum = known("sensor_quantum_m");
@@ -240,7 +239,7 @@ impl ReachCard {
     }
 }
 
-/// Numbers of even ratios from the first to the last.
+/// Returns logarithmically spaced values from the first to the last.
 fn steps((first, last): (f64, f64), per_decade: i32) -> Vec<f64> {
     #[expect(clippy::cast_possible_truncation, reason = "a few decades")]
     let decades = (last / first).log10().round() as i32;
@@ -249,15 +248,15 @@ fn steps((first, last): (f64, f64), per_decade: i32) -> Vec<f64> {
         .collect()
 }
 
-/// What a method does with a contact.
+/// Evaluation of a method on a contact.
 #[derive(Clone, Copy)]
 struct Judged {
     is_stable: bool,
     is_good: bool,
 }
 
-/// What `method` does with a bounce, and whether that is good if that is asked; none where a bounce is too long to
-/// be followed.
+/// Evaluates `method` on a bounce, and whether it is good only if `ask_good`. Returns `None` if the bounce is too
+/// long for a simulation.
 fn judge(
     bounce: &Bounce,
     method: MethodName,
@@ -281,8 +280,8 @@ fn judge(
 }
 
 impl Line<'_> {
-    /// The last contact before the first that is not stable, and not good. Contacts at the easy end that nothing is
-    /// known of are passed over.
+    /// Returns the last contact before the first unstable one, and before the first that is not good. Contacts at the
+    /// easy end without a result are skipped.
     fn limits<E>(
         &self,
         judge: impl Fn(&Bounce, bool) -> Result<Option<Judged>, E>,
@@ -322,7 +321,7 @@ impl Line<'_> {
     }
 }
 
-/// A search for where something ends, from the easy end on.
+/// Search for the limit of a property, starting at the easy end.
 #[derive(Default)]
 struct Search {
     last: Option<f64>,
@@ -374,7 +373,8 @@ mod tests {
         params.cell(0).bounce
     }
 
-    /// Limits of a line whose contacts are `stable` and `good` up to so much, and not known below `known`.
+    /// Returns the limits of a line whose contacts are `stable` and `good` up to these values, and unknown below
+    /// `known`.
     fn found(known: f64, stable: f64, good: f64, halvings: u32) -> [(Option<f64>, bool); 2] {
         let of = |hardness: f64| {
             let bounce = Bounce {

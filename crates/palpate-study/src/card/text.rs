@@ -1,4 +1,4 @@
-//! A card in words, for a terminal.
+//! A device report as text for a terminal.
 
 use std::fmt;
 
@@ -113,7 +113,7 @@ impl Card {
 }
 
 impl super::ReachCard {
-    /// What was computed, in words.
+    /// Returns the conditions of the computation in words.
     #[must_use]
     pub fn in_words(&self) -> String {
         let known_to = |deviation: f64| match deviation {
@@ -156,7 +156,7 @@ impl super::ReachCard {
 }
 
 impl super::TimingCard {
-    /// What the recording is, in words.
+    /// Returns length, period and losses of the recording in words.
     #[must_use]
     pub fn in_words(&self) -> String {
         let mut words = counted(self.ticks, "tick");

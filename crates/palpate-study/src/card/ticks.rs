@@ -1,4 +1,4 @@
-//! What a card takes from the ticks of a recording.
+//! Ticks of a recording for a device report.
 
 use palpate_record::recording::{ContactTick, Entry, Flags, Recording, RecordingError, Row};
 
@@ -9,14 +9,14 @@ pub(super) struct Ticks {
     pub missed_deadlines: u64,
     /// Ticks without a position of the device.
     pub unseen: u64,
-    /// Ticks whose force the safety changed on its way.
+    /// Ticks with a force that the safety layer changed.
     pub limited: u64,
     /// Ticks with the motors off.
     pub motors_off: u64,
 }
 
 impl Ticks {
-    /// All that are there.
+    /// Reads all recorded ticks.
     pub fn read(recording: &Recording) -> Result<Self, RecordingError> {
         let mut ticks = Self::default();
         for entry in recording.entries()? {
@@ -39,7 +39,7 @@ impl Ticks {
     }
 }
 
-/// Whether the position of a tick is one that the renderer took.
+/// Whether the tick has a position that the renderer accepted.
 pub(super) fn is_seen(row: &Row) -> bool {
     row.contact.device_position.is_finite()
         && !row.tick.flags.has(Flags::DEVICE_FAULT)

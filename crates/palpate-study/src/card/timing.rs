@@ -1,4 +1,4 @@
-//! How a loop kept time: its durations, each as quantiles and as a histogram.
+//! Timing of a loop: its durations, each as quantiles and as a histogram.
 
 use super::file_name;
 use palpate_record::recording::{Recording, Tick};
@@ -7,43 +7,43 @@ use serde::Serialize;
 use super::ticks::Ticks;
 use crate::recording::scene_of;
 
-/// Bins for each factor of ten of a duration.
+/// Bins per decade of a duration.
 const PER_DECADE: f64 = 8.0;
 /// Bins of a histogram with even steps.
 const EVEN_BINS: usize = 48;
-/// What is shorter counts as this `[s]`: clocks tell no less apart.
+/// Lower limit of a duration `[s]`, about the resolution of a clock; shorter ones count as this value.
 const SHORTEST: f64 = 1e-7;
 
-/// How the loop of a recording kept time.
+/// Timing of a recorded loop.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct TimingCard {
     /// The recording.
     pub recording: String,
-    /// Version of palpate that made it.
+    /// Version of palpate that made the recording.
     pub palpate_version: String,
-    /// Title of its scene; none where the recording does not have it.
+    /// Title of its scene; none if the recording does not contain it.
     pub scene: Option<String>,
-    /// Method that was rendered; none where the recording does not say.
+    /// Rendering method; none if the recording does not contain it.
     pub method: Option<String>,
-    /// Period that the loop was to keep `[s]`; none where the recording does not say.
+    /// Nominal period of the loop `[s]`; none if the recording does not contain it.
     pub period_asked_s: Option<f64>,
-    /// Ticks that it has.
+    /// Number of recorded ticks.
     pub ticks: u64,
-    /// Ticks that were made and are not in it.
+    /// Number of ticks missing in the recording.
     pub ticks_lost: u64,
-    /// How long the loop ran `[s]`; none where nobody said.
+    /// Duration of the loop `[s]`; none if unknown.
     pub lasted_s: Option<f64>,
-    /// Ticks that came or ended past their deadline.
+    /// Number of ticks that started or ended after their deadline.
     pub missed_deadlines: u64,
-    /// Time from a sample to the next.
+    /// Time from one sample to the next.
     pub period_s: Option<Distribution>,
-    /// Time of a sample past the instant that was planned for it; negative if early.
+    /// Time of a sample after its planned instant; negative if early.
     pub lateness_s: Option<Distribution>,
     /// Time from a sample to its command.
     pub tick_s: Option<Distribution>,
-    /// Time that the device took to answer.
+    /// Response time of the device.
     pub round_trip_s: Option<Distribution>,
 }
 
@@ -52,21 +52,21 @@ pub struct TimingCard {
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Distribution {
-    /// How many there are.
+    /// Number of durations.
     pub count: u64,
     /// The smallest.
     pub smallest: f64,
-    /// Half of them are not longer.
+    /// Median.
     pub median: f64,
-    /// 99 % of them are not longer.
+    /// 99 % quantile.
     pub p99: f64,
     /// The longest.
     pub largest: f64,
-    /// How often each comes.
+    /// Histogram of the durations.
     pub histogram: Histogram,
 }
 
-/// How often values come: bin `i` reaches from edge `i` to edge `i + 1`.
+/// Counts of values per bin: bin `i` extends from edge `i` to edge `i + 1`.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -75,7 +75,7 @@ pub struct Histogram {
     pub edges_s: Vec<f64>,
     /// Number of values in each bin; values below the first edge are in the first bin.
     pub counts: Vec<u64>,
-    /// Whether the bins have even ratios, and not even differences.
+    /// Whether the bins are logarithmically spaced; otherwise linearly.
     pub is_logarithmic: bool,
 }
 
@@ -107,7 +107,7 @@ impl TimingCard {
 }
 
 impl Distribution {
-    /// Of those values that are numbers; none without any.
+    /// Creates the distribution of the finite values; `None` if there are none.
     fn of(values: impl Iterator<Item = f64>, bins: fn(&[f64]) -> Histogram) -> Option<Self> {
         let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
         values.sort_by(f64::total_cmp);
@@ -131,7 +131,7 @@ impl Distribution {
     }
 }
 
-/// Bins of even ratios; `values` are in rising order.
+/// Returns logarithmically spaced bins; `values` are in ascending order.
 fn logarithmic(values: &[f64]) -> Histogram {
     let step = |value: f64| PER_DECADE * value.max(SHORTEST).log10();
     let (first, last) = (values[0], values[values.len() - 1]);
@@ -147,10 +147,10 @@ fn logarithmic(values: &[f64]) -> Histogram {
     counted((0..=bins).map(edge).collect(), true, values)
 }
 
-/// Bins of even width; `values` are in rising order.
+/// Returns bins of equal width; `values` are in ascending order.
 fn even(values: &[f64]) -> Histogram {
     let (first, last) = (values[0], values[values.len() - 1]);
-    // Where all are the same, that lies in the middle of a bin.
+    // If all values are equal, they are in the middle of a bin.
     let width = ((last - first) / EVEN_BINS as f64).max(0.002 * last.abs().max(SHORTEST));
     let middle = 0.5 * (first + last);
     let edge = |bin: usize| middle + width * (bin as f64 - 0.5 * EVEN_BINS as f64);

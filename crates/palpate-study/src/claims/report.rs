@@ -8,13 +8,13 @@ use serde::Serialize;
 use super::{Claim, Found};
 use crate::text::{digits, hanging, number, plain_table, whole, within};
 
-/// Characters of a line that says what a number is: what the number, its unit and `does not fit` leave of 80.
+/// Maximum length of the meaning of a number: 80 characters less the number, its unit and `does not fit`.
 const FOUND: usize = 50;
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate claims 1";
 
-/// The claims of the paper, and what was found.
+/// The claims of the paper with their computed numbers.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -26,40 +26,40 @@ pub struct ClaimsReport {
     pub format: &'static str,
 }
 
-/// A claim, what was found, and whether it holds here.
+/// A claim, its computed numbers, and whether it holds here.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct ClaimReport {
-    /// The numbers that were found.
+    /// The computed numbers.
     pub found: Vec<FoundReport>,
     /// `holds`, `holds in part` or `does not hold`.
     pub holds: &'static str,
     /// Short name.
     pub name: &'static str,
-    /// What the paper says, in other words.
+    /// The paper's statement, paraphrased.
     pub paper: &'static str,
-    /// What it takes to hold here.
+    /// Criterion for the claim to hold here.
     pub takes: String,
 }
 
-/// A number that was found.
+/// A computed number.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct FoundReport {
-    /// Whether the claim holds for this number, if it is one that decides.
+    /// Whether this number satisfies the claim, if it is decisive.
     pub fits: Option<bool>,
     /// Its unit; empty for a ratio.
     pub unit: &'static str,
-    /// The number; none where there is none, such as the time of something that did not happen.
+    /// The number; none if it does not exist, for example the time of an event that did not happen.
     pub value: Option<f64>,
-    /// What it is.
+    /// Meaning of the number.
     pub what: String,
 }
 
 impl ClaimsReport {
-    /// The report on what [`check`](super::check) gave.
+    /// Creates the report of the result of [`check`](super::check).
     pub fn new(claims: Vec<Claim>) -> Self {
         Self {
             claims: claims.into_iter().map(ClaimReport::from).collect(),
@@ -173,7 +173,7 @@ mod tests {
         assert!(line("one").contains("0.340") && line("one").ends_with(" fits"));
         assert!(line("other").contains(" - ") && line("other").ends_with("does not fit"));
         assert!(line("beside").ends_with(" s"), "{text}");
-        // In a terminal of 80 columns, each number stands once.
+        // In a terminal of 80 columns, each number appears once.
         let long = "Fig. 2, hfcr-mod-st: sum of their absolute values, original over remaining";
         let claim = Claim {
             name: "leak",

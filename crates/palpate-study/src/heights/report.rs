@@ -1,4 +1,4 @@
-//! What came of the start heights, as a table or as JSON.
+//! Results over the start heights, as a table or as JSON.
 
 use std::fmt;
 
@@ -14,7 +14,7 @@ use crate::tune::{HEIGHT_RANGE, HEIGHTS, Spread};
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate heights 1";
 
-/// What came of the start heights of some scenes.
+/// Results over the start heights of several scenes.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -26,29 +26,30 @@ pub struct HeightsReport {
     pub start_heights: usize,
     /// Largest change of the gap, as a share of the scene's.
     pub height_range: f64,
-    /// Device mass that the renderer is told, over the true one.
+    /// Model device mass of the renderer over the true mass.
     pub told_mass_factor: f64,
     /// One entry for each scene, in the order given.
     pub scenes: Vec<SceneReport>,
 }
 
-/// What the columns did on one scene.
+/// Results of the columns on one scene.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct SceneReport {
     /// The scene's title.
     pub title: String,
-    /// Seed of the random numbers of jitter, drops and sensor noise, of which this is one draw; none if nothing is random.
+    /// Seed of the random values of jitter, drops and sensor noise; none if nothing is random. The results are one
+    /// draw.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
-    /// FRE that no held force can be below `[%]`.
+    /// Zero-order-hold bound: minimum FRE of any held force `[%]`.
     pub hold_floor_percent: f64,
     /// One entry for each column.
     pub columns: Vec<ColumnReport>,
 }
 
-/// What a column did on one scene.
+/// Results of a column on one scene.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -63,11 +64,11 @@ pub struct ColumnReport {
     pub force_rendering_error_percent: f64,
     /// FRE over the start heights `[%]`.
     pub force_rendering_error_over_heights_percent: ErrorReport,
-    /// FRE over the hold floor; none where the floor is 0.
+    /// FRE over the zero-order-hold bound; none if the bound is 0.
     pub error_over_floor: Option<f64>,
-    /// Start heights from which the loop ran away.
+    /// Number of start heights from which the loop diverged.
     pub diverged: usize,
-    /// Of a column that chooses.
+    /// The chosen damping, for a column with several dampings.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_n_s_per_m: Option<f64>,
 }
@@ -93,7 +94,8 @@ impl From<Spread> for ErrorReport {
 }
 
 impl HeightsReport {
-    /// The report on `scenes`, whose renderers were told `told_mass_factor` times the device's mass.
+    /// Creates the report on `scenes`, whose renderers had `told_mass_factor` times the device's mass as the model
+    /// mass.
     #[must_use]
     pub fn new(told_mass_factor: f64, scenes: Vec<SceneReport>) -> Self {
         Self {
@@ -107,13 +109,13 @@ impl HeightsReport {
 }
 
 impl SceneReport {
-    /// What [`over_heights`](super::over_heights) gave for the `scene`.
+    /// Creates the report of the result of [`over_heights`](super::over_heights) for the `scene`.
     #[must_use]
     pub fn new(scene: &Scene, columns: &[Column], found: &[OverHeights]) -> Self {
         Self {
             title: scene.title.clone(),
             seed: scene.random_seed(),
-            // The floor is the ideal's, whatever the column.
+            // The hold bound is a property of the ideal, equal for all columns.
             hold_floor_percent: found.first().map_or(0.0, |one| one.own.hold_floor),
             columns: columns
                 .iter()

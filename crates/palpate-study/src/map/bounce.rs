@@ -12,7 +12,7 @@ use palpate_scene::{
 };
 use palpate_sim::closed_loop::LoopError;
 
-/// A device as it is, and what the renderer is told of it.
+/// True values of a device, and the renderer's model of its mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BounceDevice {
     /// Mass m `[kg]`.
@@ -23,7 +23,7 @@ pub struct BounceDevice {
     pub coulomb_friction: f64,
     /// Quantum of the position sensor `[m]`; 0 for an ideal one.
     pub encoder_quantum: f64,
-    /// Mass that the renderer is told, over the true one.
+    /// Model mass of the renderer over the true mass.
     pub told_mass: f64,
 }
 
@@ -36,35 +36,35 @@ pub struct Bounce {
     pub stiffness: f64,
     /// Object mass M `[kg]`; infinite for a wall.
     pub object_mass: f64,
-    /// What drives the two together.
+    /// Forces that drive device and object together.
     pub forces: Forces,
     /// Distance between device and object at the start `[m]`.
     pub gap: f64,
     /// Period T of the loop `[s]`.
     pub period: f64,
-    /// Period that the renderer is told, over the true one.
+    /// Model period of the renderer over the true period.
     pub told_period: f64,
-    /// Time from a sample to the beginning of its force `[periods]`, of any fraction.
+    /// Time from a sample to the start of its force `[periods]`; may be fractional.
     pub delay: f64,
-    /// Time constant of the force after that, a first-order lag `[s]`.
+    /// Time constant of the following first-order lag `[s]`.
     pub lag: f64,
-    /// Model values of the renderer besides those: deviations of delay, lag and gain, and the noise of the sensor.
+    /// Further model values of the renderer: deviations of delay, lag and gain, and the sensor noise.
     pub told: Told,
 }
 
 /// Constant forces that drive device and object together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Forces {
-    /// Equal and opposite forces on both, µ a with 1/µ = 1/m + 1/M: the two approach each other
-    /// with this acceleration a `[m/s²]`, whatever their masses, and their centre of mass stays. It is
-    /// a hand that holds the weight of the object.
+    /// Equal and opposite forces on both, µ a with 1/µ = 1/m + 1/M: device and object approach each other with this
+    /// acceleration a `[m/s²]` at any masses, and their centre of mass is at rest. The hand balances the weight of
+    /// the object.
     Balanced(f64),
-    /// A constant hand, and gravity on the object. Where the hand does not hold the weight, device
-    /// and object fly away together, ever faster.
+    /// A constant force of the hand, and gravity on the object. If the hand does not balance the weight, device and
+    /// object accelerate away together.
     Weight {
         /// Force f_u of the hand on the device `[N]`.
         user_force: f64,
-        /// Acceleration of gravity towards the device `[m/s²]`; no wall falls.
+        /// Acceleration of gravity towards the device `[m/s²]`; it does not act on walls.
         gravity: f64,
     },
 }
@@ -79,10 +79,10 @@ pub enum Plant {
 }
 
 impl Plant {
-    /// Both, in the order of tables and figures.
+    /// Both plants, in the order of tables and figures.
     pub const ALL: [Self; 2] = [Self::Undamped, Self::Damped];
 
-    /// The name in files.
+    /// Returns the name in files.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -92,7 +92,7 @@ impl Plant {
     }
 }
 
-/// Why a bounce cannot be run.
+/// Reason why a bounce cannot be run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BounceError {
@@ -101,10 +101,10 @@ pub enum BounceError {
     Method {
         /// The method.
         method: MethodName,
-        /// What its renderer says.
+        /// Error of its renderer.
         error: SetupError,
     },
-    /// The bench refuses a value.
+    /// The bench rejects a value.
     #[error(transparent)]
     Bench(#[from] InvalidParameter),
     /// The scene cannot be run.
@@ -125,7 +125,7 @@ impl Bounce {
         self.object_mass.is_infinite()
     }
 
-    /// Force f_u of the hand on the device `[N]`.
+    /// Returns the force f_u of the hand on the device `[N]`.
     #[must_use]
     pub fn user_force(&self) -> f64 {
         match self.forces {
@@ -136,7 +136,7 @@ impl Bounce {
         }
     }
 
-    /// Virtual force f_V on the object `[N]`; 0 for a wall, which no force moves.
+    /// Returns the virtual force f_V on the object `[N]`; 0 for a wall, which cannot move.
     #[must_use]
     pub fn virtual_force(&self) -> f64 {
         match self.forces {
@@ -146,7 +146,7 @@ impl Bounce {
         }
     }
 
-    /// The same bounce without the friction of the device, or with it.
+    /// Returns the same bounce with or without the friction of the device.
     #[must_use]
     pub fn on(self, plant: Plant) -> Self {
         match plant {
@@ -162,15 +162,15 @@ impl Bounce {
         }
     }
 
-    /// This bounce as a scene, from a start height that differs by a share of the gap, judged over
-    /// so many whole periods. What the renderer is told wrong is no part of it.
+    /// Returns this bounce as a scene with a window of `periods` whole periods; `height` changes the start height by
+    /// a share of the gap. Wrong model values of the renderer are not part of the scene.
     #[must_use]
     pub fn scene(&self, height: f64, periods: usize) -> Scene {
         Scene {
             title: String::new(),
             contact: Contact::object(self.stiffness, self.object_mass),
             loop_params: LoopParams {
-                // Nothing here is a broken sensor: a heavy object falls as fast as it falls.
+                // No speed limit: a fast heavy object is not a sensor fault here.
                 speed_limit: None,
                 ..LoopParams::new(self.period)
             },
@@ -199,11 +199,11 @@ impl Bounce {
         }
     }
 
-    /// The renderer of `method` with its model values: contact, encoder, delay and lag as they are, with their
-    /// deviations; period and mass perhaps wrong.
+    /// Returns the renderer of `method`. Contact, encoder, delay and lag of its model are the true values, with their
+    /// deviations; period and mass may be wrong.
     ///
     /// # Errors
-    /// A parameter outside its range, or settings that do not make the method.
+    /// A parameter is out of range, or the settings do not fit the method.
     pub fn renderer(
         &self,
         method: MethodName,
@@ -220,8 +220,8 @@ impl Bounce {
     }
 }
 
-/// Settings that a map gives a method: its defaults, but for hfcr, which without a damping would be
-/// `hfcr-mod-st` once more.
+/// Returns the settings of a method in a map: its defaults, except for hfcr, which without a damping would equal
+/// `hfcr-mod-st`.
 #[must_use]
 pub fn default_settings(method: MethodName) -> Settings {
     let defaults = Settings::default();

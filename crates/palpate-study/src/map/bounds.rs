@@ -1,33 +1,33 @@
-//! Classical bounds of stability and passivity, to draw beside a map.
+//! Classical bounds of stability and passivity, drawn beside a map.
 //!
-//! All are about a wall and a mass m with viscous friction b, in the numbers of the map:
-//! kappa = K T²/m, and βb = b T/m, βB = B T/m for the device's and the virtual damping.
+//! All bounds are for a wall and a mass m with viscous friction b, in the parameters of the map: kappa = K T²/m, and
+//! βb = b T/m, βB = B T/m for the damping of the device and the virtual damping.
 
-/// Colgate and Schenkel: passive for b > K T/2 + |B|, that is kappa < 2 (βb − βB); 0 where no
-/// stiffness is.
+/// Returns the bound of Colgate and Schenkel: passive for b > K T/2 + |B|, that is kappa < 2 (βb − βB); 0 if no
+/// stiffness is passive.
 #[must_use]
 pub fn colgate_schenkel(device: f64, virtual_damping: f64) -> f64 {
     (2.0 * (device - virtual_damping.abs())).max(0.0)
 }
 
-/// HFCR without leak dissipation, while contact is sustained: the device's damping pays for every leak
-/// of it for b > K T, that is kappa < βb, whatever the object's mass, and for no less (the leak identity of
-/// the modified force, `docs/method.md`). It says nothing of a bounce, whose leaks at its transitions it does not
-/// know, and nothing of a loop with a delay.
+/// Returns the bound of HFCR without leak dissipation while contact is sustained: the device's damping dissipates
+/// every leak if and only if b > K T, that is kappa < βb, at any object mass (the leak identity of the modified
+/// force, `docs/method.md`). The bound does not cover the leaks at the transitions of a bounce, nor a loop with a
+/// delay.
 #[must_use]
 pub fn hfcr_sustained(device: f64) -> f64 {
     device.max(0.0)
 }
 
-/// Gil: stable for K < (b + B)/(T/2 + t_d), that is kappa < (βb + βB)/(1/2 + t_d/T), for a delay of
-/// t_d/T periods. A bound for small damping of a light device.
+/// Returns the bound of Gil: stable for K < (b + B)/(T/2 + t_d), that is kappa < (βb + βB)/(1/2 + t_d/T), for a delay
+/// of t_d/T periods. It is valid for small damping of a light device.
 #[must_use]
 pub fn gil(device: f64, virtual_damping: f64, delay: f64) -> f64 {
     (device + virtual_damping) / (0.5 + delay)
 }
 
-/// Abbott and Okamura: passive for K ≤ min(2 b/T, 2 f_c/q) `[N/m]`, with the Coulomb friction
-/// f_c `[N]` and the encoder's quantum q `[m]`; without a quantum the second does not bind.
+/// Returns the bound of Abbott and Okamura: passive for K ≤ min(2 b/T, 2 f_c/q) `[N/m]`, with the Coulomb friction
+/// f_c `[N]` and the encoder's quantum q `[m]`; without a quantum the second limit does not apply.
 #[must_use]
 pub fn abbott_okamura(viscous: f64, coulomb: f64, period: f64, quantum: f64) -> f64 {
     let by_sampling = 2.0 * viscous / period;
@@ -38,21 +38,21 @@ pub fn abbott_okamura(viscous: f64, coulomb: f64, period: f64, quantum: f64) -> 
     }
 }
 
-/// An undamped mass pressed against a wall with a backward-difference damper: stable for
-/// kappa < 2 β (2 − β)/(2 + β), β = B T/m below 2; no B = 0 is stable.
+/// Returns the bound of an undamped mass pressed against a wall with a backward-difference damper: stable for kappa <
+/// 2 β (2 − β)/(2 + β), β = B T/m below 2; unstable for B = 0.
 #[must_use]
 pub fn undamped_wall(virtual_damping: f64) -> f64 {
     let beta = virtual_damping;
     (2.0 * beta * (2.0 - beta) / (2.0 + beta)).max(0.0)
 }
 
-/// The damping that allows most of [`undamped_wall`], β = 2 (√2 − 1).
+/// Returns the damping that maximises [`undamped_wall`], β = 2 (√2 − 1).
 #[must_use]
 pub fn best_undamped_damping() -> f64 {
     2.0 * (2.0_f64.sqrt() - 1.0)
 }
 
-/// The most that [`undamped_wall`] allows, 4 (3 − 2√2).
+/// Returns the maximum of [`undamped_wall`], 4 (3 − 2√2).
 #[must_use]
 pub fn stiffest_undamped_wall() -> f64 {
     undamped_wall(best_undamped_damping())

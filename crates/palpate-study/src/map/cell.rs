@@ -1,5 +1,4 @@
-//! A cell of the map: every method on both plants, in bounces from all start heights and in contacts
-//! that stay.
+//! A cell of the map: every method on both plants, in bounces from all start heights and in sustained contacts.
 
 use palpate::AnyRenderer;
 
@@ -15,37 +14,37 @@ use rayon::prelude::*;
 /// Median and worst over the start heights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
-    /// The ninth of 16 in order: half of the heights are no worse.
+    /// The ninth of 16 in ascending order: half of the heights are not worse.
     pub median: f64,
     /// The largest.
     pub worst: f64,
 }
 
-/// What the bounces of a method came to on one plant.
+/// Results of the bounces of a method on one plant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
     /// The plant.
     pub plant: Plant,
     /// The method.
     pub method: MethodName,
-    /// Growth of the energy per collision; infinite where the loop diverged.
+    /// Growth of the energy per collision; infinite if the loop diverged.
     pub growth: Summary,
     /// Mean-force error E `[%]`.
     pub error: Summary,
-    /// Force rendering error over the hold floor; infinite where the floor is 0.
+    /// Force rendering error over the zero-order-hold bound; infinite if the bound is 0.
     pub error_over_floor: Summary,
-    /// The hold floor, which does not depend on the method `[%]`.
+    /// Zero-order-hold bound, which does not depend on the method `[%]`.
     pub hold_floor: Summary,
-    /// Start heights from which it was stable, grew, diverged.
+    /// Numbers of start heights with a stable, growing and diverged loop.
     pub classes: [usize; 3],
 }
 
-/// What a method came to on one plant of a cell.
+/// Results of a method on one plant of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MethodResult {
     /// Its bounces.
     pub bounce: Entry,
-    /// Its contacts that stay.
+    /// Its sustained contacts.
     pub stay: Stay,
 }
 
@@ -54,9 +53,9 @@ pub struct MethodResult {
 pub struct CellResult {
     /// Index of the cell.
     pub index: usize,
-    /// The results of its methods.
+    /// The results of the methods.
     pub methods: Vec<MethodResult>,
-    /// Ticks that were run.
+    /// Number of simulated ticks.
     pub ticks: u64,
 }
 
@@ -64,7 +63,7 @@ impl MapParams {
     /// Runs the cell of an index.
     ///
     /// # Errors
-    /// A parameter that the bench or a method refuses.
+    /// The bench or a method rejects a parameter.
     pub fn run_cell(&self, index: usize) -> Result<CellResult, BounceError> {
         let bounce = self.cell(index).bounce;
         let mut result = CellResult {
@@ -95,10 +94,10 @@ impl MapParams {
 }
 
 impl Bounce {
-    /// Runs methods from all start heights. Each ideal is computed once, for all of them.
+    /// Runs methods from all start heights. Each ideal is computed once for all methods.
     ///
     /// # Errors
-    /// A parameter that the bench or a method refuses.
+    /// The bench or a method rejects a parameter.
     pub fn judge(
         &self,
         plant: Plant,
@@ -128,7 +127,7 @@ impl Bounce {
         Ok((entries, ticks))
     }
 
-    /// The largest growth over the start heights; it stops at the first that diverges.
+    /// Returns the largest growth over the start heights; stops at the first height that diverges.
     pub(super) fn worst_growth(
         &self,
         method: MethodName,
@@ -167,7 +166,7 @@ impl Entry {
         }
     }
 
-    /// The class from the worst start height.
+    /// Returns the class from the worst start height.
     #[must_use]
     pub fn class(&self) -> Class {
         classify(self.growth.worst)

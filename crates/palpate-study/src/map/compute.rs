@@ -1,4 +1,4 @@
-//! Cells on all cores.
+//! Parallel computation of cells.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,24 +11,23 @@ use super::bounce::BounceError;
 use super::cell::CellResult;
 use super::grid::MapParams;
 
-/// How a computation ended.
+/// Outcome of a computation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Done {
-    /// With all cells.
+    /// All cells were computed.
     All,
-    /// Early, because it was told to.
+    /// The computation was stopped early.
     Stopped,
 }
 
-/// Runs `cells` of a map on so many threads, 0 for all cores, and gives each result to `take` as it
-/// comes, in no order. It ends early once `stop` is set or `take` breaks; cells that are being run
-/// are then finished first.
+/// Runs `cells` of a map on `threads` threads, 0 for all cores, and passes each result to `take` in order of
+/// completion. Stops early once `stop` is set or `take` breaks, after the running cells have finished.
 ///
 /// # Errors
-/// The error of a cell. No other is begun after it.
+/// The error of a cell. No further cell is started after it.
 ///
 /// # Panics
-/// If the system gives no threads.
+/// The system cannot start threads.
 pub fn compute(
     params: &MapParams,
     cells: &[usize],
@@ -52,7 +51,7 @@ pub fn compute(
                         if stop.load(Ordering::Relaxed) || over.load(Ordering::Relaxed) {
                             return;
                         }
-                        // The receiver leaves only when the rest is not wanted.
+                        // The receiver only disconnects when the remaining results are not needed.
                         let _ = sender.send(params.run_cell(cell));
                     });
             });

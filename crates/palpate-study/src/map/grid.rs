@@ -1,16 +1,16 @@
-//! The cells of a map: which scene follows from which index.
+//! The cells of a map: the scene of each index.
 
 use super::bounce::{Bounce, BounceDevice, Forces, Plant};
 use palpate_scene::Told;
 use palpate_scene::method::MethodName;
 
-/// Both axes reach from the smaller to the larger of these.
+/// Range of both axes.
 pub(crate) const AXIS: (f64, f64) = (1e-3, 10.0);
 
-/// Everything that makes a map: two maps of the same parameters, and the same version, are equal.
+/// Parameters of a map: two maps with the same parameters and version are equal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapParams {
-    /// Cells along each axis; there is a column of walls besides.
+    /// Number of cells along each axis; a column of walls is added.
     pub cells: usize,
     /// Methods, in the order of [`MethodName::ALL`].
     pub methods: Vec<MethodName>,
@@ -18,35 +18,35 @@ pub struct MapParams {
     pub device: BounceDevice,
     /// Period T `[s]`.
     pub period: f64,
-    /// What drives device and object together.
+    /// Forces that drive device and object together.
     pub forces: Forces,
     /// Distance of device and object at the start `[m]`.
     pub gap: f64,
-    /// Time from a sample to the beginning of its force `[periods]`, of any fraction.
+    /// Time from a sample to the start of its force `[periods]`; may be fractional.
     pub delay: f64,
-    /// Time constant of the force after that, a first-order lag `[periods]`.
+    /// Time constant of the following first-order lag `[periods]`.
     pub lag: f64,
     /// Standard deviation of the delay in the renderer's model `[periods]`.
     pub delay_deviation: f64,
     /// Standard deviation of the lag in the renderer's model `[periods]`.
     pub lag_deviation: f64,
-    /// Period that the renderer is told, over the true one.
+    /// Model period of the renderer over the true period.
     pub told_period: f64,
 }
 
-/// Parameters that make no map.
+/// Reason for rejecting the parameters of a map.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ParamsError {
     /// Too few or too many cells.
     #[error("a map has 2 to 1000 cells along each axis, not {0}")]
     Cells(usize),
-    /// No method.
+    /// There is no method.
     #[error("a map needs a method")]
     NoMethod,
 }
 
-/// A cell: its place on the axes and its scene.
+/// A cell: its position on the axes and its scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
     /// Index, counted from 0.
@@ -60,15 +60,15 @@ pub struct Cell {
 }
 
 impl Default for MapParams {
-    /// Experiment 1 of the paper with a point mass, but for stiffness and object mass.
+    /// Returns experiment 1 of the paper with a point mass, except for stiffness and object mass.
     fn default() -> Self {
         Self {
             cells: 65,
             methods: MethodName::ALL.to_vec(),
             device: BounceDevice {
                 mass: 0.25,
-                // What the joints of the virtual pantograph of `experiments/fig4.toml` come to
-                // along y at its home pose.
+                // Friction of the joints of the virtual pantograph of `experiments/fig4.toml` along y at its home
+                // pose.
                 viscous_friction: 0.0394,
                 coulomb_friction: 0.0,
                 encoder_quantum: 0.0,
@@ -88,10 +88,10 @@ impl Default for MapParams {
 }
 
 impl MapParams {
-    /// Checks what no scene does.
+    /// Checks the parameters that the scenes do not check.
     ///
     /// # Errors
-    /// Too few or too many cells, or no method.
+    /// There are too few or too many cells, or there is no method.
     pub fn check(&self) -> Result<(), ParamsError> {
         if !(2..=1000).contains(&self.cells) {
             return Err(ParamsError::Cells(self.cells));
@@ -102,13 +102,13 @@ impl MapParams {
         Ok(())
     }
 
-    /// Columns of the map: one of walls, then those of the axis.
+    /// Returns the number of columns: one of walls, then those of the axis.
     #[must_use]
     pub fn columns(&self) -> usize {
         self.cells + 1
     }
 
-    /// Number of cells.
+    /// Returns the number of cells.
     #[must_use]
     pub fn len(&self) -> usize {
         self.cells * self.columns()
@@ -120,7 +120,7 @@ impl MapParams {
         self.len() == 0
     }
 
-    /// The cell of an index: rows of equal kappa, the wall first, then by increasing Kc.
+    /// Returns the cell of an index: rows of equal kappa, the wall first, then by increasing Kc.
     #[must_use]
     pub fn cell(&self, index: usize) -> Cell {
         let (row, column) = (index / self.columns(), index % self.columns());
@@ -158,7 +158,7 @@ impl MapParams {
         }
     }
 
-    /// The indices of a shard, counted from 1: neighbours, which cost alike, go to different ones.
+    /// Returns the indices of a shard, counted from 1. Neighbours, which have similar costs, go to different shards.
     #[must_use]
     pub fn shard(&self, shard: usize, of: usize) -> Vec<usize> {
         (shard.saturating_sub(1)..self.len())
@@ -166,7 +166,7 @@ impl MapParams {
             .collect()
     }
 
-    /// Entries of each cell.
+    /// Returns the number of entries of each cell.
     #[must_use]
     pub fn entries(&self) -> usize {
         Plant::ALL.len() * self.methods.len()
@@ -175,7 +175,7 @@ impl MapParams {
     fn on_axis(&self, i: usize) -> f64 {
         let (low, high) = AXIS;
         let share = i as f64 / (self.cells - 1) as f64;
-        // The ends themselves, not their logarithms' exponentials.
+        // The ends are exact, without the rounding of logarithm and exponential.
         if i == 0 {
             low
         } else if i + 1 == self.cells {

@@ -1,24 +1,24 @@
-//! Energy of the bounce, and what its growth says of a loop.
+//! Energy of the bounce, and classification of a loop by its growth.
 
-/// Largest growth per collision of a stable loop, with room for a rebound that is exact on average
-/// but not each time: over 20 collisions the energy grows by less than a quarter.
+/// Largest growth per collision of a stable loop. The tolerance allows for rebounds that are exact only on average:
+/// over 20 collisions the energy grows by less than a quarter.
 pub const STABLE_UP_TO: f64 = 1.01;
 
-/// A loop whose energy exceeds so many times that of its start has diverged.
+/// Ratio of energy to initial energy above which a loop has diverged.
 pub(super) const DIVERGED_ABOVE: f64 = 10.0;
 
-/// What becomes of a bounce.
+/// Class of a bounce.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Class {
     /// Its energy does not grow.
     Stable,
     /// Its energy grows.
     Growing,
-    /// Its energy has exceeded ten times that of its start.
+    /// Its energy has exceeded ten times its initial energy.
     Diverged,
 }
 
-/// The class of a growth per collision; infinite is diverged.
+/// Returns the class of a growth per collision; infinite growth is diverged.
 #[must_use]
 pub fn classify(growth: f64) -> Class {
     if growth <= STABLE_UP_TO {
@@ -30,19 +30,19 @@ pub fn classify(growth: f64) -> Class {
     }
 }
 
-/// The energy of device and object against each other, above their state of rest.
+/// Energy of the relative motion of device and object, above their state of rest.
 ///
-/// With the reduced mass µ, 1/µ = 1/m + 1/M, and the relative acceleration a that all other forces
-/// give at this moment, friction included,
+/// With the reduced mass µ, 1/µ = 1/m + 1/M, and the instantaneous relative acceleration a by all other forces,
+/// friction included,
 ///
 /// ```text
 /// R = µ p′²/2 + K (p − µa/K)²/2           while p > 0
 /// R = µ p′²/2 − µ a p + (µa)²/(2K)        while p ≤ 0
 /// ```
 ///
-/// It is the part of the mechanical energy that a contact can change: the centre of mass falls or
-/// rises as the constant forces will, and its energy depends on who looks. R is constant in an ideal
-/// bounce without friction and 0 where the object rests on the device.
+/// It is the part of the mechanical energy that a contact can change. The energy of the centre of mass is excluded,
+/// because constant forces change it and it depends on the frame of reference. R is constant in an ideal bounce
+/// without friction, and 0 if the object rests on the device.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BounceEnergy {
     pub stiffness: f64,
@@ -57,7 +57,7 @@ pub(super) struct BounceEnergy {
 }
 
 impl BounceEnergy {
-    /// R `[J]` at a penetration `[m]`, its rate and the device's velocity `[m/s]`.
+    /// Returns R `[J]` at a penetration `[m]`, its rate and the device's velocity `[m/s]`.
     #[inline]
     pub fn of(&self, penetration: f64, approach: f64, device_velocity: f64) -> f64 {
         let dry = if device_velocity == 0.0 {
@@ -66,7 +66,7 @@ impl BounceEnergy {
             self.coulomb_friction.copysign(device_velocity)
         };
         let push = self.user_force - self.viscous_friction * device_velocity - dry;
-        // Where nothing presses the two together, they rest anywhere apart.
+        // Without a pressing force every separation is a state of rest.
         let acceleration = (push / self.device_mass - self.object_acceleration).max(0.0);
         let reduced_mass = 1.0 / (1.0 / self.device_mass + self.object_mobility);
         let weight = reduced_mass * acceleration;
@@ -80,7 +80,7 @@ impl BounceEnergy {
     }
 }
 
-/// Watches the energy of a bounce over a window, without a record of it.
+/// Accumulates the energy growth of a bounce over a window without storing samples.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GrowthMeter {
     at_start: f64,
@@ -90,7 +90,7 @@ pub(super) struct GrowthMeter {
 }
 
 impl GrowthMeter {
-    /// A meter for a bounce that starts with this energy `[J]`.
+    /// Creates a meter for a bounce with this initial energy `[J]`.
     pub fn new(at_start: f64) -> Self {
         Self {
             at_start,
@@ -100,19 +100,19 @@ impl GrowthMeter {
         }
     }
 
-    /// The energy `[J]` at a sample, and whether the sample is one of the last cycle, which counts.
+    /// Adds the energy `[J]` at a sample; `counts` marks samples of the last cycle.
     #[inline]
     pub fn sample(&mut self, energy: f64, counts: bool) {
         if counts {
             self.sum += energy;
             self.count += 1.0;
         }
-        // A NaN has diverged, too.
+        // The comparison is false for NaN, which also counts as diverged.
         let bounded = energy <= DIVERGED_ABOVE * self.at_start;
         self.diverged |= !bounded;
     }
 
-    /// Something other than a large energy ended the loop.
+    /// Marks the loop as diverged for a reason other than its energy.
     pub fn give_up(&mut self) {
         self.diverged = true;
     }
@@ -121,7 +121,7 @@ impl GrowthMeter {
         self.diverged
     }
 
-    /// Geometric mean of the growth over so many collisions; infinite if the loop diverged.
+    /// Returns the geometric mean of the growth per collision over `collisions`; infinite if the loop diverged.
     pub fn growth(&self, collisions: usize) -> f64 {
         if self.diverged {
             f64::INFINITY
@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn friction_moves_the_state_of_rest() {
-        // At 2 m/s the friction takes all of the user's force: the object's weight alone presses.
+        // At 2 m/s the friction cancels the user's force: only the object's weight presses.
         let rest = 9.81 / 14.0 / 100.0;
         assert!(ENERGY.of(rest, 0.0, 2.0).abs() < 1e-18);
     }

@@ -1,4 +1,4 @@
-//! A map that is computed into a file: cells into a journal beside it, and from that into the map.
+//! Computation of a map into a file: cells are written to a journal beside the file, and the journal to the map.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -14,83 +14,84 @@ use palpate_record::map::{Format, Map, Row};
 use super::report::Speed;
 use super::{BounceError, Done, MapParams, compute, receipt};
 
-/// What is computed, and into which file.
+/// A map to be computed, and its output file.
 #[derive(Clone, Copy, Debug)]
 pub struct MapJob<'a> {
     /// The map.
     pub params: &'a MapParams,
-    /// Which part of it, counted from 1, of how many.
+    /// Part of the map, counted from 1, and number of parts.
     pub part: (usize, usize),
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
-    /// The file. A journal beside it keeps what is done.
+    /// Output file. A journal beside it stores finished cells.
     pub out: &'a Path,
-    /// Whether it goes on with what an interrupted run has left.
+    /// Whether it continues an interrupted run.
     pub is_resumed: bool,
-    /// Whether a file that is there is replaced.
+    /// Whether it replaces an existing file.
     pub overwrites: bool,
 }
 
-/// Who follows a map that is computed.
+/// Observer of a map computation.
 pub trait MapFollower {
-    /// The file at `journal` cannot be locked, so somebody else may write into it.
+    /// The journal cannot be locked, so another process may write to it.
     fn is_unlocked(&mut self, journal: &Path, why: &io::Error);
-    /// So many cells are to be computed.
+    /// The computation of `cells` cells starts.
     fn begin(&mut self, cells: usize);
-    /// One is.
+    /// One cell is finished.
     fn advance(&mut self);
-    /// No more are.
+    /// The computation ends.
     fn end(&mut self);
 }
 
-/// Why a map could not be computed into its file.
+/// Reason why a map could not be computed into its file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MapJobError {
     /// The journal cannot be used.
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// There is a file already.
+    /// The file already exists.
     #[error(transparent)]
     There(#[from] WriteError),
-    /// A file or a journal that is there is of something else.
+    /// An existing file or journal has other content.
     #[error("{0}")]
     Other(String),
     /// A cell cannot be run.
     #[error(transparent)]
     Cell(#[from] BounceError),
-    /// The journal could not be written to the end.
+    /// The journal could not be completed.
     #[error("{error}\n{keeps}")]
     Unwritten {
-        /// Why.
+        /// Cause of the error.
         error: JournalError,
-        /// What is kept, and how to go on.
+        /// Stored cells, and how to resume.
         keeps: String,
     },
-    /// It was stopped.
+    /// The computation was stopped.
     #[error("stopped: {0}")]
     Stopped(String),
 }
 
-/// A map that is computed, and what its journal keeps.
+/// A computed map, and the stored content of its journal.
 #[derive(Debug)]
 pub struct Computed {
-    /// What was asked for.
+    /// The computed map.
     pub map: Map,
-    /// How fast it came; none of one that was there.
+    /// Computing speed; none for an existing map.
     pub speed: Option<Speed>,
-    /// Keeps others from the map's files. It is removed when the last of them is written.
+    /// Lock of the map's files. The caller removes the journal after the last file is written.
     pub journal: Option<Journal>,
-    /// What is kept, and how to go on, where the file cannot be written.
+    /// Stored cells and how to resume, for a file that cannot be written.
     pub keeps: String,
 }
 
 impl MapJob<'_> {
-    /// Computes the map, or takes the one that is there complete where it is resumed. It ends early once `stop` is set.
-    /// The file itself is for the caller to write.
+    /// Computes the map, or returns the existing complete one on resume. Stops early once `stop` is set. The caller
+    /// writes the file.
     ///
     /// # Errors
-    /// What is there is of another map or cannot be used, a cell cannot be run, or it was stopped.
+    /// An existing file or journal belongs to another map or cannot be used, a cell cannot be run, or the computation
+    /// was stopped.
     pub fn run(
         &self,
         stop: &AtomicBool,
@@ -100,7 +101,7 @@ impl MapJob<'_> {
         let head = receipt::line(&receipt);
         let journal_path = journal_of(self.out);
         let mut done = BTreeMap::new();
-        // Nothing is looked at before nobody else can change it.
+        // Lock first, so that no other process changes the files after they are read.
         let found = Journal::open(&journal_path)?;
         if let Some(why) = &found.unlocked {
             follower.is_unlocked(&journal_path, why);
@@ -118,7 +119,7 @@ impl MapJob<'_> {
             });
         }
         if !self.is_resumed && !self.overwrites {
-            // It may have come since it was looked for.
+            // The file may have been created since the first check.
             check(self.out, Existing::Keep)?;
         }
         match found.head {
@@ -198,10 +199,10 @@ impl MapJob<'_> {
         })
     }
 }
-/// The map that is already at `out`, if it is this one.
+/// Returns the existing map at `out`, if it is this one.
 ///
 /// # Errors
-/// It is something else, and is not to be overwritten.
+/// The file has other content and must not be overwritten.
 fn complete(
     out: &Path,
     receipt: &[(String, String)],
@@ -237,7 +238,7 @@ fn journal_of(out: &Path) -> PathBuf {
     name.into()
 }
 
-/// All rows of a cell on one line of a journal.
+/// Formats all rows of a cell as one line of a journal.
 fn line_of(rows: &[Row]) -> String {
     let lines: Vec<String> = rows.iter().map(Row::to_line).collect();
     lines.join(";")

@@ -1,27 +1,27 @@
-//! How far a method goes on a device: the stiffest contact, the lightest object.
+//! Limits of a method on a device: the stiffest contact and the lightest object.
 
 use super::bounce::{Bounce, BounceError, Plant};
 use super::cell::Entry;
 use super::growth::{Class, classify};
 use palpate_scene::method::{MethodName, Settings};
 
-/// The numbers of difficulty, kappa or Kc, between which a limit is looked for.
+/// Range of kappa or Kc in which a limit is searched.
 pub const SEARCHED: (f64, f64) = (1e-4, 100.0);
 
-/// Steps of the search for each factor of ten.
+/// Search steps per decade.
 const PER_DECADE: f64 = 8.0;
 
-/// Halvings of the step, in which stability ends, on a logarithmic scale: to half a percent.
+/// Halvings of the search step that contains the limit, on a logarithmic scale: to half a percent.
 const HALVINGS: usize = 6;
 
-/// Where stability ends.
+/// Limit of stability.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limit {
-    /// Not even the easiest that was tried is stable.
+    /// Not even the easiest tried contact is stable.
     None,
-    /// All that is easier is stable, and this is the hardest.
+    /// The hardest stable contact; all easier ones are stable.
     At(f64),
-    /// All that was tried is stable, up to this.
+    /// All tried contacts up to this one are stable.
     Beyond(f64),
 }
 
@@ -36,11 +36,11 @@ impl Limit {
 }
 
 impl Bounce {
-    /// The largest stiffness `[N/m]` at which this device and object bounce stably from every start
-    /// height; all softer contacts that were tried do, too.
+    /// Returns the largest stiffness `[N/m]` at which this device and object bounce stably from every start height.
+    /// All softer tried contacts are stable, too.
     ///
     /// # Errors
-    /// A parameter that the bench or the method refuses.
+    /// The bench or the method rejects a parameter.
     pub fn stiffest(&self, method: MethodName, settings: Settings) -> Result<Limit, BounceError> {
         let per_kappa = self.device.mass / (self.period * self.period);
         let limit = hardest(|kappa| {
@@ -53,12 +53,12 @@ impl Bounce {
         Ok(limit.map(|kappa| kappa * per_kappa))
     }
 
-    /// [`Self::stiffest`], and the largest stiffness `[N/m]` at which the mean-force error E is below
-    /// `most_error` `[%]` from every start height, too; all softer contacts that were tried are both. What
-    /// one search has found stable the other does not run again: the soft contacts, which take longest.
+    /// Returns [`Self::stiffest`], and the largest stiffness `[N/m]` at which the mean-force error E is also below
+    /// `most_error` `[%]` from every start height. All softer tried contacts satisfy the same condition. The
+    /// stability search reuses the contacts found stable by the error search, since soft contacts take longest.
     ///
     /// # Errors
-    /// Of each by itself: a parameter that the bench or the method refuses, and a bounce that is too long.
+    /// For each limit separately: the bench or the method rejects a parameter, or a bounce is too long.
     pub(super) fn stiffest_and_faithful(
         &self,
         method: MethodName,
@@ -86,11 +86,11 @@ impl Bounce {
         [stable, faithful].map(|limit| limit.map(|limit| limit.map(|kappa| kappa * per_kappa)))
     }
 
-    /// The smallest object mass `[kg]` that bounces stably from every start height at this
-    /// stiffness; all heavier objects that were tried do, too.
+    /// Returns the smallest object mass `[kg]` that bounces stably from every start height at this stiffness. All
+    /// heavier tried objects are stable, too.
     ///
     /// # Errors
-    /// A parameter that the bench or the method refuses.
+    /// The bench or the method rejects a parameter.
     pub fn lightest(&self, method: MethodName, settings: Settings) -> Result<Limit, BounceError> {
         let heaviest = self.stiffness * self.period * self.period;
         let limit = hardest(|object_kappa| {
@@ -109,7 +109,7 @@ impl Bounce {
     }
 }
 
-/// The hardest that is stable, with all that is easier, on a logarithmic scale.
+/// Returns the hardest stable value below which all are stable, on a logarithmic scale.
 fn hardest(
     mut is_stable: impl FnMut(f64) -> Result<bool, BounceError>,
 ) -> Result<Limit, BounceError> {
@@ -153,7 +153,7 @@ mod tests {
         }
         assert_eq!(hardest(|_| Ok(false)), Ok(Limit::None));
         assert_eq!(hardest(|_| Ok(true)), Ok(Limit::Beyond(100.0)));
-        // An island beyond a gap does not count.
+        // A stable region beyond a gap does not count.
         let Limit::At(found) = hardest(|x| Ok(!(0.01..=1.0).contains(&x))).unwrap() else {
             panic!("no limit");
         };

@@ -1,14 +1,13 @@
-//! What can be rendered: the energy growth, the force error and the rest of every method over
-//! (kappa, Kc) = (K T²/m, K T²/M).
+//! Map of renderable contacts: energy growth, force error and rest of every method over (kappa, Kc) = (K T²/m, K
+//! T²/M).
 //!
-//! A cell of the map is a [`Bounce`]: an object falls onto the device and bounces. It is run from
-//! [`PHASES`] start heights by every method. Then the same object and device begin near their place of
-//! rest, and [`Stay`] says whether the contact stays there. The loop keeps no record, so a tick
-//! allocates nothing and a map of a million runs takes a minute or two; it takes its steps where
-//! [`Bench`](palpate_sim::closed_loop::Bench) takes them.
+//! A cell of the map is a [`Bounce`]: an object falls onto the device and bounces. Every method runs it from
+//! [`PHASES`] start heights. Then the same object and device start near their equilibrium, and [`Stay`] measures
+//! whether the contact comes to rest. The loop stores no samples, so a tick allocates nothing and a map of a million
+//! runs takes a minute or two. Its steps are those of [`Bench`](palpate_sim::closed_loop::Bench).
 //!
-//! A cell's scene follows from its index alone. There are no random numbers, so a map is the same
-//! on any number of threads and in any number of pieces.
+//! A cell's scene follows from its index alone. There are no random numbers, so a map is independent of the number of
+//! threads and of shards.
 
 mod bounce;
 pub mod bounds;
@@ -37,14 +36,14 @@ pub use reach::{MethodReach, Reach};
 pub use stay::{PRESSED_WITH, RESTS_BELOW, Stay};
 pub use trial::Outcome;
 
-/// Start heights of every cell, evenly spaced.
+/// Number of start heights of every cell, evenly spaced.
 pub const PHASES: usize = 16;
 
 /// The outermost start heights, relative to the scene's own gap between device and object.
 pub const PHASE_RANGE: f64 = 0.05;
 
-/// Collisions of the ideal over which the growth of energy is observed.
+/// Number of collisions of the ideal for the energy growth.
 pub const GROWTH_COLLISIONS: usize = 20;
 
-/// Collisions of the ideal over which the error of the force is observed.
+/// Number of collisions of the ideal for the force error.
 pub const ERROR_COLLISIONS: usize = 3;

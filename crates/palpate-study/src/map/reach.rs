@@ -1,4 +1,4 @@
-//! How stiff and how light methods can go on a device: limits of the stiffness over the object's mass.
+//! Limits of methods on a device: the largest stiffness over the object's mass.
 
 use palpate_scene::method::MethodName;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
@@ -6,7 +6,7 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use super::bounce::{Bounce, BounceError, default_settings};
 use super::limits::Limit;
 
-/// Object masses that are looked at, over the device's, and how many for each factor of ten.
+/// Object masses relative to the device's, and their number per decade.
 const MASSES: (f64, f64) = (0.01, 100.0);
 const PER_DECADE: i32 = 2;
 
@@ -25,19 +25,18 @@ pub struct Reach {
 pub struct MethodReach {
     /// The method.
     pub method: MethodName,
-    /// Stiffest contact that bounces stably, for each mass `[N/m]`; none where a bounce is too long to be
-    /// followed.
+    /// Maximum stiffness of a stable bounce, per mass `[N/m]`; `None` if a bounce is too long for a simulation.
     pub stable: Vec<Option<Limit>>,
-    /// Stiffest contact whose error is small enough, too `[N/m]`.
+    /// Maximum stiffness of a stable bounce with a small error, per mass `[N/m]`.
     pub faithful: Vec<Option<Limit>>,
 }
 
 impl Bounce {
-    /// How far `methods` go on this device over the object's mass, with a mean-force error E below
-    /// `most_error` `[%]` or without that. `done` hears of each mass and method.
+    /// Returns the limits of `methods` on this device over the object's mass, for stability alone and for a
+    /// mean-force error E below `most_error` `[%]`. Calls `done` after each mass and method.
     ///
     /// # Errors
-    /// A parameter that the bench or a method refuses.
+    /// The bench or a method rejects a parameter.
     pub fn reach(
         &self,
         methods: &[MethodName],
@@ -82,7 +81,7 @@ impl Bounce {
     }
 }
 
-/// A limit; none where a bounce is too long to be followed.
+/// Returns the limit; `None` if a bounce is too long for a simulation.
 fn known(limit: Result<Limit, BounceError>) -> Result<Option<Limit>, BounceError> {
     match limit {
         Ok(limit) => Ok(Some(limit)),
@@ -132,7 +131,7 @@ mod tests {
         for (near, far) in hfcr.faithful.iter().zip(&coupled.faithful) {
             assert!(height(far) > height(near), "{near:?} {far:?}");
         }
-        // The same search as that of the limits.
+        // The search equals the search of the limits.
         let heavy = Bounce {
             object_mass: reach.masses[8],
             ..bounce

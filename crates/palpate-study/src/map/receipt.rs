@@ -1,16 +1,16 @@
-//! What a map file says of how it was made.
+//! Metadata of a map file.
 
 use super::{
     ERROR_COLLISIONS, Forces, GROWTH_COLLISIONS, MapParams, PHASE_RANGE, PHASES, STABLE_UP_TO, Stay,
 };
 use palpate_record::map::{CELLS, LINES_PER_CELL, Map, SHARD};
 
-/// The receipt of a map lacks a number.
+/// The metadata of a map lacks a number.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the receipt of the map has no number under {0}")]
 pub struct NoNumber(pub String);
 
-/// Everything a map follows from, and which part of it a file is.
+/// Returns the metadata that determine a map, and the part of the map in the file.
 #[must_use]
 pub fn of(params: &MapParams, (number, of): (usize, usize)) -> Vec<(String, String)> {
     let methods: Vec<_> = params.methods.iter().map(|method| method.name()).collect();
@@ -54,7 +54,7 @@ pub fn of(params: &MapParams, (number, of): (usize, usize)) -> Vec<(String, Stri
         ("told_mass_factor", device.told_mass.to_string()),
         ("told_period_factor", params.told_period.to_string()),
     ];
-    // Without a lag the receipt is as it was before there was one.
+    // Without a lag the metadata equal those of versions before the lag was added.
     if params.lag != 0.0 {
         receipt.push(("lag_periods", params.lag.to_string()));
     }
@@ -74,7 +74,7 @@ pub fn of(params: &MapParams, (number, of): (usize, usize)) -> Vec<(String, Stri
         .collect()
 }
 
-/// The receipt on one line.
+/// Formats the metadata as one line.
 #[must_use]
 pub fn line(receipt: &[(String, String)]) -> String {
     let entries: Vec<String> = receipt
@@ -84,12 +84,12 @@ pub fn line(receipt: &[(String, String)]) -> String {
     entries.join(";")
 }
 
-/// A number of a map's receipt.
+/// Returns a number of a map's metadata.
 pub fn number(map: &Map, key: &str) -> Result<f64, NoNumber> {
     parsed(map, key)
 }
 
-/// A whole number of a map's receipt.
+/// Returns an integer of a map's metadata.
 pub fn count(map: &Map, key: &str) -> Result<usize, NoNumber> {
     parsed(map, key)
 }

@@ -1,4 +1,4 @@
-//! What a map says, method by method.
+//! Report on a map, method by method.
 
 use std::fmt;
 use std::path::Path;
@@ -11,14 +11,14 @@ use super::receipt::{self, NoNumber};
 use super::{Class, PRESSED_WITH, Plant, RESTS_BELOW, Stay, classify};
 use crate::text::{E, digits, legend, lines, number, percent, plain_table, wrapped};
 
-/// How fast the work was.
+/// Computing speed.
 #[derive(Clone, Copy, Debug)]
 pub struct Speed {
-    /// Ticks of plant, renderer and metrics.
+    /// Number of ticks of plant, renderer and metrics.
     pub ticks: u64,
     /// Time `[s]`.
     pub seconds: f64,
-    /// Threads that shared the work.
+    /// Number of threads.
     pub threads: usize,
 }
 
@@ -36,40 +36,40 @@ pub struct MapReport {
     /// Name and version of this JSON.
     #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
-    /// Version of palpate that made it.
+    /// Version of palpate that made the map.
     pub palpate_version: String,
-    /// Which part of the map it is, such as `1/1`.
+    /// Part of the map, for example `1/1`.
     pub shard: String,
     /// Cells along each axis.
     pub cells_per_axis: usize,
-    /// Cells that there are.
+    /// Number of computed cells.
     pub cells: usize,
-    /// What every cell has in common.
+    /// Scene parameters common to all cells.
     pub scene: SceneReport,
     /// One entry for each method.
     pub methods: Vec<MethodReport>,
-    /// What it took to compute; none of a map that was there.
+    /// Computing effort; none for an existing map.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub work: Option<Work>,
     /// Files that were written.
     pub files: Vec<String>,
-    /// Files that were there, and were left as they are.
+    /// Existing files that were not changed.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub kept: Vec<String>,
 }
 
-/// What every cell of a map has in common.
+/// Scene parameters common to all cells of a map.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct SceneReport {
-    /// Effective mass of the device `[kg]`, if it is known.
+    /// Effective mass of the device `[kg]`.
     pub device_mass_kg: f64,
     /// Period of the loop `[s]`.
     pub period_s: f64,
     /// Gap from which the object falls `[m]`.
     pub gap_m: f64,
-    /// What drives device and object together, in words.
+    /// Forces that drive device and object together, in words.
     pub forces: String,
     /// Viscous friction `[N s/m]`.
     pub viscous_friction_n_s_per_m: f64,
@@ -77,24 +77,24 @@ pub struct SceneReport {
     pub encoder_quantum_m: f64,
     /// Delay of the loop `[samples]`.
     pub delay_samples: f64,
-    /// Time constant of the actuator `[periods]`; left out where it is 0.
+    /// Time constant of the actuator `[periods]`; omitted if 0.
     #[serde(skip_serializing_if = "is_zero")]
     pub lag_periods: f64,
-    /// Standard deviation of the delay in the renderer's model `[periods]`; left out where it is 0.
+    /// Standard deviation of the delay in the renderer's model `[periods]`; omitted if 0.
     #[serde(skip_serializing_if = "is_zero")]
     pub delay_deviation_periods: f64,
-    /// Standard deviation of the lag in the renderer's model `[periods]`; left out where it is 0.
+    /// Standard deviation of the lag in the renderer's model `[periods]`; omitted if 0.
     #[serde(skip_serializing_if = "is_zero")]
     pub lag_deviation_periods: f64,
-    /// Device mass that the renderer is told, over the true one.
+    /// Model device mass of the renderer over the true mass.
     pub told_mass_factor: f64,
-    /// Period that the renderer is told, over the true one.
+    /// Model period of the renderer over the true period.
     pub told_period_factor: f64,
     /// Number of start heights.
     pub start_heights: f64,
 }
 
-/// What a method can render of the map.
+/// Renderable contacts of a method on the map.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -103,54 +103,54 @@ pub struct MethodReport {
     pub plant: &'static str,
     /// Name of the method.
     pub method: String,
-    /// Share of the cells from whose every start height the loop is stable.
+    /// Share of the cells in which the loop is stable from every start height.
     pub stable_percent: f64,
-    /// Share of the cells whose error is below 20 % from every start height, stable ones only.
+    /// Share of the cells that are stable with an error below 20 % from every start height.
     pub faithful_percent: f64,
-    /// Stiffest wall up to which all walls of the map are stable; none where not even the softest is.
+    /// Largest kappa up to which all walls of the map are stable; none if not even the softest is.
     pub stable_wall_kappa: Option<f64>,
-    /// The same for stable walls with an error below 20 %.
+    /// Largest kappa up to which all walls are stable with an error below 20 %.
     pub faithful_wall_kappa: Option<f64>,
-    /// The same, of objects with Kc nearest to 1.
+    /// Largest kappa up to which all objects with Kc nearest to 1 are stable.
     pub stable_light_object_kappa: Option<f64>,
-    /// Contacts that stay; none where the map is by an older version and says nothing of them.
+    /// Sustained contacts; none if the map is of an older version without them.
     pub stay: Option<StayReport>,
 }
 
-/// Contacts that stay, of a method.
+/// Sustained contacts of a method.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct StayReport {
-    /// Share of the objects, walls left out, that come to rest on the device by their weight.
+    /// Share of the objects, walls excluded, that come to rest on the device under their weight.
     pub rests_percent: f64,
-    /// Share of the cells whose contact is steady when it is pressed.
+    /// Share of the cells with a steady pressed contact.
     pub pressed_percent: f64,
-    /// Share of the cells that are both, and stable, and have an error below 20 %.
+    /// Share of the cells that rest, are steady when pressed, and are stable with an error below 20 %.
     pub stays_faithful_percent: f64,
-    /// Stiffest wall up to which all walls of the map are steady when they are pressed.
+    /// Largest kappa up to which all walls of the map are steady when pressed.
     pub pressed_wall_kappa: Option<f64>,
-    /// Stiffness up to which all objects with Kc nearest to 1 rest.
+    /// Largest kappa up to which all objects with Kc nearest to 1 come to rest.
     pub resting_light_object_kappa: Option<f64>,
 }
 
-/// What it took to compute a map.
+/// Computing effort of a map.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Work {
-    /// Ticks.
+    /// Number of ticks.
     pub ticks: u64,
     /// Time `[s]`.
     pub seconds: f64,
-    /// Threads that shared the work.
+    /// Number of threads.
     pub threads: usize,
     /// Ticks per second and thread.
     pub ticks_per_second_and_thread: f64,
 }
 
 impl MapReport {
-    /// The report on `map`.
+    /// Creates the report on `map`.
     pub fn new(map: &Map, speed: Option<Speed>) -> Result<Self, NoNumber> {
         let value = |key: &str| map.value(key).unwrap_or("unknown").to_owned();
         let number = |key: &str| receipt::number(map, key);
@@ -213,12 +213,12 @@ impl MapReport {
         })
     }
 
-    /// Adds a file that was written.
+    /// Adds a written file.
     pub fn wrote(&mut self, path: &Path) {
         self.files.push(path.display().to_string());
     }
 
-    /// Adds a file that was there and was left as it is.
+    /// Adds an existing file that was not changed.
     pub fn kept(&mut self, path: &Path) {
         self.kept.push(path.display().to_string());
     }
@@ -235,13 +235,13 @@ pub fn is_stable(row: &Row) -> bool {
     classify(row.growth[1]) == Class::Stable
 }
 
-/// Whether it is that, and near to the ideal.
+/// Whether the loop is stable and near to the ideal from every start height.
 #[must_use]
 pub fn is_faithful(row: &Row) -> bool {
     is_stable(row) && row.error[1] < FAITHFUL_PERCENT
 }
 
-/// The contacts of a row that stay; none of an older map.
+/// Returns the sustained contacts of a row; `None` for a map of an older version.
 #[must_use]
 pub fn stay(row: &Row) -> Option<Stay> {
     row.stay.map(|stay| Stay {
@@ -258,7 +258,7 @@ fn is_steady_pressed(row: &Row) -> bool {
     stay(row).is_some_and(|stay| stay.is_steady_pressed())
 }
 
-/// Share of rows `[%]`.
+/// Returns a share of rows `[%]`.
 fn share(rows: &[&Row], holds: fn(&Row) -> bool) -> f64 {
     let count = rows.iter().filter(|row| holds(row)).count();
     100.0 * count as f64 / rows.len().max(1) as f64
@@ -266,7 +266,7 @@ fn share(rows: &[&Row], holds: fn(&Row) -> bool) -> f64 {
 
 impl MethodReport {
     fn new(plant: Plant, method: &str, rows: &[&Row], format: Option<Format>) -> Self {
-        // Rows come by increasing kappa within a column.
+        // Within a column, rows are in ascending order of kappa.
         let up_to = |object_kappa: f64, holds: fn(&Row) -> bool| {
             rows.iter()
                 .filter(|row| row.object_kappa == object_kappa)
@@ -305,7 +305,7 @@ impl MethodReport {
 }
 
 impl MapReport {
-    /// The contacts that stay, method by method.
+    /// Writes the sustained contacts, method by method.
     fn write_stays(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let header = [
             "method",

@@ -1,4 +1,4 @@
-//! Results as the lines of a map.
+//! Conversion of results to the lines of a map.
 
 use palpate_record::map::{Row, StaySwing};
 
@@ -6,7 +6,7 @@ use super::cell::{CellResult, MethodResult, Summary};
 use super::grid::MapParams;
 
 impl CellResult {
-    /// The lines of this cell in the map of `params`: for each plant, one for each method.
+    /// Returns the lines of this cell in the map of `params`, per plant and method.
     #[must_use]
     pub fn rows(&self, params: &MapParams) -> Vec<Row> {
         let cell = params.cell(self.index);

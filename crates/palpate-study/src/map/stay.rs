@@ -1,4 +1,4 @@
-//! Contact that stays: whether an object that lies on a held device, or is pressed, comes to rest.
+//! Sustained contact: whether an object on a held device, or a pressed one, comes to rest.
 
 use palpate::{AnyRenderer, ObjectState};
 use palpate_testbed::measure::Sampler;
@@ -9,10 +9,10 @@ use palpate_scene::method::{MethodName, Settings};
 use palpate_scene::{Grip, Hand, Intention};
 use palpate_sim::ticks::{TickedDevice, TicksParams, Way};
 
-/// Largest standard deviation of the force, over what presses it, of a contact that has come to rest.
+/// Largest standard deviation of the force of a contact at rest, relative to the pressing force.
 pub const RESTS_BELOW: f64 = 0.1;
 
-/// Force with which a contact is pressed `[N]`.
+/// Force that presses a contact `[N]`.
 pub const PRESSED_WITH: f64 = 3.0;
 
 /// Hands that hold the device, light and firm: mass `[kg]`, stiffness `[N/m]`, damping `[N s/m]`.
@@ -21,39 +21,39 @@ const HANDS: [(f64, f64, f64); 2] = [(0.05, 300.0, 3.0), (0.1, 400.0, 20.0)];
 /// Gravity on the object `[m/s²]`.
 const GRAVITY: f64 = 9.81;
 
-/// How far from its place of rest the contact begins, over the spring's deflection there. An ideal
-/// contact keeps, or loses, what this gives it: 7 % of standard deviation.
+/// Initial distance from the equilibrium, relative to the spring's deflection there. An ideal contact keeps or loses
+/// the resulting oscillation: 7 % standard deviation.
 const BEGINS_OFF: f64 = 0.1;
 
-/// How long a contact is followed `[s]`, and with how many samples.
+/// Simulated time of a contact `[s]`, with the minimum and maximum number of samples.
 const FOLLOWED: f64 = 20.0;
 const SAMPLES: (f64, f64) = (2000.0, 20_000.0);
 
-/// The part of the samples, at the end, that is looked at.
+/// Evaluated part of the samples, at the end.
 const LOOKED_AT: f64 = 0.2;
 
-/// A contact whose force exceeds so many times what presses it has diverged.
+/// Ratio of force to pressing force above which a contact has diverged.
 const DIVERGED_ABOVE: f64 = 1000.0;
 
-/// A contact whose mean force is below this share of what presses it is lost. In flight there is no
-/// force, and so none that swings.
+/// Ratio of mean force to pressing force below which a contact is lost. A flying object has no force, hence no
+/// oscillation of it.
 const LOST_BELOW: f64 = 0.5;
 
 /// A hand that holds the device: mass `[kg]`, stiffness `[N/m]`, damping `[N s/m]`.
 type HandOnDevice = (f64, f64, f64);
 
-/// How a contact stays: the standard deviation of its force over what presses it, from the worse hand.
-/// Infinite where the contact is lost, or the force exceeds a thousand times what presses it.
+/// Steadiness of a contact: standard deviation of its force relative to the pressing force, in the worse hand.
+/// Infinite if the contact is lost, or if the force exceeds a thousand times the pressing force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stay {
-    /// Of an object that lies on the device by its weight; none for a wall.
+    /// Value of an object that rests on the device under its weight; none for a wall.
     pub resting: Option<f64>,
-    /// Of an object or a wall that is pressed.
+    /// Value of a pressed object or wall.
     pub pressed: f64,
 }
 
 impl Stay {
-    /// Whether the object rests, or is a wall.
+    /// Whether the object comes to rest, or is a wall.
     #[must_use]
     pub fn rests(&self) -> bool {
         self.resting.is_none_or(|swing| swing < RESTS_BELOW)
@@ -65,7 +65,7 @@ impl Stay {
         self.pressed < RESTS_BELOW
     }
 
-    /// All that a judgement follows from besides the scene, as keys and texts of a receipt.
+    /// Returns the parameters of the evaluation besides the scene, as keys and texts of metadata.
     #[must_use]
     pub fn criterion() -> Vec<(&'static str, String)> {
         let hands = HANDS
@@ -87,11 +87,11 @@ impl Stay {
 }
 
 impl Bounce {
-    /// How the contact stays where it begins near its place of rest, in a light hand and in a firm one;
-    /// and the ticks that were run.
+    /// Simulates the contact near its equilibrium in a light and in a firm hand. Returns its steadiness and the
+    /// number of ticks.
     ///
     /// # Errors
-    /// A parameter that the bench or the method refuses.
+    /// The bench or the method rejects a parameter.
     pub fn stay(&self, method: MethodName, settings: Settings) -> Result<(Stay, u64), BounceError> {
         let renderer = self.renderer(method, settings)?;
         let mut ticks = 0;
@@ -109,7 +109,8 @@ impl Bounce {
         Ok((Stay { resting, pressed }, ticks))
     }
 
-    /// Standard deviation of the force over `force` `[N]`, which presses device and object together.
+    /// Returns the standard deviation of the force relative to `force` `[N]`, which presses device and object
+    /// together.
     fn swing(
         &self,
         renderer: &AnyRenderer<f64>,
@@ -120,7 +121,7 @@ impl Bounce {
         let device = &self.device;
         if device.coulomb_friction == 0.0 {
             let (mass, stiffness, damping) = hand;
-            // A tenth of the time of the general one.
+            // It takes a tenth of the time of the general device.
             let sprung = SprungMass::new(
                 device.mass + mass,
                 stiffness,
@@ -132,7 +133,7 @@ impl Bounce {
         self.swing_of(self.general(force, hand)?, renderer, force, ticks)
     }
 
-    /// The device in a hand, with dry friction.
+    /// Returns the device in a hand, with dry friction.
     fn general(
         &self,
         force: f64,
@@ -153,7 +154,7 @@ impl Bounce {
         Ok(TickedDevice::of(&scene)?)
     }
 
-    /// The same, on a device in its hand.
+    /// Returns the standard deviation on a device in its hand.
     fn swing_of(
         &self,
         device: TickedDevice,
@@ -199,13 +200,13 @@ impl Bounce {
     }
 }
 
-/// Watches the force of a contact, without a record of it.
+/// Accumulates the force statistics of a contact without storing samples.
 #[derive(Clone, Copy, Debug)]
 struct SwingMeter {
-    /// What presses the contact `[N]`.
+    /// Force that presses the contact `[N]`.
     force: f64,
-    /// The first force that counts `[N]`. Deviations are from it: a force that does not change has
-    /// none, whatever its round-off.
+    /// The first evaluated force `[N]`. Deviations are relative to it, so a constant force has deviation 0 without
+    /// round-off.
     first: f64,
     sum: f64,
     square: f64,
@@ -225,10 +226,10 @@ impl SwingMeter {
         }
     }
 
-    /// The force `[N]` that is held from a sample on, and whether the sample is one that counts.
+    /// Adds the force `[N]` held from a sample on; `counts` marks evaluated samples.
     #[inline]
     fn hold(&mut self, held: f64, counts: bool) {
-        // A NaN has diverged, too.
+        // The comparison is false for NaN, which also counts as diverged.
         let bounded = held.abs() <= DIVERGED_ABOVE * self.force;
         self.diverged |= !bounded;
         if counts {
@@ -242,7 +243,7 @@ impl SwingMeter {
         }
     }
 
-    /// Something other than a large force ended the loop.
+    /// Marks the loop as diverged for a reason other than its force.
     fn give_up(&mut self) {
         self.diverged = true;
     }
@@ -251,10 +252,10 @@ impl SwingMeter {
         self.diverged
     }
 
-    /// Standard deviation over what presses the contact.
+    /// Returns the standard deviation relative to the pressing force.
     fn swing(&self) -> f64 {
         let off = self.sum / self.count;
-        // False also where no sample counts.
+        // Without evaluated samples this is also false.
         let stays = self.first + off >= LOST_BELOW * self.force;
         if self.diverged || !stays {
             return f64::INFINITY;
@@ -270,7 +271,7 @@ mod tests {
 
     fn swing_of(forces: impl IntoIterator<Item = f64>) -> f64 {
         let mut meter = SwingMeter::new(2.0);
-        // What comes before the part that is looked at must be bounded, and counts for nothing else.
+        // Forces before the evaluated part must be bounded and have no other effect.
         meter.hold(-1999.0, false);
         for force in forces {
             meter.hold(force, true);
@@ -282,7 +283,7 @@ mod tests {
     fn a_swing_is_the_standard_deviation_over_what_presses() {
         assert_eq!(swing_of([2.0, 2.0, 2.0]), 0.0);
         assert!((swing_of([1.0, 3.0, 1.0, 3.0]) - 0.5).abs() < 1e-15);
-        // A spring of the hand that takes a part of the force does not swing.
+        // A constant force taken by the hand's spring does not oscillate.
         assert_eq!(swing_of([2.2, 2.2]), 0.0);
         let turn = |i: i32| 2.0 + 0.02 * (f64::from(i) * std::f64::consts::TAU / 100.0).sin();
         let swing = swing_of((0..500).map(turn));
@@ -318,7 +319,7 @@ mod tests {
             cells: 5,
             ..MapParams::default()
         };
-        // kappa = Kc = 0.1; a wall of kappa 0.1; kappa = 1 on an object as heavy.
+        // kappa = Kc = 0.1; a wall of kappa 0.1; kappa = 1 on an object of the device's mass.
         for index in [15, 12, 22] {
             let bounce = params.cell(index).bounce;
             for method in [MethodName::HfcrModSt, MethodName::VirtualDamper] {

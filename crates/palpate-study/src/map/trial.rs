@@ -1,4 +1,4 @@
-//! One bounce by one method, judged while it runs: nothing is recorded, nothing allocated per tick.
+//! One bounce by one method, evaluated while it runs: no recording, no allocation per tick.
 
 use palpate::{AnyRenderer, ObjectState};
 use palpate_testbed::device::PointMass;
@@ -18,36 +18,36 @@ use palpate_sim::run::MOST_PERIODS;
 use palpate_sim::sampled_loop::device_of;
 use palpate_sim::ticks::{TickedDevice, TicksParams, Way};
 
-/// What a bounce came to.
+/// Results of a bounce.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
     /// Growth of the bounce's energy per collision; infinite if the loop diverged.
     pub growth: f64,
     /// Errors of the force over the first collisions.
     pub fidelity: Fidelity,
-    /// Ticks that were run.
+    /// Number of simulated ticks.
     pub ticks: u64,
 }
 
-/// The start height of a phase, relative to the gap: evenly spaced from −5 % to +5 %.
+/// Returns the start height of a phase, relative to the gap: evenly spaced from −5 % to +5 %.
 pub(super) fn height(phase: usize) -> f64 {
     PHASE_RANGE * (2.0 * phase as f64 / (PHASES - 1) as f64 - 1.0)
 }
 
-/// What a course is for.
+/// Purpose of a course.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Judged {
     /// Growth and force.
     Force,
-    /// Growth alone: the errors mean nothing, and no ideal with friction is computed for them.
+    /// Only growth: the errors are invalid, and no ideal with friction is computed.
     Growth,
 }
 
-/// Step of an integrated ideal `[s]`, and fewest steps in a period: E to a tenth of a percent.
+/// Step of an integrated ideal `[s]`, and minimum number of steps per period: E to a tenth of a percent.
 const INTEGRATED_STEP: f64 = 2e-5;
 const FEWEST_STEPS: f64 = 5.0;
 
-/// The ideal force with Coulomb friction, which has no closed form.
+/// Returns the ideal force with Coulomb friction, which has no closed form.
 fn integrated(
     bounce: &Bounce,
     object_position: f64,
@@ -76,22 +76,21 @@ fn integrated(
     Ok(ideal.profile)
 }
 
-/// What all methods share in one phase of a bounce: its ideal and its windows.
+/// Data common to all methods in one phase of a bounce: its ideal and its windows.
 pub(super) struct Course {
     energy: BounceEnergy,
     object: ObjectState<f64>,
     /// The ideal force over the window of the error.
     profile: ForceProfile,
-    /// The samples of the last cycle: those after the last collision that counts, up to the end of
-    /// the next.
+    /// Samples of the last cycle: after the last counted collision, up to the end of the next one.
     last_cycle: std::ops::RangeInclusive<usize>,
     way: Way,
     sampler: Sampler,
 }
 
 impl Course {
-    /// The windows are those of the bounce without friction, so that plants can be compared, and a
-    /// bounce that friction brings to rest has windows, too.
+    /// Creates a course with the windows of the frictionless bounce. Plants are thus comparable, and a bounce that
+    /// friction brings to rest also has windows.
     pub fn new(bounce: &Bounce, phase: usize, judged: Judged) -> Result<Self, BounceError> {
         let height = height(phase);
         let position = (1.0 + height) * bounce.gap;
@@ -182,7 +181,7 @@ impl Course {
         bounce: &Bounce,
         renderer: &AnyRenderer<f64>,
     ) -> Result<Outcome, BounceError> {
-        // The renderer counts on the period that it has been told, be it wrong.
+        // The renderer uses its model period, even if that is wrong.
         let params = TicksParams {
             renderer,
             object: self.object,
@@ -228,7 +227,7 @@ mod tests {
     use crate::map::{Forces, MapParams, Plant};
     use palpate_testbed::profile::Snapshot;
 
-    /// Growth of a motion that is known at every sample.
+    /// Returns the growth of a motion that is known at every sample.
     fn growth_of(course: &Course, at: impl Fn(usize) -> Snapshot) -> f64 {
         let energy = |state: &Snapshot| {
             course.energy.of(
@@ -291,7 +290,7 @@ mod tests {
             ..MapParams::default()
         };
         for (friction, most) in [(0.0394, 0.98), (0.5, 0.8), (20.0, 0.4)] {
-            // A wall: the friction of a device takes nothing from an object much lighter than it.
+            // A wall: the friction of a device takes no energy from an object that is much lighter than the device.
             let mut bounce = params.cell(2 * params.columns()).bounce;
             bounce.device.viscous_friction = friction;
             let course = Course::new(&bounce, 3, Judged::Force).unwrap();

@@ -1,4 +1,4 @@
-//! What is in a recording, and what is not.
+//! Content and shortcomings of recordings.
 
 mod curves;
 mod put_scene;
@@ -20,10 +20,10 @@ use palpate_record::recording::{Gap, LoopTime, Recording, WHOLE};
 
 use crate::text::{counted, digits};
 
-/// Gaps that are told one by one.
+/// Maximum number of gaps listed individually.
 const MOST_GAPS: usize = 5;
 
-/// What is not as it should be with a recording, in sentences.
+/// Returns the shortcomings of a recording as sentences.
 #[must_use]
 pub fn shortcomings(recording: &Recording) -> Vec<String> {
     let mut words = Vec::new();
@@ -66,7 +66,7 @@ pub fn shortcomings(recording: &Recording) -> Vec<String> {
     words
 }
 
-/// File, state, ticks, losses and size, in a line.
+/// Returns file, state, ticks, losses and size as one line.
 #[must_use]
 pub fn in_a_line(recording: &Recording) -> String {
     let state = if recording.is_complete() {
@@ -94,8 +94,8 @@ pub fn in_a_line(recording: &Recording) -> String {
     )
 }
 
-/// That safety had the motors off for some of the time, and at the end of some of all ticks. Where the
-/// time is not known, the ticks stand for it.
+/// Describes for how long, and at the end of how many ticks, the safety layer had the motors off. Without a known
+/// time the text gives only the ticks.
 #[must_use]
 pub fn motors_off(time: Option<LoopTime>, ticks: u64, of: u64) -> String {
     let of_ticks = format!("{ticks} of {}", counted(of, "tick"));
@@ -117,7 +117,7 @@ pub fn motors_off(time: Option<LoopTime>, ticks: u64, of: u64) -> String {
     }
 }
 
-/// That the renderer has refused samples, in words.
+/// Describes how many samples the renderer rejected.
 #[must_use]
 pub fn refused(ticks: u64, of: u64) -> String {
     format!(

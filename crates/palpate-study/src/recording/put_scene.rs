@@ -1,4 +1,4 @@
-//! The scene into the receipt of a recording.
+//! Adds the scene to the metadata of a recording.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,17 +7,17 @@ use palpate_files::bounded::SCENE;
 use palpate_record::recording::Receipt;
 use palpate_scene::{Scene, SceneErrors, SceneFile, beside};
 
-/// Why a receipt cannot hold a scene.
+/// Reason why metadata cannot contain a scene.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PutSceneError {
-    /// Its file cannot be read.
+    /// The scene file cannot be read.
     #[error("{0}")]
     Unreadable(String),
-    /// Its file is no scene any more.
+    /// The scene file is no longer valid.
     #[error(transparent)]
     Invalid(#[from] SceneErrors),
-    /// It names other files, and is not as its own file has it.
+    /// The scene names other files and differs from its file.
     #[error(
         "{name}: {why}, so a recording can hold this scene only as its file has it; put \
          what the flags change into the file"
@@ -25,15 +25,15 @@ pub enum PutSceneError {
     Changed {
         /// The file.
         name: String,
-        /// Why it cannot be written.
+        /// Reason why it cannot be written.
         why: String,
     },
 }
 
-/// Text of the receipt that holds what the renderer was told of the device.
+/// Metadata entry with the renderer's model values of the device.
 const TOLD: &str = "told";
 
-/// What the renderer of `scene` is told of the device, a line of `key = value` each.
+/// Returns the model values of the device in the renderer of `scene`, one line `key = value` each.
 fn told(scene: &Scene) -> String {
     let told = scene.told_actuation();
     let mass = scene.told_device_mass.unwrap_or(scene.device.mass());
@@ -59,7 +59,7 @@ fn told(scene: &Scene) -> String {
     .collect()
 }
 
-/// The receipt with the scene as it is run, and with the files it names. `file` is the scene file at
+/// Returns the metadata with the scene as it is run, and with the files that it names. `file` is the scene file at
 /// `path`, which `scene` comes from.
 ///
 /// # Errors
@@ -70,7 +70,7 @@ pub fn put_scene(receipt: Receipt, scene: &Scene, path: &Path) -> Result<Receipt
         Ok(text) => return Ok(receipt.with("scene", &text)),
         Err(unwritable) => unwritable,
     };
-    // What names other files goes in as it stands, with these.
+    // A scene that names other files is stored as its file text, together with these files.
     let name = path.display().to_string();
     let text = SCENE
         .text(path)

@@ -1,4 +1,4 @@
-//! A recording under another force: its motion as it was, or its hand, its loop closed again.
+//! Replay of a recording under another force, with its recorded motion or with its recorded hand in closed loop.
 
 use palpate_record::recording::Recording;
 use palpate_record::trace::Part;
@@ -12,28 +12,28 @@ use super::{RecordedCurves, Ticks, TicksError};
 use crate::hand_replay::{HandRecording, HandReplayError, HandReplayStep, ReplayRuns, close_loop};
 use crate::report::{FromRecording, Replayed, Report, Subject, receipt, told_lines};
 
-/// What is replayed of a recording.
+/// Replayed part of a recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ReplayOf {
-    /// The motion: the device goes where it went, whatever the force.
+    /// The motion: the device follows its recorded path at any force.
     Motion,
     /// The hand: its force is estimated, and the device moves under the new force.
     Hand(StatedHand),
 }
 
-/// What is stated of a hand.
+/// Stated parameters of a hand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StatedHand {
-    /// Bandwidth of its force `[Hz]`; none: the one under which the recording is most likely.
+    /// Bandwidth of its force `[Hz]`; `None` selects the most likely one for the recording.
     pub bandwidth: Option<f64>,
-    /// Stiffness with which it holds on to its recorded motion `[N/m]`; none: the usual one is assumed.
+    /// Stiffness of its grip on the recorded motion `[N/m]`; `None` selects the usual one.
     pub stiffness: Option<f64>,
-    /// Damping with which it does `[N s/m]`; none: the usual one is assumed.
+    /// Damping of its grip on the recorded motion `[N s/m]`; `None` selects the usual one.
     pub damping: Option<f64>,
 }
 
 impl StatedHand {
-    /// The hand on a device of so much mass `[kg]`, whose sensor has this quantum `[m]`.
+    /// Returns the model of the hand on a device of `device_mass` `[kg]`, with the sensor's quantum `[m]`.
     #[must_use]
     pub fn model(&self, device_mass: f64, encoder_quantum: f64) -> HandModel {
         HandModel {
@@ -52,29 +52,29 @@ impl StatedHand {
     }
 }
 
-/// A recording of one contact, and what is to be done with it.
+/// A recording of one contact, and the parameters of its replay.
 #[derive(Clone, Copy, Debug)]
 pub struct RecordingReplay<'a> {
     /// The recording.
     pub recording: &'a Recording,
     /// The scene that it was made with.
     pub recorded: &'a Scene,
-    /// The scene that is rendered now: that scene, with what is to be different.
+    /// The rendered scene: the recorded scene with its changes.
     pub scene: &'a Scene,
-    /// Whether the object begins where the scene says; else where it was at the first tick that is replayed.
+    /// Whether the object starts as in the scene; otherwise at its position in the first replayed tick.
     pub object_as_in_scene: bool,
-    /// Which part of the recording.
+    /// Replayed part of the recording.
     pub part: Part,
     /// Motion or hand.
     pub of: ReplayOf,
 }
 
-/// What a replay of a recording gives.
+/// Results of a replay of a recording.
 #[derive(Debug)]
 pub struct ReplayedRecording {
     /// The report.
     pub report: Report,
-    /// What made the runs, for the receipt of a run file.
+    /// Metadata of a run file.
     pub receipt: Vec<(String, String)>,
     /// A line that names the replay.
     pub title: String,
@@ -82,30 +82,31 @@ pub struct ReplayedRecording {
     pub reference: Reference,
     /// One run for each method.
     pub runs: Vec<Run>,
-    /// What was replayed, and how well it is known.
+    /// The replayed motion or hand, and its accuracy.
     pub replayed: Replayed,
-    /// What was recorded.
+    /// Recorded curves.
     pub curves: RecordedCurves,
-    /// How far the device leaves the recorded motion, where that is farther than an arm reaches `[m]`.
+    /// Methods under which the device leaves the recorded motion farther than an arm reaches, with the distances
+    /// `[m]`.
     pub beyond_reach: Vec<(MethodName, f64)>,
 }
 
-/// Why a recording was not replayed.
+/// Reason why a recording was not replayed.
 #[derive(Debug)]
 pub enum RecordingReplayError {
-    /// Its ticks cannot be.
+    /// The ticks cannot be replayed.
     Ticks(TicksError),
-    /// Its motion cannot be, or not by this method.
+    /// The motion cannot be replayed, or not by this method.
     Motion(MethodName, ReplayError),
-    /// Its hand cannot be.
+    /// The hand cannot be replayed.
     Hand(HandReplayError),
 }
 
 impl RecordingReplay<'_> {
-    /// Replays it by each of `methods`; `begins` hears what is begun.
+    /// Replays the recording by each of `methods`. Calls `begins` at the start of each step.
     ///
     /// # Errors
-    /// What cannot be read or replayed; a method that cannot be set up.
+    /// The recording cannot be read or replayed, or a method cannot be set up.
     pub fn by(
         &self,
         methods: &[MethodName],
@@ -151,7 +152,7 @@ impl RecordingReplay<'_> {
         Ok(self.judged(name, setup, ticks, (replayed, beyond_reach)))
     }
 
-    /// The report on what was replayed.
+    /// Creates the report on the replay.
     fn judged(
         &self,
         name: String,
@@ -164,7 +165,7 @@ impl RecordingReplay<'_> {
             mut runs,
             replayed,
         } = replayed;
-        // A recording has the object's place; its scene says where the centre is.
+        // A recording contains the object's position; the scene contains the offset of the centre.
         let centre = self.scene.centre_offset();
         runs.iter_mut().for_each(|run| run.centre_offset = centre);
         let object = ticks.curves.object_position.iter_mut();
@@ -214,7 +215,7 @@ impl RecordingReplay<'_> {
     }
 }
 
-/// The motion as it was, rendered by each of `methods` at the instants at which it was sampled.
+/// Renders the recorded motion by each of `methods` at the recorded sampling instants.
 fn motion(
     ticks: &Ticks,
     setup: ReplaySetup,

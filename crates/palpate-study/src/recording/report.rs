@@ -1,4 +1,4 @@
-//! What there is to say of a recording, as text or as JSON.
+//! Report on a recording, as text or as JSON.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -14,49 +14,49 @@ use crate::text::{counted, digits};
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate info 1";
 
-/// What there is to say of a recording.
+/// Report on a recording.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct RecordingReport {
     /// Name and version of this JSON.
     #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
-    /// Its file.
+    /// File of the recording.
     pub recording: String,
-    /// Version of palpate that made it.
+    /// Version of palpate that made the recording.
     pub palpate_version: String,
-    /// Whether it is whole and holds as many ticks as the loop counted.
+    /// Whether the recording is intact and contains as many ticks as the loop counted.
     pub complete: bool,
-    /// Whether it was finished, is as it was written, and nothing is known to be missing.
+    /// Whether the recording was finished, is unchanged, and has no known losses.
     pub whole: bool,
-    /// Whether it was finished.
+    /// Whether the recording was finished.
     pub finished: bool,
     /// Size of the file `[bytes]`.
     pub bytes: u64,
-    /// What is not as it should be, in words.
+    /// Shortcomings in words.
     pub shortcomings: Vec<String>,
-    /// Ticks that it has.
+    /// Number of recorded ticks.
     pub ticks: u64,
-    /// As the loop itself counted.
+    /// Number of ticks counted by the loop.
     pub ticks_made: Option<u64>,
-    /// Ticks that it has not.
+    /// Number of ticks missing in the recording.
     pub ticks_lost: u64,
-    /// Events that it has not.
+    /// Number of events missing in the recording.
     pub events_lost: u64,
-    /// Ticks and events of a chunk that is cut off, which no checksum covers.
+    /// Ticks and events of a truncated chunk, which no checksum covers.
     pub unchecked: u64,
-    /// Where ticks are missing.
+    /// Positions of missing ticks.
     pub gaps: Vec<GapReport>,
-    /// How long the loop ran; `None` where nobody said, as in recordings of older versions.
+    /// Duration of the loop; `None` if unknown, as in recordings of older versions.
     pub lasted_s: Option<f64>,
-    /// For how much of that no force was delivered, stalls included.
+    /// Part of that duration without a delivered force, stalls included.
     pub motors_off_s: Option<f64>,
-    /// The same, for a terminal.
+    /// The times for a terminal.
     #[serde(skip)]
     time: Option<LoopTime>,
-    /// Ticks with the motors off, lost ones among them; of an older recording those that are there.
+    /// Ticks with the motors off, lost ones included; in older recordings only the recorded ticks.
     pub motors_off_ticks: u64,
-    /// Why the loop ended.
+    /// Reason for the end of the loop.
     pub ending: Option<String>,
     /// Time of the first tick `[s]`.
     pub first_s: Option<f64>,
@@ -64,59 +64,59 @@ pub struct RecordingReport {
     pub last_s: Option<f64>,
     /// From the first tick to the last `[s]`.
     pub duration_s: Option<f64>,
-    /// Ticks per second of the loop, those that were lost among them.
+    /// Ticks per second of the loop, lost ticks included.
     pub rate_hz: Option<f64>,
-    /// Deadlines that the loop missed and skipped, as far as the events that are there say.
+    /// Number of deadlines that the loop missed and skipped, from the recorded events.
     pub missed_deadlines: u64,
-    /// The most energy that held forces had created up to any tick, while the motors were on `[J]`.
+    /// Maximum generated energy of held forces up to any tick, while the motors were on `[J]`.
     pub most_created_energy_j: Option<f64>,
-    /// How late the latest sample was `[s]`.
+    /// Largest lateness of a sample `[s]`.
     pub largest_lateness_s: Option<f64>,
     /// Longest time between two samples `[s]`.
     pub longest_period_s: Option<f64>,
     /// Longest tick `[s]`.
     pub longest_tick_s: Option<f64>,
-    /// Each device of a loop that has several; empty where it has one.
+    /// Devices of a loop with several devices; empty for one device.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub devices: Vec<DeviceReport>,
-    /// Longest answer of the device, of several devices together `[s]`.
+    /// Longest response time of the device, or of several devices together `[s]`.
     pub longest_round_trip_s: Option<f64>,
-    /// What the renderer was told of the device at the start, by key with its unit: mass, delay, lag and gain,
-    /// and the standard deviations of the last three. Empty where nobody said, as in recordings of older versions.
+    /// The renderer's initial model values of the device, by key with unit: mass, delay, lag and gain, and the
+    /// standard deviations of delay, lag and gain. Empty if unknown, as in recordings of older versions.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub told: BTreeMap<String, f64>,
-    /// Changes of parameters.
+    /// Number of parameter changes.
     pub parameter_changes: u32,
-    /// Ticks with each flag.
+    /// Number of ticks per flag.
     pub flags: BTreeMap<&'static str, u64>,
-    /// Events of each kind.
+    /// Number of events per kind.
     pub events: BTreeMap<String, u64>,
-    /// Length of each text of the receipt.
+    /// Length of each metadata text.
     pub receipt_bytes: BTreeMap<String, usize>,
 }
 
-/// Ticks that are missing in one place.
+/// Ticks that are missing between two recorded ticks.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct GapReport {
-    /// The last tick before; none before the first.
+    /// The last tick before the gap; none before the first tick.
     pub after_tick: Option<u64>,
-    /// How many are missing.
+    /// Number of missing ticks.
     pub ticks: u64,
 }
 
-/// A device of a loop that has several.
+/// A device of a loop with several devices.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct DeviceReport {
-    /// Its name in the world.
+    /// Name in the world.
     pub name: String,
-    /// In how many ticks what was said of it.
+    /// Number of ticks per flag of the device.
     pub flags: BTreeMap<&'static str, u64>,
 }
 
-/// In how many ticks what was said of each device.
+/// Number of ticks per flag of each device.
 #[derive(Default)]
 struct DeviceFlags(Vec<BTreeMap<&'static str, u64>>);
 
@@ -148,10 +148,10 @@ impl DeviceFlags {
 }
 
 impl RecordingReport {
-    /// The report on `recording`, all of which is read.
+    /// Creates the report on `recording` and reads it completely.
     ///
     /// # Errors
-    /// What cannot be read.
+    /// The recording cannot be read.
     pub fn new(recording: &Recording) -> Result<Self, RecordingError> {
         let mut flags = BTreeMap::new();
         let mut events = BTreeMap::new();
@@ -241,14 +241,14 @@ impl RecordingReport {
     }
 }
 
-/// How many deadlines an event says that the loop has missed: the number at the end of its text.
+/// Returns the number of missed deadlines of an event: the number at the end of its text.
 fn missed(event: &Event) -> u64 {
     let words = event.text.rsplit(' ').next();
     let number = words.filter(|_| event.kind == Flags::MISSED_DEADLINE.names());
     number.and_then(|number| number.parse().ok()).unwrap_or(0)
 }
 
-/// What the receipt says that the renderer was told, a number for each key.
+/// Returns the renderer's model values in the metadata, one number per key.
 pub(crate) fn told(recording: &Recording) -> BTreeMap<String, f64> {
     let text = recording.receipt.texts.get("told");
     let lines = text.map_or("", String::as_str).lines();
@@ -260,7 +260,7 @@ pub(crate) fn told(recording: &Recording) -> BTreeMap<String, f64> {
         .collect()
 }
 
-/// The largest of all; what is no number does not count.
+/// Updates the maximum; NaN is ignored.
 fn raise(largest: &mut Option<f64>, value: f64) {
     if !value.is_nan() {
         *largest = Some(largest.map_or(value, |largest| largest.max(value)));
@@ -268,7 +268,7 @@ fn raise(largest: &mut Option<f64>, value: f64) {
 }
 
 impl RecordingReport {
-    /// What the renderer was told, in a line; none where nobody said.
+    /// Returns the renderer's model values as one line; `None` if unknown.
     fn told_in_words(&self) -> Option<String> {
         let of = |key: &str| self.told.get(key).copied();
         let known = [

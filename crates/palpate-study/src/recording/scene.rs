@@ -5,25 +5,25 @@ use std::io;
 use palpate_record::recording::Recording;
 use palpate_scene::{SceneErrors, SceneFile};
 
-/// Text of the receipt that holds the scene.
+/// Metadata entry that contains the scene.
 const SCENE: &str = "scene";
 
-/// Why a recording has no scene.
+/// Reason why a recording has no scene.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum NoScene {
-    /// Its receipt does not have one.
+    /// The metadata contain no scene.
     #[error("{0}: its receipt has no text called {SCENE}, so nothing says what the contact was")]
     Missing(String),
-    /// The one that it has is no scene.
+    /// The scene in the metadata is invalid.
     #[error(transparent)]
     Invalid(#[from] SceneErrors),
 }
 
-/// The scene that `recording` was made with, and what it names.
+/// Returns the scene of `recording` and the files that it names.
 ///
 /// # Errors
-/// The recording does not have it, or it is none.
+/// The recording contains no scene, or an invalid one.
 pub fn scene_of(recording: &Recording) -> Result<SceneFile, NoScene> {
     let name = recording.path().display().to_string();
     let receipt = &recording.receipt;

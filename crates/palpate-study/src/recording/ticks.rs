@@ -1,4 +1,4 @@
-//! What a replay takes from the ticks of a recording.
+//! Ticks of a recording for a replay.
 
 use palpate_record::recording::{Flags, Recording, RecordingError, Row};
 use palpate_record::trace::Part;
@@ -7,27 +7,27 @@ use palpate_sim::replay::ReplaySetup;
 use super::RecordedCurves;
 use crate::text::counted;
 
-/// Why a recording cannot be replayed.
+/// Reason why a recording cannot be replayed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TicksError {
-    /// It is not one of one contact.
+    /// The recording is not of one contact.
     #[error("{0}: not every tick has one contact; a replay needs a recording of one contact")]
     Contacts(String),
-    /// It cannot be read.
+    /// The recording cannot be read.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// The part of it that was asked for is too short.
+    /// The requested part of the recording is too short.
     #[error("{name}: the part that --from and --to name has {ticks}, but needs at least 2{ends}")]
     Part {
         /// The recording.
         name: String,
-        /// What the part has, in words.
+        /// Number of ticks of the part, in words.
         ticks: String,
-        /// Where the recording begins and ends, in words.
+        /// Start and end of the recording, in words.
         ends: String,
     },
-    /// The device was not seen for too long.
+    /// The device position was unknown for too long.
     #[error(
         "{name}: no position between tick {} at {} s and tick {} at {} s; a hand is \
          estimated across {longest} s at most: state a longer --largest-gap, or \
@@ -37,14 +37,14 @@ pub enum TicksError {
     Gap {
         /// The recording.
         name: String,
-        /// Number and time `[s]` of the last tick before it.
+        /// Number and time `[s]` of the last tick before the gap.
         from: (u64, f64),
-        /// Number and time `[s]` of the first tick after it.
+        /// Number and time `[s]` of the first tick after the gap.
         to: (u64, f64),
-        /// Longest that is bridged `[s]`.
+        /// Longest bridged gap `[s]`.
         longest: f64,
     },
-    /// No force is known.
+    /// The recording contains no force.
     #[error(
         "{0}: no tick says which force was sent, so what the hand did cannot be told from \
          what the motor did; --replay motion needs no force"
@@ -56,22 +56,22 @@ pub enum TicksError {
 #[derive(Clone, Debug, Default)]
 pub struct Ticks {
     all: Vec<Row>,
-    /// What had leaked at the first position `[J]`.
+    /// Leak at the first position `[J]`.
     leak_before: Option<f64>,
-    /// Those in which the device was seen.
+    /// Curves over the ticks with a device position.
     pub curves: RecordedCurves,
-    /// Ticks in which it was not seen.
+    /// Number of ticks without a device position.
     pub without_position: u64,
-    /// Strongest force that was sent `[N]`.
+    /// Strongest sent force `[N]`.
     pub peak_force: f64,
 }
 
 impl Ticks {
-    /// The ticks that there are in a part of a recording.
+    /// Reads the ticks of a part of a recording.
     ///
     /// # Errors
-    /// What cannot be read; a tick that has not one contact; fewer than two ticks in a part that is not
-    /// the whole.
+    /// The recording cannot be read, a tick does not have one contact, or a part that is not the whole has fewer than
+    /// two ticks.
     pub fn of(recording: &Recording, part: &Part) -> Result<Self, TicksError> {
         if !recording.has_one_contact_each {
             let name = recording.path().display().to_string();
@@ -106,7 +106,7 @@ impl Ticks {
     fn add(&mut self, row: Row) {
         self.all.push(row);
         let Row { tick, contact, .. } = row;
-        // What was sent counts, whether a position came with it or not.
+        // A sent force counts even if the tick has no position.
         self.peak_force = self.peak_force.max(contact.force_on_device.abs());
         if !is_seen(&row) {
             self.without_position += 1;
@@ -120,7 +120,7 @@ impl Ticks {
         self.curves.held_leak.push(contact.held_leak - first);
     }
 
-    /// Puts the object where it was at the first tick that a replay begins with: of the motion, or of the hand.
+    /// Sets the object to its state in the first tick of the replay, of the motion or of the hand.
     pub fn place_object(&self, setup: &mut ReplaySetup, is_of_hand: bool) {
         let begins = if is_of_hand { is_believed } else { is_seen };
         let first = self.all.iter().find(|row| begins(row));
@@ -133,11 +133,11 @@ impl Ticks {
         }
     }
 
-    /// All that is known of a hand, from the first position to the last, for a device that does what it
-    /// is sent `delay` samples later.
+    /// Returns the known data of a hand, from the first position to the last, for a device that applies each force
+    /// `delay` samples after it is sent.
     ///
     /// # Errors
-    /// A stretch without a position that is longer than `longest_gap` `[s]`; no force at all.
+    /// A gap without a position is longer than `longest_gap` `[s]`, or no force is known.
     pub fn held_device(
         &self,
         name: &str,
@@ -155,7 +155,7 @@ impl Ticks {
                 continue;
             }
             if let Some(last) = last_seen {
-                // Time that runs backwards is for the estimate to refuse.
+                // The estimate rejects times in descending order.
                 if row.tick.time - last.tick.time > longest_gap {
                     return Err(TicksError::Gap {
                         name: name.to_owned(),
@@ -186,12 +186,12 @@ impl Ticks {
     }
 }
 
-/// What is known of a device in a hand, sample by sample.
+/// Known data of a device in a hand, sample by sample.
 #[derive(Clone, Debug)]
 pub struct HeldDevice {
     /// Times of the samples `[s]`.
     pub times: Vec<f64>,
-    /// Positions `[m]`; NaN where it was not seen.
+    /// Positions `[m]`; NaN if unknown.
     pub positions: Vec<f64>,
     /// Force on the device, held until the next sample `[N]`.
     pub forces: Vec<f64>,
@@ -200,23 +200,23 @@ pub struct HeldDevice {
 struct Sample {
     time: f64,
     position: f64,
-    /// Force on the device that was sent `[N]`; NaN where that is not known.
+    /// Sent force on the device `[N]`; NaN if unknown.
     sent: f64,
 }
 
-/// Whether a position came with a tick. A device that did not answer is put down where it was when it
-/// did.
+/// Whether a tick has a device position. If a device did not respond, the tick repeats its last position and has the
+/// fault flag.
 fn is_seen(row: &Row) -> bool {
     row.contact.device_position.is_finite() && !row.tick.flags.has(Flags::DEVICE_FAULT)
 }
 
-/// Whether that position was one that the renderer took; what it refused is no motion of a hand.
+/// Whether the renderer accepted the position of the tick; a rejected one is not a motion of the hand.
 fn is_believed(row: &Row) -> bool {
     is_seen(row) && !row.tick.flags.has(Flags::FAULT)
 }
 
-/// Puts the samples between two in which the device was seen: those that were not, and those that were
-/// lost on their way into the recording. Where they do not say when they were, it was at even steps.
+/// Adds the samples between two ticks with a position: ticks without a position, and ticks lost in the recording. If
+/// the recorded times are incomplete or out of order, the samples are evenly spaced.
 fn bridge(samples: &mut Vec<Sample>, (from, to): (&Row, &Row), unseen: &[&Row], period: f64) {
     let numbers = to.tick.sequence.saturating_sub(from.tick.sequence) as f64;
     let rows = || std::iter::once(&from).chain(unseen).chain([&to]);
@@ -231,7 +231,7 @@ fn bridge(samples: &mut Vec<Sample>, (from, to): (&Row, &Row), unseen: &[&Row], 
         }));
         return;
     }
-    // Numbers that jump further than time allows are no samples.
+    // Tick numbers that increase faster than the time allows are not samples.
     let duration = to.tick.time - from.tick.time;
     let most = (duration / period).ceil().max((unseen.len() + 1) as f64);
     let steps = numbers.min(most);
@@ -250,15 +250,15 @@ fn bridge(samples: &mut Vec<Sample>, (from, to): (&Row, &Row), unseen: &[&Row], 
     }
 }
 
-/// The force on the device from each sample on, where what was sent acts `delay` samples later and a
-/// sample that is not known changed nothing; `None` if none is known.
+/// Returns the force on the device from each sample on. A sent force acts `delay` samples later; a sample with
+/// unknown force keeps the last one. Returns `None` if no force is known.
 fn acting(samples: &[Sample], delay: usize, from_the_start: bool) -> Option<Vec<f64>> {
     let known = |sample: &Sample| sample.sent.is_finite().then_some(sample.sent);
     if samples.is_empty() {
         return Some(Vec::new());
     }
     let first = samples.iter().find_map(known)?;
-    // Nothing is held before a loop's first answer.
+    // Before the first command of a loop the force is 0.
     let mut held = if from_the_start { 0.0 } else { first };
     let forces = (0..samples.len()).map(|index| {
         let sent = index.checked_sub(delay).map(|sender| &samples[sender]);

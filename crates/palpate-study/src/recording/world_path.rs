@@ -1,33 +1,34 @@
-//! Where the devices of a recorded world went.
+//! Device paths of a recorded world.
 
 use palpate_record::recording::{Entry, Flags, Recording, RecordingError};
 use palpate_testbed::world::LedPath;
 
 use crate::text::counted;
 
-/// Why the motion of a recorded world cannot be replayed.
+/// Reason why the motion of a recorded world cannot be replayed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WorldPathError {
-    /// It cannot be read.
+    /// The recording cannot be read.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// What is recorded is no motion.
+    /// The recording contains no valid motion.
     #[error("{name}: {why}")]
     NoMotion {
         /// The recording.
         name: String,
-        /// Why, in words.
+        /// Reason in words.
         why: String,
     },
 }
 
-/// Where the devices of a recorded world went, and how those were turned that `turns` says, with how many ticks have no position of
-/// each device: straight lines stand there. `in_world` turns what a device, by its number, measured `[m]` into a place in the
-/// world `[m]`; a device that turns has the axes of the world.
+/// Returns the paths of the devices of a recorded world, with the orientations of the devices selected by `turns`,
+/// and the number of ticks without a position of each device. The path interpolates linearly over these ticks.
+/// `in_world` converts the measured position `[m]` of a device, given by its number, to world coordinates `[m]`; a
+/// device with orientation uses the axes of the world.
 ///
 /// # Errors
-/// What cannot be read; a recording that is no motion.
+/// The recording cannot be read, or it contains no valid motion.
 pub fn world_path(
     recording: &Recording,
     turns: &[bool],
@@ -63,7 +64,7 @@ pub fn world_path(
         }
         times.push(tick.time - start);
         let places = devices.iter().enumerate().map(|(number, (axes, _))| {
-            // An axis that the device has not is none of the frame's.
+            // An axis that the device lacks does not contribute to the frame.
             in_world(number, axes.map(|x| if x.is_nan() { 0.0 } else { x }))
         });
         positions.push(places.collect::<Vec<_>>());
@@ -93,7 +94,7 @@ pub fn world_path(
     Ok((path, without))
 }
 
-/// That a recording with so few positions is no motion, in words.
+/// Explains why a recording has too few positions for a motion.
 fn few(recording: &Recording, positions: usize) -> String {
     let lost = match recording.lost() {
         0 => String::new(),

@@ -1,10 +1,10 @@
-//! What an actuator does, and what a renderer is told of it, under the names of scene files.
+//! True values of an actuator and the renderer's model values, under the names of scene files.
 
 use palpate::{Actuation, LARGEST_DELAY};
 use palpate_scene::Scene;
 
-/// What a scene's actuator does and what its renderer is told, by key, where it is more than a delay of
-/// whole samples that is told as it is.
+/// Returns the true values of a scene's actuator and its renderer's model values, by key. Empty for an ideal actuator
+/// with a correctly modelled delay of whole samples.
 #[must_use]
 pub fn of(scene: &Scene) -> Vec<(&'static str, f64)> {
     let actuation = scene.told_actuation();
@@ -21,7 +21,7 @@ pub fn of(scene: &Scene) -> Vec<(&'static str, f64)> {
     lines
 }
 
-/// What a renderer is told, by key, where it is more than a delay of so many whole samples.
+/// Returns the renderer's model values, by key; empty if the model is only a delay of `samples` whole samples.
 pub fn told(
     told: &Actuation<f64>,
     samples: usize,

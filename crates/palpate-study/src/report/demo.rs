@@ -7,20 +7,20 @@ use super::Report;
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate demo 1";
 
-/// Both parts of the demonstration.
+/// Report on both parts of the demonstration.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct DemoReport {
     #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     format: &'static str,
-    /// The motion of a hand.
+    /// Report on the motion of a hand.
     pub hand: Report,
-    /// The paper's Fig. 2.
+    /// Report on the paper's Fig. 2.
     pub simulation: Report,
 }
 
 impl DemoReport {
-    /// The report on both.
+    /// Creates the report on both.
     #[must_use]
     pub fn new(hand: Report, simulation: Report) -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! The report on a figure that no run made.
+//! Report on a figure without runs.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use serde::Serialize;
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate figure 1";
 
-/// A drawing that was written.
+/// A written drawing.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -20,7 +20,7 @@ pub struct DrawingReport {
 }
 
 impl DrawingReport {
-    /// The report on a drawing in the file at `path`.
+    /// Creates the report on a drawing in the file at `path`.
     #[must_use]
     pub fn new(path: &Path) -> Self {
         Self {

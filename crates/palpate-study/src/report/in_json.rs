@@ -1,4 +1,4 @@
-//! How values of the core stand in JSON, for the schema.
+//! JSON representation of core values, for the schema.
 
 use schemars::JsonSchema;
 
@@ -7,13 +7,13 @@ use schemars::JsonSchema;
 #[schemars(untagged)]
 #[allow(dead_code, reason = "read by the derive alone")]
 pub enum MassInJson {
-    /// Of an object.
+    /// Mass of an object.
     Finite(f64),
-    /// Of a wall.
+    /// Mass of a wall.
     Infinite(Inf),
 }
 
-/// What stands for infinity.
+/// Representation of infinity.
 #[derive(JsonSchema)]
 #[schemars(rename_all = "kebab-case")]
 #[allow(dead_code, reason = "read by the derive alone")]

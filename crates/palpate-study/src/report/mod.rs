@@ -1,4 +1,4 @@
-//! What a command reports: the same facts as a table or as JSON.
+//! Reports of commands: the same facts as a table or as JSON.
 
 mod actuator;
 mod demo;
@@ -38,14 +38,14 @@ use crate::suite::Spread;
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate report 1";
 
-/// Everything a run of some methods has to say.
+/// Report on runs of several methods.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct Report {
     /// Name and version of this JSON.
     #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
-    /// A line that names the scene or the replay.
+    /// Title of the scene or the replay.
     pub title: String,
     /// Stiffness of the contact `[N/m]`.
     pub stiffness_n_per_m: f64,
@@ -61,59 +61,59 @@ pub struct Report {
     pub period_s: f64,
     /// Effective mass of the device `[kg]`, if it is known.
     pub device_mass_kg: Option<f64>,
-    /// kappa; 0 for a recorded device, which cannot be moved; none if the mass is not known.
+    /// kappa; 0 for a recorded device, whose motion is prescribed; none if the mass is not known.
     pub kappa: Option<f64>,
     /// Kc = K T²/M; 0 for a wall.
     pub object_kappa: f64,
     /// Delay of the loop `[samples]`.
     pub delay_samples: usize,
-    /// Of a recording.
+    /// The replayed motion or hand, of a recording.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub replay: Option<Replayed>,
-    /// Of a recording that a loop has made.
+    /// The recording, if a loop made it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recording: Option<FromRecording>,
-    /// Of a recorded motion: its samples, gaps, and the interpolated share.
+    /// The recorded motion: its samples, gaps, and the interpolated share.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<RecordedMotion>,
-    /// What else is not perfect about the loop.
+    /// Further imperfections of the loop.
     #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
     pub timing: serde_json::Map<String, Value>,
-    /// Seed of the random numbers of jitter, drops and sensor noise, the first of several; none if nothing is random.
+    /// Seed of the random values of jitter, drops and sensor noise, the first of several; none if nothing is random.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
-    /// Number of seeds, which follow each other, if there are several. Every value outside `over_seeds` is then of the first.
+    /// Number of consecutive seeds, if there are several. Every value outside `over_seeds` is then of the first seed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seeds: Option<usize>,
-    /// Lag and gain of the actuator, and what the renderer was told of delay, lag and gain, by key with the
-    /// unit; empty where that is a delay of whole samples only.
+    /// Lag and gain of the actuator, and the renderer's model values of delay, lag and gain, by key with the unit;
+    /// empty if there is only a delay of whole samples.
     #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
     pub actuator: serde_json::Map<String, Value>,
-    /// Whether the text says what the columns of errors and leaks are.
+    /// Whether the text explains the columns of errors and leaks.
     #[serde(skip)]
     says_what_columns_are: bool,
-    /// Part of a period by which the delay is longer.
+    /// Fraction of a period by which the delay is longer.
     #[serde(skip)]
     delay_fraction: f64,
-    /// The same in words.
+    /// The imperfections in words.
     #[serde(skip)]
     timing_in_words: String,
-    /// Samples that were taken, the one that closes the window included.
+    /// Number of samples, the one that closes the window included.
     pub samples: usize,
     /// Length of the window `[periods]`.
     pub window_periods: usize,
     /// Length of the window `[s]`.
     pub window_s: f64,
-    /// FRE that no held force can be below `[%]`; none without contact.
+    /// Zero-order-hold bound: minimum FRE of any held force `[%]`; none without contact.
     pub hold_floor_percent: Option<f64>,
     /// Spread of the zero-order-hold bound over several seeds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hold_floor_over_seeds: Option<Spread>,
     /// Collisions of the ideal in the window.
     pub ideal_collisions: usize,
-    /// Error of the ideal's impulses relative to the largest; 0 where it is exact.
+    /// Error of the ideal's impulses relative to the largest; 0 if it is exact.
     pub ideal_error: f64,
-    /// When the ideal leaves the safety box that it does not have.
+    /// Time at which the ideal, which has no safety box, leaves it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ideal_leaves_box_at_s: Option<f64>,
     /// One entry for each method.
@@ -123,7 +123,7 @@ pub struct Report {
     pub files: Vec<String>,
 }
 
-/// What a method did.
+/// Results of a method.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -136,7 +136,7 @@ pub struct MethodReport {
     pub mean_force_error_percent: Option<f64>,
     /// FRE `[%]`; none without contact.
     pub force_rendering_error_percent: Option<f64>,
-    /// FRE over the hold floor; none where the floor is 0.
+    /// FRE over the zero-order-hold bound; none if the bound is 0.
     pub error_over_floor: Option<f64>,
     /// Strongest held force `[N]`.
     pub peak_force_n: f64,
@@ -152,72 +152,72 @@ pub struct MethodReport {
     pub absolute_leak_held_j: f64,
     /// Energy stored in spring and object at the end `[J]`.
     pub stored_energy_j: f64,
-    /// Work through the port into the object, by the books `[J]`.
+    /// Work through the port into the object, from the energy ledger `[J]`.
     pub port_work_j: f64,
     /// Work of the virtual force `[J]`.
     pub virtual_force_work_j: f64,
-    /// Work of what changed the object from outside `[J]`.
+    /// Work of external changes of the object `[J]`.
     pub outside_work_j: f64,
-    /// Work through the port as the bench integrates it `[J]`; closed loops only.
+    /// Work through the port, integrated by the bench `[J]`; closed loops only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bench_port_work_j: Option<f64>,
-    /// Drift of the energy of device and object, relative to that of the ideal `[%]`; lossless scenes only.
+    /// Drift of the energy of device and object, relative to the energy of the ideal `[%]`; lossless scenes only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_drift_percent: Option<f64>,
-    /// When a linkage jammed `[s]`.
+    /// Time at which a linkage jammed `[s]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jammed_at_s: Option<f64>,
-    /// When the device left its safety box `[s]`.
+    /// Time at which the device left its safety box `[s]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left_box_at_s: Option<f64>,
-    /// Whether the loop ran away; closed loops only.
+    /// Whether the loop diverged; closed loops only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub diverged: Option<bool>,
-    /// Samples that the renderer refused.
+    /// Number of samples that the renderer rejected.
     pub faults: usize,
-    /// Forces that a limit changed.
+    /// Number of forces that a limit changed.
     pub limited: usize,
-    /// Collisions that were rendered.
+    /// Number of rendered collisions.
     pub rendered_collisions: usize,
     /// One entry for each collision of the ideal that ends in the window.
     pub collisions: Vec<CollisionReport>,
-    /// How its values are spread over several seeds.
+    /// Spread of the values over several seeds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub over_seeds: Option<OverSeeds>,
 }
 
-/// A collision of the ideal, and the rendered one beside it.
+/// A collision of the ideal and the corresponding rendered one.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct CollisionReport {
-    /// When it begins `[s]`.
+    /// Start of the collision `[s]`.
     pub start_s: f64,
-    /// Impulse of the ideal's `[N s]`.
+    /// Impulse of the ideal `[N s]`.
     pub ideal_impulse_n_s: f64,
     /// Strongest force of the ideal `[N]`.
     pub ideal_peak_force_n: f64,
-    /// Whether there is a rendered collision to compare with.
+    /// Whether a corresponding rendered collision exists.
     pub rendered: bool,
-    /// Error of its impulse `[%]`.
+    /// Error of the rendered impulse `[%]`.
     pub impulse_error_percent: Option<f64>,
-    /// Error of its peak force `[%]`.
+    /// Error of the rendered peak force `[%]`.
     pub peak_force_error_percent: Option<f64>,
-    /// Error of the energy of the rebound `[%]`.
+    /// Error of the rebound energy `[%]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rebound_energy_error_percent: Option<f64>,
-    /// Speed at which device and object of the ideal part `[m/s]`.
+    /// Separation speed of device and object of the ideal `[m/s]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ideal_rebound_speed_m_per_s: Option<f64>,
-    /// Error of that speed `[%]`.
+    /// Error of the separation speed `[%]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rebound_speed_error_percent: Option<f64>,
 }
 
-/// What a report says of the scene or the replay it is about.
+/// Properties of the reported scene or replay.
 #[derive(Debug)]
 pub struct Subject<'a> {
-    /// A line that names it.
+    /// Title of the scene or replay.
     pub title: String,
     /// The contact.
     pub contact: &'a Contact<f64>,
@@ -225,9 +225,9 @@ pub struct Subject<'a> {
     pub loop_params: &'a LoopParams<f64>,
     /// Effective mass of the device, if known `[kg]`.
     pub device_mass: Option<f64>,
-    /// From a sample to its command.
+    /// Delay from a sample to its command.
     pub delay: Delay,
-    /// What else is not perfect about the loop.
+    /// Further imperfections of the loop.
     pub timing: Timing,
     /// Standard deviation of the sensor's noise `[m]`.
     pub sensor_noise: f64,
@@ -236,7 +236,7 @@ pub struct Subject<'a> {
 }
 
 impl<'a> Subject<'a> {
-    /// What a report says of a scene in closed loop.
+    /// Returns the properties of a scene in closed loop.
     #[must_use]
     pub fn of(scene: &'a Scene) -> Self {
         Self {
@@ -251,7 +251,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// What a report says of a replay of a recorded motion or hand.
+    /// Returns the properties of a replay of a recorded motion or hand.
     #[must_use]
     pub fn of_replay(title: String, setup: &'a ReplaySetup) -> Self {
         Self {
@@ -268,7 +268,7 @@ impl<'a> Subject<'a> {
 }
 
 impl Report {
-    /// The report on `runs` of a subject.
+    /// Creates the report on `runs` of a subject.
     #[must_use]
     pub fn new(subject: &Subject, reference: &Reference, runs: &[Run]) -> Self {
         let period = subject.loop_params.period;
@@ -334,38 +334,38 @@ impl Report {
         }
     }
 
-    /// Leaves out what the columns are: another report has said so.
+    /// Omits the explanation of the columns, which a previous report contains.
     pub fn after_another(&mut self) {
         self.says_what_columns_are = false;
     }
 
-    /// Says what of a recording was replayed.
+    /// Sets the replayed motion or hand.
     pub fn replayed(&mut self, replayed: Replayed) {
         self.replay = Some(replayed);
     }
 
-    /// Says which recording that was.
+    /// Sets the replayed recording.
     pub fn recorded(&mut self, recording: FromRecording) {
         self.recording = Some(recording);
     }
 
-    /// Says how the recorded motion covers the loop's samples.
+    /// Sets the coverage of the loop's samples by the recorded motion.
     pub fn moved(&mut self, motion: RecordedMotion) {
         self.motion = Some(motion);
     }
 
-    /// Says what the actuator does and what the renderer was told of it: values by key with the unit.
+    /// Sets the true values of the actuator and the renderer's model values, by key with the unit.
     pub fn actuated(&mut self, values: impl IntoIterator<Item = (&'static str, f64)>) {
         let named = |(key, value): (&str, f64)| (key.to_owned(), value.into());
         self.actuator.extend(values.into_iter().map(named));
     }
 
-    /// Adds a file that was written.
+    /// Adds a written file.
     pub fn wrote(&mut self, path: &std::path::Path) {
         self.files.push(path.display().to_string());
     }
 
-    /// The report as JSON.
+    /// Returns the report as JSON.
     #[must_use]
     pub fn json(&self) -> String {
         crate::json(self)
@@ -373,7 +373,7 @@ impl Report {
 }
 
 impl MethodReport {
-    /// The report on `run`, whose object is on the side of `sign`.
+    /// Creates the report on `run`, whose object is on the side of `sign`.
     pub(crate) fn new(run: &Run, sign: f64) -> Self {
         let ledger = &run.last().ledger;
         let fidelity = run.force.fidelity;

@@ -1,41 +1,42 @@
-//! How well a recorded motion covers the samples of a loop.
+//! Coverage of the samples of a loop by a recorded motion.
 
 use serde::Serialize;
 
 use crate::text::{counted, digits, percent};
 
-/// An instant of the loop is a recorded one if it is so near to it, as a share of a recorded step.
+/// Largest distance of a loop instant from a recorded instant for equality, as a share of a recorded step.
 const SAME_INSTANT: f64 = 1e-6;
-/// A gap is remarkable from so many usual steps on.
+/// Number of usual steps from which a gap causes a warning.
 const REMARKABLE: f64 = 5.0;
 
-/// A recorded motion, and what of it the loop had to interpolate.
+/// A recorded motion, and the part of it that the loop interpolated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct RecordedMotion {
-    /// Recorded samples that were used.
+    /// Number of used recorded samples.
     pub samples: usize,
-    /// Recorded samples that were left out, since they had no value.
+    /// Number of recorded samples left out because they have no value.
     pub samples_left_out: usize,
-    /// Median time from sample to sample `[s]`.
+    /// Median time between samples `[s]`.
     pub usual_step_s: f64,
-    /// Longest time from sample to sample `[s]`: a straight line bridges it.
+    /// Longest time between samples `[s]`, over which the motion is interpolated linearly.
     pub longest_gap_s: f64,
-    /// When it begins, counted from the first sample `[s]`.
+    /// Start of the longest gap, from the first sample `[s]`.
     pub longest_gap_from_s: f64,
-    /// Samples of the loop that lie between recorded ones, on straight lines `[%]`.
+    /// Share of the loop's samples that are interpolated linearly between recorded ones `[%]`.
     pub interpolated_percent: f64,
 }
 
 impl RecordedMotion {
-    /// What a loop of `period` `[s]` makes of samples at `times` `[s]`, which increase, beside others that were left out.
+    /// Evaluates samples at the increasing `times` `[s]` for a loop of `period` `[s]`; `left_out` further samples
+    /// have no value.
     #[must_use]
     pub fn new(times: &[f64], period: f64, left_out: usize) -> Self {
         let start = times.first().copied().unwrap_or(0.0);
         let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let longest = steps.iter().copied().fold(0.0, f64::max);
-        // Of equal steps the first, whatever the rounding of their times.
+        // The first of equal steps, independent of rounding of their times.
         let is_longest = |step: &f64| *step >= longest * (1.0 - SAME_INSTANT);
         let longest = steps.iter().position(is_longest);
         let longest_gap_s = longest.map_or(0.0, |at| steps[at]);
@@ -56,7 +57,7 @@ impl RecordedMotion {
         }
     }
 
-    /// The same in words.
+    /// Returns the coverage in words.
     #[must_use]
     pub fn in_words(&self) -> String {
         let left_out = if self.samples_left_out > 0 {
@@ -73,7 +74,7 @@ impl RecordedMotion {
         )
     }
 
-    /// Note on a gap that is much longer than usual.
+    /// Returns a note on a gap that is much longer than usual.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
         (self.longest_gap_s > REMARKABLE * self.usual_step_s).then(|| {
@@ -87,7 +88,7 @@ impl RecordedMotion {
     }
 }
 
-/// Share of the loop's instants that lie between recorded ones `[%]`.
+/// Returns the share of the loop's instants between recorded ones `[%]`.
 fn interpolated(times: &[f64], period: f64) -> f64 {
     let (Some(&start), Some(&end)) = (times.first(), times.last()) else {
         return 0.0;

@@ -3,7 +3,7 @@
 use palpate::ParameterValue;
 use serde_json::{Map, Value};
 
-/// Parameters by key, with the unit at the key's end; empty for a method without any.
+/// Returns the parameters by key, with the unit at the end of the key; empty for a method without parameters.
 #[must_use]
 pub fn of(parameters: &[(&'static str, ParameterValue<f64>)]) -> Map<String, Value> {
     let named = parameters.iter();

@@ -1,4 +1,4 @@
-//! What made some runs, for the receipt of a run file.
+//! Metadata of runs for a run file.
 
 use palpate::{Guard, Mass, ObjectState, Side};
 use palpate_scene::{HandForceAt, Intention, Measure, PantographDevice, Scene};
@@ -6,7 +6,7 @@ use palpate_sim::run::Run;
 
 use super::{Subject, parameters_of, timing_of};
 
-/// What made some runs: version, contact, loop, object, and the parameters of each method.
+/// Returns the metadata of runs: version, contact, loop, object, and the parameters of each method.
 #[must_use]
 pub fn receipt(
     subject: &Subject,
@@ -93,7 +93,7 @@ pub fn receipt(
     lines
 }
 
-/// Device, hand and window of a scene, under the names of its keys.
+/// Returns device, hand and window of a scene, under the names of its keys.
 #[must_use]
 pub fn plant_receipt(scene: &Scene) -> Vec<(String, String)> {
     let device = &scene.device;
@@ -105,7 +105,7 @@ pub fn plant_receipt(scene: &Scene) -> Vec<(String, String)> {
         ("device_coulomb_n", device.coulomb_friction()),
         ("hand_force_n", scene.device.hand_force()),
     ];
-    // A radius of 0 is none.
+    // A radius of 0 means that the object has no radius.
     if scene.object_radius != 0.0 {
         numbers.push(("object_radius_m", scene.object_radius));
     }
@@ -132,7 +132,7 @@ pub fn plant_receipt(scene: &Scene) -> Vec<(String, String)> {
         numbers.push(("hand_mass_kg", grip.mass));
         numbers.push(("hand_stiffness_n_per_m", grip.stiffness));
         numbers.push(("hand_damping_n_s_per_m", grip.damping));
-        // A recording is not a number; the scene file names it.
+        // A recorded intention is a file and not a number; the scene file names it.
         if let Intention::Place { position, swing } = grip.intention {
             numbers.push(("hand_position_m", position));
             if let Some(swing) = swing {

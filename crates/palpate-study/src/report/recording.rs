@@ -1,4 +1,4 @@
-//! What a report says of the recording that was replayed.
+//! The replayed recording of a report.
 
 use std::fmt;
 
@@ -6,28 +6,28 @@ use serde::Serialize;
 
 use crate::text::{counted, digits};
 
-/// A recording: what is in it, and what is not.
+/// A recording: its content and its losses.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct FromRecording {
-    /// Its file.
+    /// File of the recording.
     pub file: String,
-    /// Method of the scene in its receipt.
+    /// Method of the scene in the recording's metadata.
     pub recorded_method: &'static str,
-    /// Whether it is whole and holds as many ticks as the loop counted.
+    /// Whether the recording is intact and contains as many ticks as the loop counted.
     pub complete: bool,
-    /// Ticks that it has.
+    /// Number of recorded ticks.
     pub ticks: u64,
-    /// Ticks that it has not.
+    /// Number of ticks missing in the recording.
     pub ticks_lost: u64,
-    /// Ticks that have no position to replay.
+    /// Number of ticks without a position to replay.
     pub ticks_without_position: u64,
-    /// Changes of parameters while it was made, none of which the replay makes.
+    /// Number of parameter changes during the recording; the replay does not repeat them.
     pub parameter_changes: u32,
-    /// Strongest force that was sent `[N]`.
+    /// Strongest sent force `[N]`.
     pub recorded_peak_force_n: f64,
-    /// Leak of the held force, as the recorded loop booked it `[J]`.
+    /// Leak of the held force in the energy ledger of the recorded loop `[J]`.
     pub recorded_leak_held_j: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What of a recording was replayed, and how well it is known.
+//! The replayed motion or hand of a recording, and its accuracy.
 
 use palpate_scene::method::MethodName;
 use palpate_sim::hand_replay::RecordedHand;
@@ -11,7 +11,7 @@ use crate::text::{counted, digits};
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Replayed {
-    /// The device goes where it went.
+    /// The device follows its recorded path.
     Motion,
     /// The device moves under the new force.
     Hand(HandReport),
@@ -21,11 +21,11 @@ pub enum Replayed {
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct HandReport {
-    /// Whether the recording says what force was held.
+    /// Whether the recording contains the held force.
     pub force_recorded: bool,
     /// Mass of the device that the hand moved.
     pub moved_mass_kg: f64,
-    /// Samples that the recording has no position for.
+    /// Number of samples without a recorded position.
     pub bridged_samples: usize,
     /// Bandwidth of the estimate of the hand's force `[Hz]`.
     pub hand_bandwidth_hz: f64,
@@ -35,25 +35,26 @@ pub struct HandReport {
     pub hand_force_n: f64,
     /// Standard deviation of the estimate of the hand's force `[N]`.
     pub hand_force_deviation_n: f64,
-    /// The estimated force gives the recorded motion back within this `[m]`.
+    /// Maximum deviation of the recorded motion from its reproduction by the estimated force `[m]`.
     pub given_back_within_m: f64,
-    /// Stiffness with which the hand holds on to its motion `[N/m]`.
+    /// Stiffness of the hand's grip on its motion `[N/m]`.
     pub hand_stiffness_n_per_m: f64,
-    /// Damping with which it does `[N s/m]`.
+    /// Damping of the hand's grip on its motion `[N s/m]`.
     pub hand_damping_n_s_per_m: f64,
-    /// Whether nobody has stated one of the two.
+    /// Whether stiffness or damping is assumed.
     pub hand_is_assumed: bool,
-    /// From the least to the greatest recorded position.
+    /// Range of the recorded positions.
     pub recorded_span_m: f64,
-    /// How far each method's device got from its recorded motion.
+    /// Largest distance of each method's device from its recorded motion.
     pub largest_departure_m: Vec<f64>,
-    /// One entry for each method.
+    /// Methods, in the order of the distances.
     #[serde(skip)]
     methods: Vec<MethodName>,
 }
 
 impl Replayed {
-    /// A hand whose device got so far from its recorded motion `[m]`, method by method.
+    /// Creates the report of a hand, with the largest distance of the device from its recorded motion `[m]` per
+    /// method.
     #[must_use]
     pub fn hand(
         hand: &RecordedHand,
@@ -81,7 +82,7 @@ impl Replayed {
         })
     }
 
-    /// What kind of replay it is, as a title begins.
+    /// Returns the kind of replay, as the start of a title.
     #[must_use]
     pub fn title(&self) -> &'static str {
         match self {
@@ -90,7 +91,7 @@ impl Replayed {
         }
     }
 
-    /// How well the force of a hand is known, in a few words.
+    /// Returns the accuracy of the hand force in a few words.
     #[must_use]
     pub fn known_to(&self) -> Option<String> {
         match self {
@@ -99,7 +100,7 @@ impl Replayed {
         }
     }
 
-    /// In words, for a terminal.
+    /// Returns the text for a terminal.
     pub(super) fn in_words(&self) -> String {
         let hand = match self {
             Self::Motion => {
@@ -154,7 +155,7 @@ impl Replayed {
         )
     }
 
-    /// For the receipt of a run file.
+    /// Returns the metadata for a run file.
     #[must_use]
     pub fn receipt(&self) -> Vec<(String, String)> {
         let hand = match self {

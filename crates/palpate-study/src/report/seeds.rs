@@ -29,11 +29,11 @@ pub struct OverSeeds {
     pub energy_drift_percent: Option<Spread>,
     /// Number of seeds.
     pub seeds: usize,
-    /// Seeds with which the loop ran away.
+    /// Number of seeds with which the loop diverged.
     pub diverged_seeds: usize,
     /// Seeds with which a linkage jammed or the device left its safety box.
     pub out_of_reach_seeds: usize,
-    /// Seeds with which the renderer refused a sample.
+    /// Number of seeds with which the renderer rejected a sample.
     pub refused_seeds: usize,
     /// Seeds with which a limit changed a force.
     pub limited_seeds: usize,

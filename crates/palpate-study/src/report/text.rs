@@ -12,7 +12,7 @@ use crate::text::{
     whole, width, wrapped,
 };
 
-/// What the columns of leaks are.
+/// Explanation of the leak columns.
 const LEAKS: &str = "Leak: energy that the held force created; |leak|: the same with every part counted as \
      positive.";
 
@@ -96,7 +96,7 @@ impl fmt::Display for Report {
 }
 
 impl Report {
-    /// The delay, after a comma; nothing if there is none.
+    /// Returns the delay, after a comma; empty without a delay.
     fn delay(&self) -> String {
         match (self.delay_samples, self.delay_fraction) {
             (0, 0.0) => String::new(),
@@ -105,7 +105,7 @@ impl Report {
         }
     }
 
-    /// Imperfections of loop and sensor, with the seeds of the random ones.
+    /// Returns the imperfections of loop and sensor, with the seeds of the random ones.
     fn imperfections(&self) -> String {
         let mut words = self.timing_in_words.clone();
         match (self.seed, self.seeds) {
@@ -119,7 +119,7 @@ impl Report {
         words
     }
 
-    /// Difficulty, loop and floor in a line.
+    /// Returns difficulty, loop and hold bound as one line.
     pub(crate) fn in_short(&self) -> String {
         let kappa = self
             .kappa
@@ -147,7 +147,7 @@ impl Report {
         };
         let device = match (self.device_mass_kg, self.kappa) {
             (Some(mass), Some(kappa)) => {
-                // A linkage's effective mass has more digits than anyone wants.
+                // Rounded: a linkage's effective mass has many digits.
                 let mass = (mass * 1e6).round() / 1e6;
                 format!(", device {mass} kg (kappa {})", digits(kappa))
             }
@@ -162,7 +162,7 @@ impl Report {
         )
     }
 
-    /// What is judged, and what no method can do better than.
+    /// Returns the evaluated window and the zero-order-hold bound, in words.
     fn window(&self) -> [String; 2] {
         let nearer = "no held force can be nearer to the ideal than";
         let floor = match (self.hold_floor_percent, self.hold_floor_over_seeds) {
@@ -189,10 +189,10 @@ impl Report {
         [window, floor + &outside]
     }
 
-    /// Says that the rows of the collisions do not all compare like with like.
+    /// Returns a warning if some rows compare different collisions.
     fn out_of_step(&self, method: &MethodReport) -> Option<String> {
         let judged = method.collisions.len();
-        // One more may have begun that does not end within the window.
+        // One more collision may begin without an end within the window.
         let most = judged + usize::from(self.ideal_collisions > judged);
         let rendered = method.rendered_collisions;
         (!(judged..=most).contains(&rendered)).then(|| {
@@ -204,7 +204,8 @@ impl Report {
         })
     }
 
-    /// The numbers of each method, and what is remarkable: behind them where there is room, else below.
+    /// Returns the numbers of each method with its remarks: beside the numbers if they fit the width, otherwise
+    /// below.
     fn methods_in_words(&self) -> String {
         let text = whole(&self.method_table(true));
         if width(&text) <= WIDTH {
@@ -223,7 +224,7 @@ impl Report {
         text
     }
 
-    /// The numbers of each method over several seeds.
+    /// Returns the numbers of each method over several seeds.
     fn spread_table(&self) -> Table {
         let lossless = self
             .methods
@@ -343,7 +344,7 @@ impl MethodReport {
         if let Some(time) = self.left_box_at_s {
             remarks.push(format!("left the safety box at {time:.2} s"));
         }
-        // Behind the box a device without motors runs on to where its links end.
+        // Outside the box, a device without motors moves on to the end of its links.
         if let Some(time) = self.jammed_at_s.filter(|_| self.left_box_at_s.is_none()) {
             remarks.push(format!("jammed at {time:.2} s"));
         }
@@ -357,7 +358,7 @@ impl MethodReport {
     }
 }
 
-/// The median with the range: `4.4 (3.1 to 7.9)`.
+/// Returns the median with the range: `4.4 (3.1 to 7.9)`.
 fn spread(it: Spread, format: impl Fn(f64) -> String) -> String {
     let [median, least, largest] = [it.median, it.least, it.largest].map(format);
     format!("{median} ({least} to {largest})")
@@ -365,7 +366,7 @@ fn spread(it: Spread, format: impl Fn(f64) -> String) -> String {
 
 fn collision_table(method: &MethodReport, most: usize) -> Table {
     let mut header = vec!["start s", "impulse N s", "error %", "peak N", "error %"];
-    // A recorded device does not rebound, and friction takes its share of a rebound's energy.
+    // A recorded device does not rebound, and friction takes a part of the rebound energy.
     let has = |value: fn(&CollisionReport) -> Option<f64>| {
         method.collisions.iter().any(|each| value(each).is_some())
     };

@@ -1,11 +1,11 @@
-//! What is not perfect about a loop, under the names of scene files.
+//! Imperfections of a loop, under the names of scene files.
 
 use palpate_scene::{Delay, Dropped, Jitter, Timing};
 use serde_json::{Map, Value, json};
 
 use super::Subject;
 
-/// Every imperfection, by key; empty for a loop that is perfect but for a delay of whole samples.
+/// Returns every imperfection, by key; empty for a loop whose only imperfection is a delay of whole samples.
 #[must_use]
 pub fn of(delay: Delay, timing: &Timing) -> Map<String, Value> {
     let mut named = Map::new();
@@ -55,7 +55,7 @@ pub fn of(delay: Delay, timing: &Timing) -> Map<String, Value> {
     named
 }
 
-/// The imperfections of a subject's loop and the noise of its sensor in words, without a delay in periods.
+/// Describes the imperfections of a subject's loop and the noise of its sensor, without a delay in periods.
 pub(super) fn in_words(subject: &Subject) -> String {
     let (delay, timing) = (subject.delay, &subject.timing);
     let mut words = Vec::new();

@@ -1,4 +1,5 @@
-//! The files of `docs/schema`, held to the types that they are made from. `palpate-session` and `palpate-pipe` hold theirs by this file too.
+//! The files of `docs/schema`, compared with the types that they are made from. `palpate-session` and `palpate-pipe`
+//! use this file, too.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -7,7 +8,7 @@ use schemars::generate::SchemaSettings;
 use schemars::transform::{Transform, transform_subschemas};
 use schemars::{JsonSchema, Schema};
 
-/// Every file, by the crate that has the type.
+/// Schema files by the crate of their type.
 const FILES: [(&str, &[&str]); 3] = [
     ("palpate-pipe", &["pipe", "world-pipe"]),
     (
@@ -39,7 +40,7 @@ const FILES: [(&str, &[&str]); 3] = [
     ),
 ];
 
-/// A number that is not finite, such as the error of a loop that ran away, is `null` in JSON.
+/// A non-finite number, such as the error of a diverged loop, is `null` in JSON.
 #[derive(Clone)]
 struct NullForNotFinite;
 
@@ -52,7 +53,7 @@ impl Transform for NullForNotFinite {
     }
 }
 
-/// The schema of a report, as its file has it.
+/// Returns the schema of a report, as in its file.
 pub fn schema<R: JsonSchema>() -> String {
     let settings = SchemaSettings::draft2020_12()
         .for_serialize()
@@ -65,7 +66,7 @@ fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../docs/schema")
 }
 
-/// Holds the files of this crate to these schemas, or writes them.
+/// Compares the files of this crate with these schemas, or writes them.
 pub fn are(schemas: &[(&str, String)]) {
     let writes = std::env::var_os("PALPATE_WRITE_SCHEMAS").is_some();
     for (name, schema) in schemas {

@@ -1,6 +1,6 @@
-//! The JSON schema of every report of this crate, as `docs/schema` has it.
+//! JSON schemas of the reports of this crate; the files are in `docs/schema`.
 //!
-//! `docs/formats.md` says what writes these files anew.
+//! `docs/formats.md` gives the command that regenerates these files.
 
 mod files;
 

@@ -1,10 +1,10 @@
-//! Random numbers that are the same everywhere and for ever.
+//! Random numbers that are the same on every platform and in every version.
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 
-/// Numbers of one plant: ChaCha with 8 rounds, the seed as its key and the plant's number as its
-/// stream, so that a plant does not depend on those before it.
+/// Random numbers of one plant: ChaCha with 8 rounds, the seed as its key and the plant's number as its stream. A
+/// plant thus does not depend on the plants before it.
 pub(super) struct Chance(ChaCha8Rng);
 
 impl Chance {
@@ -16,33 +16,33 @@ impl Chance {
         Self(generator)
     }
 
-    /// Evenly from 0 up to, but without, 1, in steps of 2^-53.
+    /// Returns a uniform value in [0, 1), in steps of 2^-53.
     fn share(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 * 0.5_f64.powi(53)
     }
 
-    /// Evenly between two values.
+    /// Returns a uniform value between two values.
     pub fn between(&mut self, from: f64, to: f64) -> f64 {
         from + (to - from) * self.share()
     }
 
-    /// Between two positive values, every ratio as likely as the next.
+    /// Returns a log-uniform value between two positive values.
     pub fn log_between(&mut self, from: f64, to: f64) -> f64 {
-        // libm, or the plants would depend on the platform.
+        // `libm` makes the plants independent of the platform.
         from * libm::exp(self.share() * libm::log(to / from))
     }
 
-    /// True in this share of the cases.
+    /// Returns true with this probability.
     pub fn happens(&mut self, share: f64) -> bool {
         self.share() < share
     }
 
-    /// A whole number that serves as a seed of its own, small enough for every format.
+    /// Returns an integer for use as another seed, small enough for every format.
     pub fn number(&mut self) -> u64 {
         self.0.next_u64() >> 33
     }
 
-    /// One of three, each as likely as the others.
+    /// Returns one of three values with equal probability.
     pub fn one_of(&mut self, values: [f64; 3]) -> f64 {
         let share = self.share();
         let number = usize::from(share >= 1.0 / 3.0) + usize::from(share >= 2.0 / 3.0);

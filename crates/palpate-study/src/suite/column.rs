@@ -1,4 +1,4 @@
-//! What is compared: methods, or variants of them, each with settings.
+//! Compared methods or variants of them, each with settings.
 
 use std::collections::HashMap;
 
@@ -11,33 +11,33 @@ use palpate_scene::method::{
 };
 use palpate_scene::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode, Scene, in_plain_words};
 
-/// A method with settings, under a name of its own.
+/// A method with settings and a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// Its name in tables.
+    /// Name in tables.
     pub name: String,
     /// The method.
     pub method: MethodName,
-    /// Its settings; what is missing takes its default.
+    /// Settings; a missing setting takes its default.
     pub settings: Settings,
-    /// Dampings to choose from in place of that of the settings: on each scene the best counts,
-    /// which is found with knowledge of the ideal.
+    /// Candidate dampings that replace the damping of the settings: the best one on each scene is used, selected with
+    /// knowledge of the ideal.
     pub dampings: Option<Dampings>,
-    /// A guard in place of the scene's.
+    /// Guard that replaces the scene's guard.
     pub guard: Option<Guard<f64>>,
 }
 
 /// Values of a method's damping.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Dampings {
-    /// As they are `[N s/m]`.
+    /// Dampings `[N s/m]`.
     Given(Vec<f64>),
-    /// Over the scene's stiffness times its period.
+    /// Dampings relative to the scene's stiffness times its period.
     OverImpedance(Vec<f64>),
 }
 
 impl Dampings {
-    /// The dampings on a scene `[N s/m]`.
+    /// Returns the dampings on a scene `[N s/m]`.
     fn on(&self, scene: &Scene) -> Vec<f64> {
         match self {
             Self::Given(dampings) => dampings.clone(),
@@ -53,15 +53,15 @@ impl Dampings {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ColumnError {
-    /// The text is no TOML.
+    /// The text is not TOML.
     #[error("{0}")]
     Syntax(String),
-    /// A column is wrong.
+    /// A column is invalid.
     #[error("column {name}: {fault}")]
     Column {
-        /// Its name.
+        /// Name of the column.
         name: String,
-        /// What is wrong, and what is allowed.
+        /// Fault, and the allowed values.
         fault: String,
     },
     /// There is no column.
@@ -70,7 +70,7 @@ pub enum ColumnError {
 }
 
 impl Column {
-    /// A method with its defaults, under its own name.
+    /// Creates a column of a method with its defaults, under its own name.
     #[must_use]
     pub fn of(method: MethodName) -> Self {
         Self {
@@ -82,8 +82,8 @@ impl Column {
         }
     }
 
-    /// What it may be on `scene`, whose settings count where the column leaves them open: the scene
-    /// once for each of its dampings, and that damping `[N s/m]` if there is a choice.
+    /// Returns the variants of `scene` for this column, one per candidate damping, each with that damping `[N s/m]`
+    /// if there are candidates. The column uses the scene's value of every unset setting.
     pub(crate) fn candidates(&self, scene: &Scene) -> Vec<(Option<f64>, Scene)> {
         let with = |settings: Settings| {
             let mut varied = scene.clone();
@@ -104,16 +104,16 @@ impl Column {
             .collect()
     }
 
-    /// Reads columns from TOML: a table each, its name that of the column, with a `method` and the
-    /// keys that scenes have under `[methods.NAME]`. In place of a damping may stand a list of them, or
-    /// `damping_over_k_t`, one or a list; of a list the best on each scene counts. `guard` is as under
-    /// `[renderer]`. They keep the order of the file.
+    /// Reads columns from TOML. Each column is a table under its name, with a `method` and the keys that scenes have
+    /// under `[methods.NAME]`. A list of dampings, or `damping_over_k_t` with one value or a list, can replace the
+    /// damping; the best value of a list on each scene is used. `guard` has the keys of `[renderer]`. The columns
+    /// keep the order of the file.
     ///
     /// # Errors
-    /// Text that is no TOML, no column, a method that is missing or unknown, a key that no method
-    /// or not this one has.
+    /// The text is not TOML, there is no column, a method is missing or unknown, or a key does not belong to the
+    /// method.
     pub fn parse(text: &str) -> Result<Vec<Self>, ColumnError> {
-        // By themselves, tables would come sorted by name.
+        // Without spans, tables would be sorted by name.
         let tables: HashMap<toml::Spanned<String>, toml::Value> =
             toml::from_str(text).map_err(|error| ColumnError::Syntax(error.to_string()))?;
         let mut tables: Vec<_> = tables.into_iter().collect();
@@ -175,7 +175,7 @@ impl Column {
     }
 }
 
-/// A guard, as scenes have it.
+/// A guard in the format of scenes.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawGuard {
@@ -193,7 +193,7 @@ impl RawGuard {
     }
 }
 
-/// Takes the dampings to choose from out of the keys of a column.
+/// Removes the candidate dampings from the keys of a column and returns them.
 fn dampings(keys: &mut toml::Table) -> Result<Option<Dampings>, String> {
     const GIVEN: &str = "damping_n_s_per_m";
     const RATIO: &str = "damping_over_k_t";
@@ -228,7 +228,7 @@ fn dampings(keys: &mut toml::Table) -> Result<Option<Dampings>, String> {
             keys.remove(RATIO);
             Ok(Some(Dampings::OverImpedance(values)))
         }
-        // One number is a setting like others.
+        // A single number is an ordinary setting.
         _ => Ok(None),
     }
 }

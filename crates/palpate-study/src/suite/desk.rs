@@ -17,12 +17,12 @@ use crate::calibrated;
 
 /// Period of a desktop loop `[s]`.
 const PERIOD: f64 = 1e-3;
-/// Largest error of a calibrated delay, in periods.
+/// Largest error of a calibrated delay `[periods]`.
 const DELAY_ERROR: f64 = 0.02;
 /// Largest error of a calibrated gain at a known mass, relative.
 const GAIN_ERROR: f64 = 0.015;
 
-/// Object, hand and user of a desktop device whose loop, actuator and sensor are perfect.
+/// Draws object, hand and user of a desktop device with ideal loop, actuator and sensor.
 pub(super) fn base(chance: &mut Chance) -> RandomPlant {
     let mass = chance.log_between(0.08, 0.4);
     let stiffness = chance.log_between(500.0, 10_000.0);
@@ -46,7 +46,7 @@ pub(super) fn base(chance: &mut Chance) -> RandomPlant {
             title: String::new(),
             contact: Contact::object(stiffness, object_mass),
             loop_params: LoopParams {
-                // A loop that diverges is to be seen doing so, as in scene files.
+                // No speed limit: a diverging loop shall be visible, as in scene files.
                 speed_limit: None,
                 ..LoopParams::new(PERIOD)
             },
@@ -80,7 +80,7 @@ pub(super) fn base(chance: &mut Chance) -> RandomPlant {
     }
 }
 
-/// A desktop device with everything that is not perfect about it, told with a calibration's errors.
+/// Draws a desktop device with all imperfections; the renderer's model has the errors of a calibration.
 pub(super) fn desk(chance: &mut Chance) -> RandomPlant {
     let mut plant = base(chance);
     let scene = &mut plant.scene;
@@ -124,8 +124,8 @@ pub(super) fn desk(chance: &mut Chance) -> RandomPlant {
     plant
 }
 
-/// The plausible device, varied: a transmission of about 150 Hz, about .3 ms of lag, about half a period of
-/// delay, friction, cogging and an encoder of 10 um, told with a calibration's errors.
+/// Draws a variant of the plausible device: a transmission of about 150 Hz, a lag of about .3 ms, a delay of about
+/// half a period, friction, cogging and an encoder of 10 um. The renderer's model has the errors of a calibration.
 pub(super) fn real(chance: &mut Chance) -> RandomPlant {
     let mut plant = base(chance);
     let scene = &mut plant.scene;
@@ -145,7 +145,7 @@ pub(super) fn real(chance: &mut Chance) -> RandomPlant {
     plant
 }
 
-/// A transmission with a resonance between two frequencies `[Hz]`.
+/// Draws a transmission with a resonance between two frequencies `[Hz]`.
 fn transmission(chance: &mut Chance, from: f64, to: f64) -> Transmission {
     Transmission {
         resonance_hz: chance.log_between(from, to),
@@ -155,12 +155,12 @@ fn transmission(chance: &mut Chance, from: f64, to: f64) -> Transmission {
     }
 }
 
-/// Tells the renderer the truth with a calibration's errors, and how uncertain it is.
+/// Sets the renderer's model to the true values with the errors of a calibration, and to their uncertainties.
 fn calibrate(scene: &mut Scene, chance: &mut Chance) {
     let truth = truth(scene);
     let delay_error = PERIOD * chance.between(-DELAY_ERROR, DELAY_ERROR);
     let gain_error = chance.between(-GAIN_ERROR, GAIN_ERROR);
-    // The deviation of an even distribution, and that of the jitter beside it.
+    // Standard deviations of a uniform distribution and of the jitter.
     let third = 1.0 / 3.0_f64.sqrt();
     let of_calibration = third * DELAY_ERROR * PERIOD;
     let of_jitter = truth.delay_deviation.unwrap_or(0.0);
@@ -175,16 +175,16 @@ fn calibrate(scene: &mut Scene, chance: &mut Chance) {
     };
 }
 
-/// Forces with which a device is calibrated `[N]`, one after the other until one does not decline: who
-/// calibrates is told to try a larger one where friction is near the force.
+/// Excitation forces of a calibration `[N]`, tried in this order until the calibration succeeds. A real calibration
+/// also advises a larger force if friction is close to the force.
 const FORCES: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
 
-/// Largest tremor of the hand that a calibration lets pass `[m]`: hands of the suite tremble by 20 % of the force
-/// that they push with, also where they do not push.
+/// Largest tremor of the hand that a calibration accepts `[m]`: hands of the suite tremble by 20 % of their pushing
+/// force, also when they do not push.
 const TREMOR: f64 = 3e-3;
 
-/// Tells the renderer what a calibration of the device itself finds, and says in the plant's title with
-/// which force, and whether the calibration warns of a contact so stiff.
+/// Sets the renderer's model to the results of a simulated calibration of the device. Adds the excitation force to
+/// the plant's title, and a note if the contact is stiffer than the resonance allows.
 pub(super) fn calibrate_itself(plant: &mut RandomPlant) -> Result<(), DrawError> {
     let mut declined = String::new();
     for largest_force in FORCES {

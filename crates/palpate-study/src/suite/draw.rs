@@ -1,4 +1,4 @@
-//! One random plant.
+//! Drawing of one random plant.
 
 use palpate::{Contact, LoopParams, ObjectState};
 use palpate_testbed::reference::{self, POINTS_PER_PERIOD, ReferenceScene, Stop};
@@ -17,15 +17,15 @@ use palpate_sim::sampled_loop::device_of;
 /// Gravity on the object `[m/s²]`.
 pub(super) const GRAVITY: f64 = 9.81;
 
-/// Times to search for the collisions `[s]`: most plants have had theirs in the first, and one that
-/// has not in the last is drawn again.
+/// Durations of the search for the collisions `[s]`. Most plants collide often enough within the first; a plant that
+/// does not within the last is drawn again.
 const SEARCHES: [f64; 2] = [0.4, 2.0];
-/// How far the object leaves the device after the last of them, at least `[m]`: nearer than this
-/// nobody could say that the collision had ended.
+/// Minimum distance of object and device after the last collision `[m]`; below it the end of the collision is
+/// ambiguous.
 const LEAST_PARTING: f64 = 1e-5;
-/// Step of the search for collisions `[s]`; the ideal a plant is judged by is finer.
+/// Step of the search for collisions `[s]`; the reference solution of a plant is finer.
 const SEARCH_STEP: f64 = 1e-4;
-/// Most draws for one plant. One in six is drawn again.
+/// Maximum number of draws for one plant. One in six is drawn again.
 const MOST_DRAWS: u32 = 1000;
 
 /// A plant drawn at random.
@@ -33,48 +33,48 @@ const MOST_DRAWS: u32 = 1000;
 pub struct RandomPlant {
     /// Seed of the draws.
     pub seed: u64,
-    /// Its number, from 0.
+    /// Number of the plant, from 0.
     pub index: usize,
-    /// How often it was drawn again because its object and device did not part three times.
+    /// Number of rejected draws, in which object and device did not part three times.
     pub redrawn: u32,
-    /// K T²/m, by the device's own mass.
+    /// K T²/m, with the mass of the device alone.
     pub kappa: f64,
     /// Kc = K T²/M.
     pub object_kappa: f64,
     /// Speed of the first impact without the hand's spring and damper and without friction `[m/s]`.
     pub impact_speed: f64,
-    /// The plant as a scene: without delay in the paper's set, told as calibrated in those with real
+    /// The plant as a scene: without delay in the paper's set, with a calibrated model in the sets with real
     /// actuators.
     pub scene: Scene,
 }
 
-/// Why a plant cannot be drawn.
+/// Reason why a plant cannot be drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DrawError {
-    /// None of very many draws collides as often as it should.
+    /// None of the draws collides often enough.
     #[error("plant {0}: none of {MOST_DRAWS} draws collides {COLLISIONS} times")]
     NeverCollides(usize),
-    /// A draw that cannot be put on the bench.
+    /// The bench cannot run a draw.
     #[error("plant {0}: {1}")]
     Bench(usize, LoopError),
-    /// A device that no force calibrates.
+    /// No excitation force calibrates the device.
     #[error("plant {0} cannot be calibrated: {1}")]
     Calibration(usize, String),
 }
 
 impl RandomPlant {
-    /// Plant number `index` of `seed` of the set of the paper: always the same one.
+    /// Draws plant number `index` of `seed` of the paper's set; it is always the same.
     ///
     /// # Errors
-    /// None is known; the types say what would be one.
+    /// No failing plant is known. Possible errors: too few collisions, or an error of the bench.
     pub fn draw(seed: u64, index: usize) -> Result<Self, DrawError> {
         colliding(seed, index, "Random plant", draw, &[])
     }
 }
 
-/// The first plant that collides as often as it should, of those that `draw` draws for number `index` of
-/// `seed`, as it is and with each of the `steps`; its title begins with `kind`.
+/// Returns the first plant that collides often enough, unchanged and with each of the `steps`, among the draws of
+/// `draw` for number `index` of `seed`. Its title begins with `kind`.
 pub(super) fn colliding(
     seed: u64,
     index: usize,
@@ -102,18 +102,18 @@ pub(super) fn colliding(
     Err(DrawError::NeverCollides(index))
 }
 
-/// A hand on a device of `mass` `[kg]`.
+/// Draws a hand on a device of `mass` `[kg]`.
 pub(super) fn grip(chance: &mut Chance, mass: f64) -> Grip {
     Grip {
         mass: mass * chance.between(0.0, 1.0),
         stiffness: chance.log_between(10.0, 300.0),
         damping: chance.between(0.5, 5.0),
-        // Where the device starts: the spring is relaxed, and the user's force pushes on top.
+        // Start of the device: the spring is relaxed, and the user's force is added.
         intention: Intention::at(0.0),
     }
 }
 
-/// A tremor of a user who pushes with `user_force` `[N]`, in every second case.
+/// Draws a tremor of a user who pushes with `user_force` `[N]`, with a probability of one half.
 pub(super) fn tremor(chance: &mut Chance, user_force: f64) -> Option<Wave> {
     let trembles = chance.happens(0.5);
     let tremor = Wave {
@@ -123,8 +123,8 @@ pub(super) fn tremor(chance: &mut Chance, user_force: f64) -> Option<Wave> {
     trembles.then_some(tremor)
 }
 
-/// The next draw. Every number is drawn whether it is used or not, so that one choice does not move
-/// all that follow it.
+/// Returns the next draw. Every number is drawn even if it is unused, so that one choice does not shift the numbers
+/// after it.
 fn draw(chance: &mut Chance) -> RandomPlant {
     let mass = chance.log_between(0.05, 0.5);
     let period = chance.log_between(0.001, 0.02);
@@ -154,7 +154,7 @@ fn draw(chance: &mut Chance) -> RandomPlant {
             title: String::new(),
             contact: Contact::object(stiffness, object_mass),
             loop_params: LoopParams {
-                // A loop that diverges is to be seen doing so, as in scene files.
+                // No speed limit: a diverging loop shall be visible, as in scene files.
                 speed_limit: None,
                 ..LoopParams::new(period)
             },
@@ -186,7 +186,7 @@ fn draw(chance: &mut Chance) -> RandomPlant {
     }
 }
 
-/// Whether device and object part as often as they are to collide, and soon enough.
+/// Whether device and object part often enough within the search time.
 fn collides(scene: &Scene) -> Result<bool, LoopError> {
     for duration in SEARCHES {
         if collides_within(scene, duration)? {

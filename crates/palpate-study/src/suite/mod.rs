@@ -1,9 +1,9 @@
-//! How good methods are on plants drawn at random.
+//! Evaluation of methods on random plants.
 //!
-//! A scene that somebody chose says how good a method is on that scene. [`RandomPlant`] draws
-//! devices, hands, objects and sensors over the whole range that desktop devices have, [`run`]
-//! judges columns of methods on them, under the [`Condition`]s of a [`Set`], and [`summary`] says how the
-//! errors are spread. What is drawn, and how, stands in `docs/suite.md`.
+//! A chosen scene shows the quality of a method on that scene only. [`RandomPlant`] draws devices, hands, objects and
+//! sensors over the whole range of desktop devices. [`run`] evaluates columns of methods on them, under the
+//! [`Condition`]s of a [`Set`], and [`summary`] returns the distribution of the errors. `docs/suite.md` describes the
+//! distributions of the plants.
 
 mod chance;
 mod column;
@@ -30,55 +30,55 @@ use rayon::prelude::*;
 
 use palpate_sim::closed_loop::{Bench, LoopError};
 
-/// Delays of every plant of the paper's set `[samples]`, in the renderer's model too. The last one
-/// is also run without it in the model.
+/// Delays of every plant of the paper's set `[samples]`, also in the renderer's model. The last one is also run
+/// without a delay in the model.
 pub const DELAYS: [usize; 2] = [0, 1];
 
-/// Most plants that may be asked for.
+/// Maximum number of plants.
 pub const MOST_PLANTS: u32 = 1_000_000;
 
-/// Collisions of the ideal over which a plant is judged.
+/// Number of collisions of the ideal in the evaluation of a plant.
 pub const COLLISIONS: usize = 3;
 
-/// A plant and what every column did on it.
+/// A plant with the results of every column.
 #[derive(Clone, Debug)]
 pub struct Judged {
     /// The plant.
     pub plant: RandomPlant,
     /// Window `[periods]`.
     pub periods: usize,
-    /// Error of any interval's impulse of the ideal, relative to the largest.
+    /// Largest error of an interval's impulse of the ideal, relative to the largest impulse.
     pub ideal_error: f64,
     /// Largest force of the ideal under the first condition `[N]`.
     pub ideal_peak: f64,
-    /// For each condition of the set every column, in their order.
+    /// Every column in order, for each condition of the set.
     pub trials: Vec<Trial>,
 }
 
-/// What one column did on one plant under one condition.
+/// Result of one column on one plant under one condition.
 #[derive(Clone, Debug)]
 pub struct Trial {
-    /// Which of the columns.
+    /// Index of the column.
     pub column: usize,
-    /// Which of the conditions of the set.
+    /// Index of the condition in the set.
     pub condition: usize,
-    /// The damping that was best here `[N s/m]`, of a column that chooses.
+    /// The best damping here `[N s/m]`, for a column with several dampings.
     pub damping: Option<f64>,
-    /// Samples that were taken.
+    /// Number of samples.
     pub samples: usize,
-    /// Samples whose force a limit or a guard changed.
+    /// Number of samples with a force changed by a limit or a guard.
     pub limited: usize,
     /// Largest force of the ideal under this condition `[N]`.
     pub ideal_peak: f64,
     /// Errors over the window.
     pub fidelity: Fidelity,
-    /// The verdict on the force, collision by collision.
+    /// Evaluation of the force, collision by collision.
     pub force: ForceJudgement,
-    /// Whether the loop ran away.
+    /// Whether the loop diverged.
     pub diverged: bool,
 }
 
-/// Why a suite cannot be run.
+/// Reason why a suite cannot be run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SuiteError {
@@ -90,7 +90,7 @@ pub enum SuiteError {
     Plant {
         /// Number of the plant.
         plant: usize,
-        /// What is wrong.
+        /// Cause of the error.
         error: LoopError,
     },
     /// A column cannot be run.
@@ -100,15 +100,15 @@ pub enum SuiteError {
         column: String,
         /// Number of the plant.
         plant: usize,
-        /// What is wrong.
+        /// Cause of the error.
         error: LoopError,
     },
 }
 
-/// Judges `columns` on the first `plants` plants of `seed` of a `set`, as [`run_part`] does.
+/// Evaluates `columns` on the first `plants` plants of `seed` of a `set`, like [`run_part`].
 ///
 /// # Errors
-/// Settings that do not make a column's method.
+/// Settings do not fit a column's method.
 pub fn run(
     set: Set,
     seed: u64,
@@ -119,12 +119,11 @@ pub fn run(
     run_part(set, seed, 0..plants, columns, done)
 }
 
-/// Judges `columns` on these `plants` of `seed` of a `set`; `done` hears of each plant that is
-/// finished. Plants are judged on as many threads as rayon has; what comes out does not depend on
-/// how many those are, bit by bit.
+/// Evaluates `columns` on these `plants` of `seed` of a `set`. Calls `done` after each plant. The plants run on the
+/// threads of rayon; the results do not depend on the number of threads, bit by bit.
 ///
 /// # Errors
-/// Settings that do not make a column's method.
+/// Settings do not fit a column's method.
 pub fn run_part(
     set: Set,
     seed: u64,
@@ -140,12 +139,12 @@ pub fn run_part(
             done();
             judged
         })
-        // Who wants no more of it lets `done` panic.
+        // A caller cancels the rest by a panic in `done`.
         .panic_fuse()
         .collect()
 }
 
-/// Largest force of a bench's ideal `[N]`.
+/// Returns the largest force of a bench's ideal `[N]`.
 fn peak(bench: &Bench<'_>) -> f64 {
     let collisions = bench.reference().profile.collisions().iter();
     collisions.map(|one| one.peak_force).fold(0.0, f64::max)

@@ -1,4 +1,4 @@
-//! What the suite found, as a table or as JSON.
+//! Results of a suite, as a table or as JSON.
 
 use std::fmt;
 use std::path::Path;
@@ -13,26 +13,26 @@ use crate::text::{E, FRE, counted, legend, lines, number, percent, plain_table, 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate suite 1";
 
-/// The summaries of a suite.
+/// Report on a suite.
 #[derive(Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct SuiteReport {
     /// Name and version of this JSON.
     #[cfg_attr(any(test, feature = "schema"), schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
-    /// Name of the set, where it is not the paper's.
+    /// Name of the set, if it is not the paper's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub set: Option<&'static str>,
     /// Seed of the draws, the first of several.
     pub seed: u64,
-    /// Number of seeds, which follow each other, where there are several: the quantiles are then those of all plants.
+    /// Number of consecutive seeds, if there are several: the quantiles are then those of all plants.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seeds: Option<usize>,
     /// Number of plants, of all seeds together.
     pub plants: usize,
-    /// Draws that were thrown away because object and device did not part often enough.
+    /// Number of rejected draws, in which object and device did not part often enough.
     pub redrawn: u64,
-    /// Collisions over which a plant is judged.
+    /// Number of collisions in the evaluation of a plant.
     pub collisions: usize,
     /// Largest error of any ideal's impulse, relative to the plant's largest impulse.
     pub ideal_error: f64,
@@ -43,12 +43,12 @@ pub struct SuiteReport {
     pub files: Vec<String>,
     #[serde(skip)]
     in_words: Vec<String>,
-    /// Of each condition, whether it is a delay that is not in the model.
+    /// Whether each condition is an unmodelled delay.
     #[serde(skip)]
     unmodelled: Vec<bool>,
 }
 
-/// What a column did on all plants.
+/// Results of a column on all plants.
 #[derive(Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -67,7 +67,7 @@ pub struct ColumnReport {
     pub conditions: Vec<ConditionReport>,
 }
 
-/// What a column did on all plants under one condition.
+/// Results of a column on all plants under one condition.
 #[derive(Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -83,35 +83,35 @@ pub struct ConditionReport {
     pub condition: Option<String>,
     /// Mean-force error E `[%]`.
     pub mean_force_error_percent: Quantiles,
-    /// FRE over the hold floor.
+    /// FRE over the zero-order-hold bound.
     pub error_over_floor: Quantiles,
     /// Peak force over that of the ideal.
     pub peak_over_ideal_peak: Quantiles,
-    /// Plants on which the loop ran away.
+    /// Number of plants on which the loop diverged.
     pub diverged: usize,
-    /// Plants on which a limit or a guard changed a force.
+    /// Number of plants on which a limit or a guard changed a force.
     pub limited_plants: usize,
-    /// Share of all samples at which one did.
+    /// Share of all samples with a changed force.
     pub limited_samples_percent: f64,
-    /// How the quantiles of each seed are spread over the seeds, where there are several.
+    /// Spread of the quantiles of each seed over the seeds, if there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub over_seeds: Option<OverSeeds>,
 }
 
-/// How the quantiles of each seed's plants are spread over the seeds.
+/// Spread of the quantiles of each seed's plants over the seeds.
 #[derive(Clone, Copy, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct OverSeeds {
     /// Median of E `[%]`.
     pub median_percent: Spread,
-    /// What nine tenths of E are below `[%]`.
+    /// 90 % quantile of E `[%]`.
     pub quantile_90_percent: Spread,
     /// Largest E `[%]`.
     pub largest_percent: Spread,
     /// Median of FRE over the zero-order-hold bound.
     pub error_over_floor: Spread,
-    /// Plants on which the loop ran away.
+    /// Number of plants on which the loop diverged.
     pub diverged: Spread,
 }
 
@@ -128,20 +128,20 @@ impl OverSeeds {
     }
 }
 
-/// An infinite one is `null` in JSON.
+/// Quantiles over the plants. An infinite one is `null` in JSON.
 #[derive(Serialize, Default)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Quantiles {
-    /// What half are below.
+    /// Median.
     pub median: f64,
-    /// What three quarters are below.
+    /// 75 % quantile.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub quantile_75: Option<f64>,
-    /// What nine tenths are below.
+    /// 90 % quantile.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub quantile_90: Option<f64>,
-    /// The largest.
+    /// Largest value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest: Option<f64>,
 }
@@ -180,7 +180,7 @@ impl ConditionReport {
 }
 
 impl ColumnReport {
-    /// What was found under the condition of this place.
+    /// Returns the results under the condition of this index.
     fn found(&self, place: usize) -> &ConditionReport {
         self.delays
             .get(place)
@@ -189,13 +189,13 @@ impl ColumnReport {
 }
 
 impl SuiteReport {
-    /// The report on what [`run`](super::run) gave for `set`, `seed` and `columns`.
+    /// Creates the report of the result of [`run`](super::run) for `set`, `seed` and `columns`.
     #[must_use]
     pub fn new(set: Set, seed: u64, columns: &[Column], judged: &[Judged]) -> Self {
         Self::of_scores(set, seed, columns, &scores(judged))
     }
 
-    /// The report on the scores of several seeds, from the first on, those of each seed together.
+    /// Creates the report of the scores of consecutive seeds starting at `first`, grouped by seed.
     #[must_use]
     pub fn of_seeds(set: Set, first: u64, columns: &[Column], of_seeds: &[Vec<Score>]) -> Self {
         let [scores] = of_seeds else {
@@ -210,7 +210,7 @@ impl SuiteReport {
         Self::of_scores(set, first, columns, scores)
     }
 
-    /// The same from the scores of all plants, those of each plant together.
+    /// Creates the report of the scores of all plants, grouped by plant.
     #[must_use]
     pub fn of_scores(set: Set, seed: u64, columns: &[Column], scores: &[Score]) -> Self {
         Self::made(set, seed, columns, scores, &[])
@@ -268,18 +268,18 @@ impl SuiteReport {
         }
     }
 
-    /// Remembers a file that was written.
+    /// Adds a written file.
     pub fn wrote(&mut self, path: &Path) {
         self.files.push(path.display().to_string());
     }
 }
 
-/// The first score of each plant.
+/// Returns the first score of each plant.
 fn of_plants(scores: &[Score]) -> impl Iterator<Item = &Score> {
     scores.chunk_by(|a, b| a.plant == b.plant).map(|of| &of[0])
 }
 
-/// Whether the errors of a column with an unmodelled delay are others than those of the condition before.
+/// Whether the errors of a column with an unmodelled delay differ from those of the previous condition.
 fn models_delay(conditions: &[Condition], scores: &[Score], column: usize) -> bool {
     let errors = |condition: usize| {
         let of = move |score: &&Score| score.column == column && score.condition == condition;
@@ -353,7 +353,7 @@ impl fmt::Display for SuiteReport {
     }
 }
 
-/// The quantiles of each column, of one seed.
+/// Returns the quantiles of each column, of one seed.
 fn quantile_table(columns: &[(&str, &ConditionReport)]) -> Table {
     let header = [
         "method",
@@ -397,7 +397,7 @@ fn quantile_table(columns: &[(&str, &ConditionReport)]) -> Table {
     table
 }
 
-/// The spread of each column's quantiles over the seeds.
+/// Returns the spread of each column's quantiles over the seeds.
 fn spread_table(columns: &[(&str, &ConditionReport)]) -> Table {
     let header = [
         "method",

@@ -1,37 +1,37 @@
-//! The numbers that a report on a suite is made from.
+//! Input numbers of a report on a suite.
 
 use super::Judged;
 
-/// What one column did on one plant under one condition, as far as a report says it. Scores of several parts
-/// of a suite make the report of the whole.
+/// Result of one column on one plant under one condition, reduced to the reported numbers. Scores of several parts of
+/// a suite can be combined into the report of the whole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Score {
     /// Number of the plant.
     pub plant: usize,
-    /// How often the plant was drawn again.
+    /// Number of rejected draws of the plant.
     pub redrawn: u32,
-    /// Error of any interval's impulse of the plant's ideal, relative to the largest.
+    /// Largest error of an interval's impulse of the plant's ideal, relative to the largest impulse.
     pub ideal_error: f64,
-    /// Which of the conditions of the set.
+    /// Index of the condition in the set.
     pub condition: usize,
-    /// Which of the columns.
+    /// Index of the column.
     pub column: usize,
     /// Mean-force error E `[%]`.
     pub error: f64,
-    /// FRE over the hold floor; infinite where the floor is 0, which is no floor to be over.
+    /// FRE over the zero-order-hold bound; infinite if the bound is 0.
     pub error_over_floor: f64,
     /// Largest held force over the largest of the ideal.
     pub peak_ratio: f64,
-    /// Whether the loop ran away.
+    /// Whether the loop diverged.
     pub diverged: bool,
-    /// Samples that were taken.
+    /// Number of samples.
     pub samples: usize,
-    /// Samples whose force a limit or a guard changed.
+    /// Number of samples with a force changed by a limit or a guard.
     pub limited: usize,
 }
 
 impl Judged {
-    /// A score for each trial, in their order.
+    /// Returns a score per trial, in order.
     pub fn scores(&self) -> impl Iterator<Item = Score> {
         self.trials.iter().map(|trial| Score {
             plant: self.plant.index,
@@ -49,13 +49,13 @@ impl Judged {
     }
 }
 
-/// The scores of all of these plants.
+/// Returns the scores of all of these plants.
 #[must_use]
 pub fn scores(judged: &[Judged]) -> Vec<Score> {
     judged.iter().flat_map(Judged::scores).collect()
 }
 
-/// How many plants the scores are of, where those of a plant stand together.
+/// Returns the number of plants of scores that are grouped by plant.
 #[must_use]
 pub fn plants(scores: &[Score]) -> usize {
     scores.chunk_by(|a, b| a.plant == b.plant).count()

@@ -1,4 +1,4 @@
-//! Which plants are drawn, and under which conditions each is judged.
+//! Sets of plants, and the conditions of their evaluation.
 
 use std::fmt;
 
@@ -13,45 +13,46 @@ use super::draw::{self, DrawError, RandomPlant};
 use super::steps::Step;
 use crate::text::counted;
 
-/// A family of plants with the conditions under which they are judged.
+/// A family of plants with the conditions of its evaluation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Set {
-    /// Wide ranges of everything, perfect actuators: without delay, and with one sample of it, modelled and not.
+    /// Wide ranges of all parameters, ideal actuators: without delay, and with a modelled and an unmodelled delay of
+    /// one sample.
     #[default]
     Paper,
-    /// Desktop devices at 1 kHz with real actuators, told nothing, the truth, and a calibration.
+    /// Desktop devices at 1 kHz with real actuators: no actuator model, the true model, and a calibrated model.
     Desk,
-    /// One plausible device with a transmission and a lag, varied, told the same.
+    /// Variants of one plausible flexible device with a transmission and a lag, with the same models.
     Real,
-    /// The same plausible devices, each told what its own calibration finds.
+    /// The same plausible devices: the true model, and the results of each device's own calibration.
     Calibrated,
-    /// Desktop devices that are perfect but for one thing at a time.
+    /// Desktop devices with one imperfection at a time.
     Steps,
 }
 
-/// Under which condition a plant is judged.
+/// Condition of the evaluation of a plant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Condition {
-    /// A delay `[samples]` of a loop that is perfect otherwise, which every renderer's model has.
+    /// A delay `[samples]` of an otherwise ideal loop, included in every renderer's model.
     Delay(usize),
-    /// The same delay, 0 in every renderer's model.
+    /// The same delay, with a model delay of 0 in every renderer.
     UnmodelledDelay(usize),
-    /// What the renderer is told of the actuator.
+    /// The renderer's model of the actuator.
     Told(Telling),
-    /// One thing that is not perfect.
+    /// One imperfection.
     Step(Step),
 }
 
-/// What a renderer is told of the actuator and of the device's mass.
+/// A renderer's model of the actuator and of the device's mass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Telling {
     /// The mass; no delay, no lag, a gain of 1.
     Nothing,
-    /// The mass, the mean delay with the deviation that its jitter gives it, lag and gain.
+    /// The mass, the mean delay with the standard deviation of its jitter, lag and gain.
     Truth,
-    /// What a calibration finds: the truth with the errors that were drawn.
+    /// The true values with the drawn errors of a calibration.
     Calibrated,
-    /// What a calibration of the device itself has found.
+    /// The results of a calibration of the device.
     Measured,
 }
 
@@ -65,7 +66,7 @@ impl Set {
         Self::Steps,
     ];
 
-    /// Its name.
+    /// Returns the name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -77,7 +78,7 @@ impl Set {
         }
     }
 
-    /// The conditions under which each of its plants is judged, in order.
+    /// Returns the conditions of the evaluation of each plant, in order.
     #[must_use]
     pub fn conditions(self) -> Vec<Condition> {
         match self {
@@ -98,10 +99,10 @@ impl Set {
         }
     }
 
-    /// Plant number `index` of `seed`: always the same one.
+    /// Draws plant number `index` of `seed`; it is always the same.
     ///
     /// # Errors
-    /// A device of the set of calibrated ones that no force calibrates.
+    /// No force calibrates a device of the calibrated set.
     pub fn draw(self, seed: u64, index: usize) -> Result<RandomPlant, DrawError> {
         match self {
             Self::Paper => RandomPlant::draw(seed, index),
@@ -122,8 +123,8 @@ impl Set {
         }
     }
 
-    /// What is compared where nothing is named. The damper of the sets with real actuators has the best of
-    /// 24 values on each plant and condition, found with knowledge of the ideal.
+    /// Returns the default columns. The damper of the sets with real actuators uses the best of 24 values on each
+    /// plant and condition, selected with knowledge of the ideal.
     #[must_use]
     pub fn columns(self) -> Vec<Column> {
         if self == Self::Paper {
@@ -141,7 +142,7 @@ impl Set {
     }
 }
 
-/// Dampings over K T that the best damper is chosen from.
+/// Dampings over K T from which the best damper is selected.
 const DAMPINGS: [f64; 24] = [
     0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.2, 1.4, 1.7, 2.0, 2.4,
     2.8, 3.4, 4.0, 5.0, 6.5, 8.0,
@@ -154,7 +155,7 @@ impl fmt::Display for Set {
 }
 
 impl Condition {
-    /// The delay of a condition that is one `[samples]`.
+    /// Returns the delay, if the condition is a delay `[samples]`.
     #[must_use]
     pub fn delay(self) -> Option<usize> {
         match self {
@@ -163,7 +164,7 @@ impl Condition {
         }
     }
 
-    /// The delay in the model of the renderer, of a condition that is a delay `[samples]`.
+    /// Returns the delay in the renderer's model, if the condition is a delay `[samples]`.
     #[must_use]
     pub fn model_delay(self) -> Option<usize> {
         match self {
@@ -173,7 +174,7 @@ impl Condition {
         }
     }
 
-    /// The scene of `plant` under this condition.
+    /// Returns the scene of `plant` under this condition.
     #[must_use]
     pub fn of(self, plant: &RandomPlant) -> Scene {
         let mut scene = plant.scene.clone();
@@ -210,13 +211,14 @@ impl Telling {
                     scene.told_device_mass = Some(scene.device.mass() + of_hand);
                 }
             }
-            // What the scene itself says.
+            // The scene already contains the model.
             Self::Calibrated | Self::Measured => {}
         }
     }
 }
 
-/// The mean delay of a scene's commands, with the deviation of its jitter, how much its sensor errs, and lag and gain as they are.
+/// Returns the true values of a scene as model values: the mean command delay, the standard deviation of its jitter,
+/// the sensor noise and the transmission. Lag and gain are unset, which means their true values.
 pub(super) fn truth(scene: &Scene) -> Told {
     let jitter = scene.timing.command_jitter;
     Told {
@@ -228,14 +230,14 @@ pub(super) fn truth(scene: &Scene) -> Told {
     }
 }
 
-/// The standard deviation of a sensor's error `[m]`, of noise and quantum together, where there is noise.
+/// Returns the standard deviation of a sensor's error `[m]`, from noise and quantum; `None` without noise.
 pub(super) fn true_noise(scene: &Scene) -> Option<f64> {
     let noise = scene.device.noise();
     let of_quantum = scene.device.encoder_quantum() / 12.0_f64.sqrt();
     (noise > 0.0).then(|| noise.hypot(of_quantum))
 }
 
-/// The transmission of a scene's device with the mass of the hand beyond it.
+/// Returns the transmission of a scene's device, with the mass of the hand on its output side.
 fn true_transmission(scene: &Scene) -> Option<Transmission<f64>> {
     let transmission = scene.device.point_mass()?.transmission?;
     let mass = scene.device.mass();
@@ -253,7 +255,7 @@ fn true_transmission(scene: &Scene) -> Option<Transmission<f64>> {
     })
 }
 
-/// `no delay`, `1 sample of delay`, `told the truth`.
+/// Formats a condition, for example `no delay`, `1 sample of delay`, `told the truth`.
 impl fmt::Display for Condition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

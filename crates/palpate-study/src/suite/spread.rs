@@ -1,39 +1,39 @@
-//! How results are spread over the plants.
+//! Distribution of results over the plants.
 
 use serde::Serialize;
 
 use super::{Judged, Score, scores};
 use crate::text::short;
 
-/// What a column did over all plants under one condition.
+/// Results of a column over all plants under one condition.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
-    /// Which of the columns.
+    /// Index of the column.
     pub column: usize,
-    /// Which of the conditions of the set.
+    /// Index of the condition in the set.
     pub condition: usize,
     /// Mean-force error E `[%]`: median, 75 %, 90 %, largest.
     pub error: [f64; 4],
-    /// FRE over floor: median and 90 %.
+    /// FRE over the zero-order-hold bound: median and 90 %.
     pub error_over_floor: [f64; 2],
-    /// Plants on which the loop ran away.
+    /// Number of plants on which the loop diverged.
     pub diverged: usize,
-    /// Plants on which a limit or a guard changed a force.
+    /// Number of plants on which a limit or a guard changed a force.
     pub held_back: usize,
-    /// Share of all samples whose force a limit or a guard changed.
+    /// Share of all samples with a force changed by a limit or a guard.
     pub limited: f64,
     /// Largest held force over the largest of the ideal: median and largest.
     pub peak_ratio: [f64; 2],
 }
 
-/// Summary of `column` under the `condition` of this place in the set; `None` without a plant. In the
-/// paper's set a condition's place is its delay.
+/// Returns the summary of `column` under the `condition` of this index in the set; `None` without a plant. In the
+/// paper's set the index equals the delay.
 #[must_use]
 pub fn summary(judged: &[Judged], column: usize, condition: usize) -> Option<Summary> {
     summary_of(&scores(judged), column, condition)
 }
 
-/// [`summary`] of scores.
+/// Returns the [`summary`] of scores.
 pub(super) fn summary_of(scores: &[Score], column: usize, condition: usize) -> Option<Summary> {
     let trials = || {
         let of_column =
@@ -68,21 +68,21 @@ pub(super) fn summary_of(scores: &[Score], column: usize, condition: usize) -> O
     })
 }
 
-/// How a value is spread over the seeds of random numbers. An infinite one is `null` in JSON.
+/// Spread of a value over the seeds of random numbers. An infinite value is `null` in JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Spread {
-    /// Median of the seeds.
+    /// Median over the seeds.
     pub median: f64,
-    /// The least of a seed.
+    /// Smallest value of a seed.
     pub least: f64,
-    /// The largest of a seed.
+    /// Largest value of a seed.
     pub largest: f64,
 }
 
 impl Spread {
-    /// The spread of one value for each seed; `None` without one.
+    /// Returns the spread of one value per seed; `None` without a seed.
     #[must_use]
     pub fn new(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut sorted: Vec<f64> = values.into_iter().collect();
@@ -94,7 +94,7 @@ impl Spread {
         })
     }
 
-    /// The spread of each value times a positive factor.
+    /// Returns the spread of each value times a positive factor.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         Self {
@@ -104,7 +104,7 @@ impl Spread {
         }
     }
 
-    /// The median with the range: `68.2 (45.1-70.3)`.
+    /// Returns the median with the range: `68.2 (45.1-70.3)`.
     #[must_use]
     pub fn in_short(&self, decimals: usize) -> String {
         let [median, least, largest] =
@@ -113,8 +113,8 @@ impl Spread {
     }
 }
 
-/// The value below which a `share` of the `sorted` values lies, on straight lines between
-/// neighbours; `None` of none.
+/// Returns the value below which a `share` of the `sorted` values lies, interpolated linearly; `None` for an empty
+/// slice.
 #[must_use]
 pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     let place = share.clamp(0.0, 1.0) * sorted.len().checked_sub(1)? as f64;
@@ -125,7 +125,7 @@ pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     )]
     let (below, above) = (place.floor() as usize, place.ceil() as usize);
     let (low, high) = (sorted[below], sorted[above]);
-    // Between infinite neighbours there is no line.
+    // Equal neighbours, also infinite ones, need no interpolation.
     if low == high {
         Some(low)
     } else {

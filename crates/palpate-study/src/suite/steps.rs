@@ -1,10 +1,10 @@
-//! One thing at a time that is not perfect about a loop, its actuator or its device.
+//! One imperfection at a time of a loop, its actuator or its device.
 
 use palpate_scene::{ActuatorParams, Delay, Scene, Told, Transmission};
 
 use super::set::{true_noise, truth};
 
-/// What is not perfect, and what the renderer is told of it.
+/// An imperfection, and the renderer's model of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)] // each is described in words
 pub enum Step {
@@ -21,13 +21,13 @@ pub enum Step {
     Flexible,
     Friction,
     Noise,
-    /// The same noise, told.
+    /// The same noise, modelled.
     NoiseTold,
 }
 
-/// Error of a mistold delay in periods.
+/// Error of a wrong model delay `[periods]`.
 const MISTOLD: f64 = 0.02;
-/// Lag of the steps that have one `[s]`.
+/// Lag of the steps with a lag `[s]`.
 const LAG: f64 = 3e-4;
 
 impl Step {
@@ -49,10 +49,10 @@ impl Step {
         Self::NoiseTold,
     ];
 
-    /// Those that change the device, and with it the ideal.
+    /// Steps that change the device, and thereby the ideal.
     pub const OF_DEVICES: [Self; 2] = [Self::Flexible, Self::Friction];
 
-    /// What it is, with what is told.
+    /// Describes the imperfection and its model.
     #[must_use]
     pub fn in_words(self) -> &'static str {
         match self {
@@ -73,7 +73,7 @@ impl Step {
         }
     }
 
-    /// Makes a perfect scene one with this step.
+    /// Applies the step to an ideal scene.
     pub fn change(self, scene: &mut Scene) {
         let period = scene.loop_params.period;
         let late = |scene: &mut Scene, periods: f64| scene.delay = Delay::Seconds(periods * period);

@@ -1,4 +1,4 @@
-//! The rows of a suite as CSV: a plant, a delay, a column.
+//! Rows of a suite as CSV: one per plant, condition and column.
 
 use std::io::Write;
 use std::ops::Range;
@@ -7,7 +7,7 @@ use super::{COLLISIONS, Column, Judged, Set, Trial};
 use palpate::Mass;
 use palpate_record::run::{Cell, RunWriteError, RunWriter};
 
-/// What is said of a plant, in every row of it.
+/// Columns with the properties of a plant, in each of its rows.
 const PLANT: [&str; 25] = [
     "seed",
     "plant",
@@ -36,8 +36,8 @@ const PLANT: [&str; 25] = [
     "hold_floor_percent",
 ];
 
-/// What is said of a plant beside that, in sets with real actuators: the truth as it was drawn, and what
-/// the scene tells the renderer.
+/// Further columns with the properties of a plant in sets with real actuators: the true values, and the model values
+/// of the scene.
 const ACTUATOR: [&str; 15] = [
     "delay_s",
     "command_jitter_s",
@@ -56,7 +56,7 @@ const ACTUATOR: [&str; 15] = [
     "schedule_seed",
 ];
 
-/// What is said of a column on a plant after its condition, before its collisions.
+/// Columns with the results of a trial, between its condition and its collisions.
 const TRIAL: [&str; 10] = [
     "column",
     "method",
@@ -70,7 +70,7 @@ const TRIAL: [&str; 10] = [
     "diverged",
 ];
 
-/// Writes a row for each trial, with a receipt of what made them.
+/// Writes a row per trial, after the metadata of the trials.
 pub fn write(
     writer: &mut dyn Write,
     set: Set,
@@ -129,7 +129,7 @@ pub fn write(
     Ok(())
 }
 
-/// In the order of [`PLANT`]. Where there is no hand or no tremor, there is no number of it.
+/// Returns the values in the order of [`PLANT`]; values of a missing hand or tremor are empty.
 fn plant_cells(one: &Judged) -> [f64; PLANT.len()] {
     let (plant, scene) = (&one.plant, &one.plant.scene);
     let grip = |value: fn(&palpate_scene::Grip) -> f64| scene.device.grip().map_or(f64::NAN, value);
@@ -170,7 +170,7 @@ fn plant_cells(one: &Judged) -> [f64; PLANT.len()] {
     ]
 }
 
-/// In the order of [`ACTUATOR`]. Where there is no transmission or no cogging, there is no number of it.
+/// Returns the values in the order of [`ACTUATOR`]; values of a missing transmission or cogging are empty.
 fn actuator_cells(one: &Judged) -> [f64; ACTUATOR.len()] {
     let scene = &one.plant.scene;
     let told = scene.told_actuation();
@@ -198,14 +198,14 @@ fn actuator_cells(one: &Judged) -> [f64; ACTUATOR.len()] {
     ]
 }
 
-/// In the order of [`TRIAL`], and then the collisions. A collision that was not rendered has no
+/// Returns the values in the order of [`TRIAL`], and then the collisions. A collision without a rendered one has no
 /// errors.
 fn trial_cells<'a>(trial: &Trial, columns: &'a [Column]) -> Vec<Cell<'a>> {
     let column = &columns[trial.column];
     let mut cells = vec![
         Cell::from(column.name.as_str()),
         Cell::from(column.method.name()),
-        // Empty where there is no choice.
+        // Empty without several dampings.
         trial.damping.unwrap_or(f64::NAN).into(),
         Cell::from(trial.samples as f64),
         Cell::from(trial.limited as f64),

@@ -1,4 +1,4 @@
-//! What a sweep found, as a table or as JSON.
+//! Results of a sweep, as a table or as JSON.
 
 use std::fmt;
 
@@ -13,13 +13,13 @@ use crate::text::{
 };
 use crate::tune::HEIGHTS;
 
-/// What the column `rebound` is.
+/// Explanation of the column `rebound`.
 const REBOUND: &str = "rebound: largest energy of a rebound over that of the ideal's first.";
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate sweep 1";
 
-/// What every column did at every value of a quantity.
+/// Results of every column at every value of a quantity.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -29,10 +29,11 @@ pub struct SweepReport {
     pub format: &'static str,
     /// The scene's title.
     pub title: String,
-    /// Seed of the random numbers of jitter, drops and sensor noise, of which this is one draw; none if nothing is random.
+    /// Seed of the random values of jitter, drops and sensor noise; none if nothing is random. The results are one
+    /// draw.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
-    /// What is varied: `friction`, `box` or `damping`.
+    /// Varied quantity: `friction`, `box` or `damping`.
     pub over: &'static str,
     /// Unit of the values; empty for a factor.
     pub unit: &'static str,
@@ -40,14 +41,14 @@ pub struct SweepReport {
     pub values: Vec<ValueReport>,
 }
 
-/// What the columns did at one value.
+/// Results of the columns at one value.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct ValueReport {
     /// The value.
     pub value: f64,
-    /// FRE that no held force can be below `[%]`.
+    /// Zero-order-hold bound: minimum FRE of any held force `[%]`.
     pub hold_floor_percent: f64,
     /// Strongest force of the ideal `[N]`.
     pub ideal_peak_force_n: f64,
@@ -55,7 +56,7 @@ pub struct ValueReport {
     pub columns: Vec<ColumnReport>,
 }
 
-/// What a column did at one value.
+/// Results of a column at one value.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -68,32 +69,32 @@ pub struct ColumnReport {
     pub force_rendering_error_percent: f64,
     /// Mean-force error E at the scene's own start height `[%]`.
     pub mean_force_error_percent: f64,
-    /// Median FRE over the start heights `[%]`, if they were asked for.
+    /// Median FRE over the start heights `[%]`, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub median_force_rendering_error_percent: Option<f64>,
     /// Largest FRE over the start heights `[%]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub worst_force_rendering_error_percent: Option<f64>,
-    /// Of the start heights.
+    /// Number of start heights from which the device left its safety box.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left_box_heights: Option<usize>,
-    /// Start heights from which the bounce was stable or almost stable.
+    /// Number of start heights from which the bounce was stable or almost stable.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub almost_stable_heights: Option<usize>,
     /// Strongest held force `[N]`.
     pub peak_force_n: f64,
     /// Sum of the absolute leaks of the held force `[J]`.
     pub absolute_leak_held_j: f64,
-    /// Largest energy of a rebound over that of the ideal's first one; none without a rebound.
+    /// Largest rebound energy relative to the ideal's first rebound; none without a rebound.
     pub largest_rebound_energy: Option<f64>,
     /// `stable`, `almost stable`, `unstable` or `diverged`.
     pub bounce: &'static str,
-    /// When the device left its safety box `[s]`.
+    /// Time at which the device left its safety box `[s]`.
     pub left_box_at_s: Option<f64>,
 }
 
 impl SweepReport {
-    /// The report on what [`sweep`](super::sweep) gave for the `scene` at `values`.
+    /// Creates the report of the result of [`sweep`](super::sweep) for the `scene` at `values`.
     #[must_use]
     pub fn new(
         scene: &Scene,
@@ -119,7 +120,7 @@ impl SweepReport {
 
 impl ValueReport {
     fn new(value: f64, columns: &[Column], swept: &[Swept]) -> Self {
-        // Floor and peak are the ideal's, whatever the column.
+        // Hold bound and peak are properties of the ideal, equal for all columns.
         let ideal = swept.first();
         Self {
             value,
@@ -172,7 +173,7 @@ impl fmt::Display for SweepReport {
             }
             header.extend(["peak N", "|leak| mJ", "rebound", "bounce", "left box s"]);
             if heights {
-                // These count start heights.
+                // These columns count start heights.
                 header.extend(["almost stable", "left box"]);
             }
             let of_heights = |count: Option<usize>| {

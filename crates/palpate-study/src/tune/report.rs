@@ -1,4 +1,4 @@
-//! What tuning found, as a table or as JSON.
+//! Results of tuning, as a table or as JSON.
 
 use std::fmt;
 
@@ -15,7 +15,7 @@ use crate::text::{
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate tune 1";
 
-/// How a method's error and leak depend on its damping.
+/// Dependence of a method's error and leak on its damping.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -25,12 +25,13 @@ pub struct TuneReport {
     pub format: &'static str,
     /// The scene's title.
     pub title: String,
-    /// Seed of the random numbers of jitter, drops and sensor noise, of which this is one draw; none if nothing is random.
+    /// Seed of the random values of jitter, drops and sensor noise; none if nothing is random. The results are one
+    /// draw.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
     /// Name of the method.
     pub method: &'static str,
-    /// The scene key of what was tried.
+    /// Scene key of the tuned setting.
     #[serde(serialize_with = "as_text")]
     #[cfg_attr(any(test, feature = "schema"), schemars(with = "String"))]
     pub setting: SettingKey,
@@ -38,11 +39,11 @@ pub struct TuneReport {
     pub start_heights: usize,
     /// Largest change of the gap, as a share of the scene's.
     pub height_range: f64,
-    /// What the best value makes least: `error` or `leak`.
+    /// Minimised quantity: `error` or `leak`.
     pub least: &'static str,
-    /// The value with the least median.
+    /// The value with the lowest median.
     pub best: PointReport,
-    /// The value with the least at the scene's own start height.
+    /// The value with the lowest result at the scene's own start height.
     pub best_at_own_height: PointReport,
     /// Every value that was tried.
     pub curve: Vec<PointReport>,
@@ -51,7 +52,7 @@ pub struct TuneReport {
     pub files: Vec<String>,
 }
 
-/// A value of the damping, and what it does.
+/// A value of the damping and its results.
 #[derive(Debug, Serialize, Clone, Copy)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -62,7 +63,7 @@ pub struct PointReport {
     pub mean_force_error_percent: SpreadReport,
     /// Sum of the absolute leaks of the held force `[J]`.
     pub absolute_leak_j: SpreadReport,
-    /// Start heights from which the loop ran away.
+    /// Number of start heights from which the loop diverged.
     pub diverged: usize,
 }
 
@@ -100,8 +101,8 @@ impl From<&TunedPoint> for PointReport {
 }
 
 impl TuneReport {
-    /// The report on what [`tune`](super::tune) gave for `method` on `scene`, at least one point; the best is by
-    /// `objective`.
+    /// Creates the report of the result of [`tune`](super::tune) for `method` on `scene`; the best point is selected
+    /// by `objective`.
     ///
     /// # Panics
     /// There is no point.
@@ -137,12 +138,12 @@ impl TuneReport {
         }
     }
 
-    /// Adds a file that was written.
+    /// Adds a written file.
     pub fn wrote(&mut self, path: &std::path::Path) {
         self.files.push(path.display().to_string());
     }
 
-    /// What was tried, in words: `damping` or `damping cap`.
+    /// Returns the tuned setting in words: `damping` or `damping cap`.
     #[must_use]
     pub fn setting_in_words(&self) -> &'static str {
         words(self.setting)
@@ -153,7 +154,7 @@ fn as_text<S: Serializer>(key: &SettingKey, serializer: S) -> Result<S::Ok, S::E
     serializer.serialize_str(key.as_str())
 }
 
-/// A scene key in words, without its unit.
+/// Returns a scene key in words, without its unit.
 fn words(key: SettingKey) -> &'static str {
     if key == SettingKey::DAMPING_CAP {
         "damping cap"

@@ -1,19 +1,19 @@
-//! What the methods that have to be tuned are tried with on a world.
+//! Candidate settings of tunable methods on a world.
 
 use palpate_scene::world::{Coupling, WorldScene, WorldSettings};
 
-/// A method of worlds that has something to tune; `basic` and `coupled` have nothing.
+/// A tunable method of worlds; `basic` and `coupled` have no tunable settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tunable {
-    /// Its damping.
+    /// Damping.
     VirtualDamper,
-    /// Stiffness and damping of the coupling, and the mass of the avatar.
+    /// Stiffness and damping of the coupling, and the mass of the proxy.
     VirtualCoupling,
     /// Stiffness and damping of the coupling.
     GodObject,
 }
 
-/// What the values of settings are multiples of.
+/// Units of the candidate settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
     /// K, the largest stiffness among the contacts `[N/m]`.
@@ -22,12 +22,12 @@ pub struct Scale {
     pub period: f64,
     /// m, the geometric mean of the devices' masses along all axes `[kg]`.
     pub mass: f64,
-    /// Moment of inertia over mass, the mean of the devices that give a torque; none if none does `[m^2]`.
+    /// Moment of inertia over mass, mean over the devices with a torque; `None` without such a device `[m^2]`.
     pub gyration: Option<f64>,
 }
 
 impl Scale {
-    /// The scale of a scene.
+    /// Returns the scale of a scene.
     #[must_use]
     pub fn of(scene: &WorldScene) -> Self {
         let laws = scene.world.contacts.iter().map(|contact| contact.law);
@@ -52,7 +52,7 @@ impl Scale {
 }
 
 impl Scale {
-    /// What a value along an axis is about one, where a device gives a torque.
+    /// Converts a value along an axis to the value about an axis; `None` if no device has a torque.
     fn turned(self, value: f64) -> Option<f64> {
         self.gyration.map(|gyration| value * gyration)
     }
@@ -63,14 +63,14 @@ const DAMPINGS: [f64; 15] = [
     0.0, 0.02, 0.04, 0.07, 0.1, 0.14, 0.2, 0.28, 0.4, 0.56, 0.8, 1.1, 1.6, 2.3, 3.2,
 ];
 
-/// Stiffnesses over K of couplings that are tried if no stiffer one can be used.
+/// Stiffnesses over K of softer couplings, tried if no stiffer coupling is usable.
 const SOFTER: [f64; 8] = [0.03, 0.01, 0.003, 0.001, 3e-4, 1e-4, 3e-5, 1e-5];
 
 impl Tunable {
-    /// All of them, in the order of tables.
+    /// All tunable methods, in the order of tables.
     pub const ALL: [Self; 3] = [Self::VirtualDamper, Self::VirtualCoupling, Self::GodObject];
 
-    /// The name of the method.
+    /// Returns the name of the method.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -80,13 +80,13 @@ impl Tunable {
         }
     }
 
-    /// The method of that name, if it has something to tune.
+    /// Returns the tunable method of that name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|tunable| tunable.name() == name)
     }
 
-    /// Those of some settings that the method has.
+    /// Returns the settings of `all` that the method has.
     #[must_use]
     pub fn of_settings(self, all: &WorldSettings) -> WorldSettings {
         let WorldSettings {
@@ -112,13 +112,13 @@ impl Tunable {
         }
     }
 
-    /// Each setting that is tried, in the order of tables: every damping with every coupling.
+    /// Returns the candidate settings, in the order of tables: every damping with every coupling.
     #[must_use]
     pub fn candidates(self, scale: Scale) -> Vec<WorldSettings> {
         self.with_dampings(scale, |coupling| self.dampings(scale, coupling))
     }
 
-    /// Softer couplings, to be tried if none of the [`candidates`](Self::candidates) can be used; none of the damper, whose
+    /// Returns softer couplings, tried if no [candidate](Self::candidates) is usable. Empty for the damper, whose
     /// spring is that of the contact.
     #[must_use]
     pub fn softer(self, scale: Scale) -> Vec<WorldSettings> {
@@ -130,7 +130,7 @@ impl Tunable {
         Self::each(scale, couplings, |coupling| self.dampings(scale, coupling))
     }
 
-    /// Each coupling with these dampings `[N s/m]`.
+    /// Returns each coupling with these dampings `[N s/m]`.
     pub fn with_dampings(
         self,
         scale: Scale,
@@ -164,7 +164,7 @@ impl Tunable {
         all
     }
 
-    /// Couplings of a virtual coupling: stiffnesses over K, each with masses over m.
+    /// Returns the settings of a virtual coupling: stiffnesses over K, each with masses over m.
     fn avatars(scale: Scale, stiffnesses: &[f64], masses: &[f64]) -> Vec<Coupling> {
         let parts = stiffnesses.iter();
         let parts = parts.flat_map(|k| masses.iter().map(|m| (*k, *m)));
@@ -178,7 +178,7 @@ impl Tunable {
             .collect()
     }
 
-    /// Couplings of a god-object: stiffnesses over K.
+    /// Returns the settings of a god-object: stiffnesses over K.
     fn proxies(scale: Scale, stiffnesses: &[f64]) -> Vec<Coupling> {
         let proxy = |share: &f64| Coupling {
             stiffness: Some(share * scale.stiffness),

@@ -1,4 +1,4 @@
-//! Many worlds and methods in one table.
+//! Comparison of many worlds and methods in one table.
 
 use std::fmt;
 
@@ -37,7 +37,7 @@ pub const COLUMNS: [&str; 16] = [
     "cannot",
 ];
 
-/// Every world that was compared, in the order given.
+/// Comparison of worlds, in the order given.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -60,13 +60,13 @@ pub struct WorldRows {
     pub scene: String,
     /// The scene's title.
     pub title: String,
-    /// Time from sample to sample.
+    /// Sampling period.
     pub period_s: f64,
-    /// Length of the window that was judged.
+    /// Length of the evaluated window.
     pub window_s: f64,
-    /// FRE that no held force can be below; none if the ideal touches no tool.
+    /// Zero-order-hold bound: minimum FRE of any held force; none if the ideal touches no tool.
     pub hold_floor_percent: Option<f64>,
-    /// Mean-force error of the ideal against itself, computed with coarser steps.
+    /// Mean-force error between the ideal and the ideal with coarser steps.
     pub ideal_error_percent: Option<f64>,
     /// One entry for each method.
     pub methods: Vec<WorldRow>,
@@ -79,51 +79,51 @@ pub struct WorldRows {
 pub struct WorldRow {
     /// Name of the method.
     pub method: &'static str,
-    /// What it did, or why it cannot.
+    /// Result of the method, or the reason why it cannot be set up.
     #[serde(flatten)]
     pub result: WorldOutcome,
 }
 
-/// Result of a method on a world, or the reason that there is none.
+/// Result of a method on a world, or the reason for its absence.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum WorldOutcome {
-    /// It ran.
+    /// The method ran.
     Ran(Box<WorldFigures>),
-    /// It cannot be set up.
+    /// The method cannot be set up.
     Cannot {
-        /// Why.
+        /// Reason.
         cannot: String,
     },
-    /// None of the settings that were tried can be used.
+    /// None of the tried settings is usable.
     NoneFound {
-        /// How bad they are.
+        /// Description of the least bad setting.
         none_found: String,
     },
 }
 
-/// What a method did on a world.
+/// Results of a method on a world.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct WorldFigures {
-    /// How many settings were tried, of which the one with the least E stands here, found with knowledge of the ideal;
-    /// none where the scene says the settings, or there are none.
+    /// Number of tried settings; the shown one has the lowest E, selected with knowledge of the ideal. None if the
+    /// scene states the settings or there are none.
     pub tuned: Option<usize>,
-    /// Its settings, under the keys of scene files.
+    /// Settings of the method, under the keys of scene files.
     pub settings: SettingReport,
     /// Mean-force error E over all devices and axes; none without contact.
     pub mean_force_error_percent: Option<f64>,
-    /// FRE likewise.
+    /// FRE over all devices and axes; none without contact.
     pub force_rendering_error_percent: Option<f64>,
-    /// FRE over the hold floor; none where the floor is 0.
+    /// FRE over the zero-order-hold bound; none if the bound is 0.
     pub error_over_floor: Option<f64>,
     /// Largest peak force of a device over that of the ideal.
     pub peak_over_ideal: Option<f64>,
-    /// Energy that held forces created: what hands, bodies, contacts and dissipation have gained together.
+    /// Generated energy of the held forces: the total energy gain of hands, bodies, contacts and dissipation.
     pub leak_j: f64,
-    /// Samples that the renderer refused.
+    /// Number of samples that the renderer rejected.
     pub refused_samples: usize,
 }
 
@@ -156,9 +156,8 @@ impl WorldFigures {
 }
 
 impl WorldRows {
-    /// Runs the methods of these names on a world. A method that has something to tune and for which the scene has no
-    /// settings is tried with the settings of [`Tunable::candidates`], and the best of them is taken. `begun` is called
-    /// with the name of each method before it runs.
+    /// Runs the methods of these names on a world. A tunable method without settings in the scene uses the best of
+    /// [`Tunable::candidates`]. Calls `begun` with the name of each method before it runs.
     ///
     /// # Errors
     /// The scene has no ideal.
@@ -201,7 +200,7 @@ impl WorldRows {
         })
     }
 
-    /// The least error of a method that stayed in one piece.
+    /// Returns the lowest error of a method whose run stayed bounded.
     fn least(&self) -> Option<f64> {
         let errors = self.methods.iter().filter_map(|row| match &row.result {
             WorldOutcome::Ran(run) if run.is_whole() => run.mean_force_error_percent,
@@ -271,7 +270,7 @@ fn row(
 }
 
 impl WorldComparison {
-    /// The table of these worlds.
+    /// Creates the comparison of these worlds.
     #[must_use]
     pub fn of(scenes: Vec<WorldRows>) -> Self {
         Self {
@@ -281,12 +280,12 @@ impl WorldComparison {
         }
     }
 
-    /// Adds a file that was written.
+    /// Adds a written file.
     pub fn wrote(&mut self, path: &std::path::Path) {
         self.files.push(path.display().to_string());
     }
 
-    /// The table by rows, as [`COLUMNS`] name them; what does not exist is empty.
+    /// Returns the rows of the table in the order of [`COLUMNS`]; missing values are empty.
     pub fn rows(&self) -> impl Iterator<Item = [String; COLUMNS.len()]> + '_ {
         let of = |scene: &'_ WorldRows| {
             let rows: Vec<_> = scene
@@ -300,7 +299,7 @@ impl WorldComparison {
     }
 }
 
-/// Before the name of a method that did not stay in one piece, and of the one with the least error.
+/// Markers before the name of a method that did not stay bounded, and of the method with the lowest error.
 const BROKEN: &str = "!";
 const LEAST: &str = "*";
 
@@ -387,7 +386,7 @@ impl fmt::Display for WorldComparison {
     }
 }
 
-/// Before what stands below a method.
+/// Indentation of the lines below a method.
 const BLANKS: &str = "     ";
 
 impl WorldRows {

@@ -1,4 +1,4 @@
-//! The forces of a world's devices as CSV.
+//! Forces of a world's devices as CSV.
 
 use std::io::Write;
 
@@ -6,11 +6,11 @@ use palpate_scene::world::WorldScene;
 use palpate_sim::world::WorldRun;
 use palpate_world::Tool;
 
-/// A row for each method, sample and device: where it was, and the force that was commanded then; where a device turns, also
-/// how it was turned, and where one gives a torque, that.
+/// Writes a row per method, sample and device: its position and the commanded force, also its orientation if it
+/// rotates, and its torque if it has one.
 ///
 /// # Errors
-/// The system.
+/// The writer fails.
 pub fn write(writer: &mut dyn Write, scene: &WorldScene, runs: &[WorldRun]) -> std::io::Result<()> {
     let mut csv = csv::Writer::from_writer(writer);
     let turns = scene.devices.iter().any(|device| device.turning.is_some());

@@ -1,4 +1,4 @@
-//! What methods made of a world: the report of `simulate` for scenes with several bodies.
+//! Results of methods on a world: the report of `simulate` for scenes with several bodies.
 
 pub mod candidates;
 pub mod compare;
@@ -21,7 +21,7 @@ use crate::report::RecordedMotion;
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate world 1";
 
-/// What methods made of a world.
+/// Results of methods on a world.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -31,71 +31,70 @@ pub struct WorldReport {
     pub format: &'static str,
     /// Title of the scene.
     pub title: String,
-    /// Time from sample to sample.
+    /// Sampling period.
     pub period_s: f64,
-    /// Time from a sample to the beginning of its force.
+    /// Delay from a sample to the start of its force.
     pub delay_s: f64,
     /// Time constant of the actuators.
     pub lag_s: f64,
-    /// Delivered over commanded force.
+    /// Ratio of delivered to commanded force.
     pub gain: f64,
-    /// Length of the window that was judged.
+    /// Length of the evaluated window.
     pub window_s: f64,
     /// Number of samples in it.
     pub samples: usize,
-    /// From when on the ideal's motion depends on the steps by which it is computed: the window ends there. None: for
-    /// the whole window it does not.
+    /// Time from which the ideal's motion depends on its integration steps: the window ends there. None if it does
+    /// not depend on them.
     pub chaotic_from_s: Option<f64>,
-    /// Mean-force error of the ideal, computed again with coarser steps, against itself; none if it was
-    /// computed once.
+    /// Mean-force error between the ideal and the ideal with coarser steps; none if it was computed only once.
     pub ideal_error_percent: Option<f64>,
-    /// Of a recorded motion in a table: its samples, gaps, and the interpolated share.
+    /// The recorded motion from a table: its samples, gaps, and the interpolated share.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<RecordedMotion>,
     /// Number of contacts that begin in the ideal's window.
     pub contacts: usize,
-    /// Names of those that overlap at the start, so that a contact begins with that overlap.
+    /// Names of pairs that overlap at the start, so that their contact begins with that overlap.
     pub overlapping_at_start: Vec<[String; 2]>,
     /// Largest penetration of the ideal's contacts.
     pub deepest_m: f64,
-    /// One entry for each device: how much its sensor and its hand decide about the errors.
+    /// Influence of sensor and hand on the errors, one entry per device.
     pub decisive: Vec<DecisiveReport>,
     /// One entry for each method.
     pub methods: Vec<WorldMethodReport>,
-    /// Methods that were left out of all, with the reason.
+    /// Methods that were omitted, with the reason.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub left_out: Vec<LeftOutReport>,
 }
 
-/// A method that was left out of all.
+/// An omitted method.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct LeftOutReport {
     /// Name of the method.
     pub method: &'static str,
-    /// Why it cannot be set up.
+    /// Reason why it cannot be set up.
     pub reason: String,
 }
 
-/// How much the sensor and the hand of a device decide about the error of its force.
+/// Influence of the sensor and the hand of a device on its force error.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct DecisiveReport {
     /// Name of the device.
     pub name: String,
-    /// By how much a quantum of the position changes the force of the stiffest contact that the ideal makes with the tool.
+    /// Force change per quantum of the position, for the stiffest contact of the ideal with the tool.
     pub quantum_force_n: f64,
-    /// The same over the root mean square of the ideal's force while something touches the tool; none if nothing does.
-    /// Above 0.1 the sensor decides.
+    /// That force change over the root mean square of the ideal's force during contact with the tool; none without
+    /// contact. Above 0.1 the sensor dominates the error.
     pub quantum_over_force: Option<f64>,
-    /// Stiffness of the hand times the square of the period, over the least mass along an axis. Above 0.2 the hand decides,
-    /// where forces come late.
+    /// Stiffness of the hand times the square of the period, over the lowest mass along an axis. Above 0.2 the hand
+    /// dominates the error if forces are delayed.
     pub hand_over_mass: f64,
 }
 
-/// What a method made of a world.
+/// Results of a method on a world.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -106,28 +105,30 @@ pub struct WorldMethodReport {
     pub sum: Option<FidelityReport>,
     /// One entry for each device.
     pub devices: Vec<WorldDeviceReport>,
-    /// Energy that held forces created: what hands, bodies, contacts and dissipation have gained together.
+    /// Generated energy of the held forces: the total energy gain of hands, bodies, contacts and dissipation.
     pub leak_j: f64,
-    /// Energy that friction and damping took, of contacts and joints.
+    /// Energy dissipated by friction and damping of contacts and joints.
     pub dissipated_j: f64,
-    /// Samples that the renderer refused.
+    /// Number of samples that the renderer rejected.
     pub refused_samples: usize,
-    /// The first of them; none if the renderer refused none.
+    /// The first rejected sample, if any.
     pub first_refusal: Option<RefusalReport>,
-    /// Samples at which a limit changed a force; a guard that only reports changes none.
+    /// Number of samples at which a limit changed a force; a guard in report mode changes none.
     pub limited_samples: usize,
-    /// Samples at which forces exceeded the guard's bound, whether it kept them to it or not.
+    /// Number of samples at which forces exceeded the guard's bound, limited or not.
     pub guarded_samples: usize,
-    /// Samples at which contacts changed their mode more often than the renderer follows at its finest.
+    /// Number of samples at which contacts changed their mode more often than the finest sub-steps of the renderer
+    /// resolve.
     pub coarse_samples: usize,
-    /// Samples at which more triangles, or points of a shell, were near what they may touch than the renderer has room for: it left
-    /// out the furthest.
+    /// Number of samples with more nearby triangles or shell points than the renderer's capacity: it ignored the
+    /// farthest.
     pub crowded_samples: usize,
-    /// Samples at which the fastest contact or joint asked for more sub-steps than a tick has: it swings within a few periods.
+    /// Number of samples at which the fastest contact or joint needed more sub-steps than a tick has: it oscillates
+    /// within a few periods.
     pub too_fast_samples: usize,
-    /// How often a tool or body went through a solid and came out of its far side.
+    /// Number of times that a tool or body went through a solid and left it on the far side.
     pub went_through: usize,
-    /// The first time; none if none did.
+    /// The first such event, if any.
     pub first_through: Option<ThroughReport>,
 }
 
@@ -136,83 +137,85 @@ pub struct WorldMethodReport {
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct ThroughReport {
-    /// When it was found on the far side.
+    /// Time at which it was found on the far side.
     pub time_s: f64,
-    /// Name of the tool or body that went through,
+    /// Name of the tool or body that went through.
     pub first: String,
-    /// and of the solid.
+    /// Name of the solid.
     pub second: String,
 }
 
-/// A sample that the renderer refused, and why.
+/// A rejected sample with the reason.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct RefusalReport {
-    /// When it was taken.
+    /// Time of the sample.
     pub time_s: f64,
-    /// Name of the fault, as `overflow`.
+    /// Name of the fault, for example `overflow`.
     pub fault: &'static str,
-    /// Name of the device whose position or orientation it is; none where it is no one's.
+    /// Name of the device whose position or orientation is at fault; none if it is not of a device.
     pub device: Option<String>,
-    /// Whether a contact or joint is too stiff or too damped for its masses at this period: its computed motion would have grown.
+    /// Whether a contact or joint is too stiff or too damped for its masses at this period, so that its computed
+    /// motion would grow.
     pub too_fast: bool,
-    /// The same in words.
+    /// The reason in words.
     pub reason: String,
 }
 
-/// How the force on one device was rendered.
+/// Results of the force on one device.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct WorldDeviceReport {
     /// Name of the device.
     pub name: String,
-    /// Errors over its axes, those of the torque too; none if the ideal does not touch its tool.
+    /// Errors over its axes, including the torque; none if the ideal does not touch its tool.
     pub sum: Option<FidelityReport>,
     /// Errors of the force alone.
     pub force: Option<FidelityReport>,
-    /// Errors of the torque alone; none for a device that gives none.
+    /// Errors of the torque alone; none for a device without torque.
     pub torque: Option<TorqueReport>,
-    /// Errors of the force along x, y and z, or along the device's own axes; none where the ideal has no force.
+    /// Errors of the force along x, y and z, or along the device's own axes; none for an axis without force in the
+    /// ideal.
     pub axes: [Option<FidelityReport>; 3],
-    /// The device's axes, unit vectors along the world's; none if they are the world's.
+    /// Axes of the device as unit vectors in world axes; none if they are the world's axes.
     pub own_axes: Option<[[f64; 3]; 3]>,
-    /// Largest length of the held force.
+    /// Largest magnitude of the held force.
     pub peak_force_n: f64,
-    /// The same over the largest length of the ideal's force; none if the ideal has none.
+    /// Largest magnitude of the held force over that of the ideal's force; none if the ideal has no force.
     pub peak_over_ideal_peak: Option<f64>,
-    /// Touches of the ideal that are long enough to be told apart.
+    /// Number of contacts of the ideal that are long enough to be counted.
     pub touches: usize,
-    /// Largest error of a touch's impulse; none if no touch was rendered.
+    /// Largest error of a contact's impulse; none if no contact was rendered.
     pub largest_impulse_error_percent: Option<f64>,
 }
 
-/// How the torque on one device, about its mass centre, was rendered.
+/// Results of the torque on one device, about its mass centre.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct TorqueReport {
     /// Errors over its axes; none if the ideal has no torque.
     pub sum: Option<FidelityReport>,
-    /// Errors about x, y and z; none where the ideal has no torque.
+    /// Errors about x, y and z; none for an axis without torque in the ideal.
     pub axes: [Option<FidelityReport>; 3],
-    /// Largest length of the held torque.
+    /// Largest magnitude of the held torque.
     pub peak_torque_n_m: f64,
 }
 
-/// Errors of held forces, in percent of the ideal's root mean square. An infinite one is `null`.
+/// Errors of held forces, in percent of the ideal's root mean square. An infinite error is `null`.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct FidelityReport {
-    /// E, the part that a renderer can avoid.
+    /// E, the avoidable part of the error.
     pub mean_force_error_percent: f64,
     /// FRE.
     pub force_rendering_error_percent: f64,
-    /// The least FRE that held forces can have here.
+    /// Zero-order-hold bound: minimum FRE of any held force.
     pub hold_floor_percent: f64,
-    /// FRE over the floor.
+    /// FRE over the zero-order-hold bound.
     pub error_over_floor: Option<f64>,
 }
 
@@ -228,7 +231,7 @@ impl From<Fidelity> for FidelityReport {
 }
 
 impl WorldReport {
-    /// Adds the methods that the scene has no settings for, which `all` leaves out.
+    /// Adds the methods without settings in the scene, which `all` omits.
     pub fn all_methods(&mut self, scene: &WorldScene) {
         let left_out = WorldScene::METHODS.into_iter().filter_map(|method| {
             let reason = scene.method(method).err()?.message.to_string();
@@ -237,7 +240,7 @@ impl WorldReport {
         self.left_out.extend(left_out);
     }
 
-    /// The report of these runs on the bench of a scene.
+    /// Creates the report of these runs on the bench of a scene.
     #[must_use]
     pub fn new(scene: &WorldScene, bench: &WorldBench, runs: &[WorldRun]) -> Self {
         let ideal = bench.ideal();
@@ -288,7 +291,7 @@ impl WorldReport {
 }
 
 impl WorldReport {
-    /// Says how the recorded motion covers the loop's samples.
+    /// Sets the coverage of the loop's samples by the recorded motion.
     pub fn moved(&mut self, motion: RecordedMotion) {
         self.motion = Some(motion);
     }
@@ -301,12 +304,12 @@ fn overlapping_at_start(scene: &WorldScene, ideal: &WorldIdeal) -> Vec<[String; 
     };
     let at_start = ideal.encounters.iter().filter(|it| it.start == 0.0);
     let mut pairs: Vec<_> = at_start.map(|it| it.between.map(name)).collect();
-    // A box on a plane touches it at several corners.
+    // A box on a plane has several contact points.
     pairs.dedup();
     pairs
 }
 
-/// What all methods have in common of a device.
+/// Data of a device common to all methods.
 struct OfDevice<'a> {
     name: &'a str,
     ideal_peak: f64,

@@ -1,4 +1,4 @@
-//! The settings of a method of worlds in reports: under the keys that scene files have.
+//! Settings of a method of worlds in reports, under the keys of scene files.
 
 use palpate_scene::world::WorldSettings;
 use serde::Serialize;
@@ -16,16 +16,16 @@ pub struct SettingReport {
     /// Stiffness of the coupling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coupling_stiffness_n_per_m: Option<f64>,
-    /// Mass of the avatar.
+    /// Mass of the proxy.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coupling_mass_kg: Option<f64>,
-    /// Damping of turning.
+    /// Rotational damping.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotational_damping_n_m_s_per_rad: Option<f64>,
-    /// Stiffness of the coupling of turning.
+    /// Rotational stiffness of the coupling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coupling_rotational_stiffness_n_m_per_rad: Option<f64>,
-    /// Moment of inertia of the avatar.
+    /// Moment of inertia of the proxy.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coupling_inertia_kg_m2: Option<f64>,
 }
@@ -44,7 +44,7 @@ impl From<&WorldSettings> for SettingReport {
 }
 
 impl SettingReport {
-    /// Each value that there is, with its key.
+    /// Returns the set values with their keys.
     pub fn values(&self) -> impl Iterator<Item = (&'static str, f64)> {
         [
             ("damping_n_s_per_m", self.damping_n_s_per_m),
@@ -67,7 +67,7 @@ impl SettingReport {
         .filter_map(|(key, value)| Some((key, value?)))
     }
 
-    /// The values along an axis, short: `B 4 N s/m, k 4000 N/m, m 0.1 kg`.
+    /// Returns the values along an axis in short form: `B 4 N s/m, k 4000 N/m, m 0.1 kg`.
     #[must_use]
     pub fn in_short(&self) -> String {
         let parts = [

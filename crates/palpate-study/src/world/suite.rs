@@ -1,4 +1,4 @@
-//! Methods on random worlds: how large the errors are where nobody has chosen the scene.
+//! Evaluation of methods on random worlds.
 
 use std::fmt;
 use std::ops::Range;
@@ -25,20 +25,20 @@ const PERIODS: [f64; 3] = [0.001, 0.004, 0.01];
 /// Quantum of the sensors of desktop devices `[m]`.
 const QUANTUM: f64 = 2e-6;
 
-/// A family of random worlds, and the loops that they are rendered in.
+/// A family of random worlds, and the loops of their evaluation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WorldSet {
-    /// Tools in a hand, with and without a sample of delay.
+    /// Tools in a hand, with and without a delay of one sample.
     Hand,
-    /// Tools that a constant force pushes, with perfect sensors and others.
+    /// Tools pushed by a constant force, with ideal and quantised sensors.
     Free,
 }
 
-/// A loop but for its period.
+/// Parameters of a loop except its period.
 #[derive(Clone, Copy, Debug)]
 struct Condition {
     delay_samples: usize,
-    /// `[m]`
+    /// Quantum of the sensors `[m]`.
     quantum: f64,
 }
 
@@ -46,7 +46,7 @@ impl WorldSet {
     /// All sets.
     pub const ALL: [Self; 2] = [Self::Hand, Self::Free];
 
-    /// Its name, by which the program knows it.
+    /// Returns the name on the command line.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -73,7 +73,7 @@ impl WorldSet {
         }
     }
 
-    /// What is drawn, in words.
+    /// Describes the random worlds of the set.
     fn drawn(self) -> &'static str {
         match self {
             Self::Hand => {
@@ -88,7 +88,7 @@ impl WorldSet {
     }
 }
 
-/// What methods made of random worlds.
+/// Results of methods on random worlds.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -100,25 +100,25 @@ pub struct WorldSuiteReport {
     pub set: &'static str,
     /// Seed of the draws, the first of several.
     pub seed: u64,
-    /// Number of seeds, which follow each other, if there are several: the quantiles are then those of all worlds.
+    /// Number of consecutive seeds, if there are several: the quantiles are then those of all worlds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seeds: Option<usize>,
-    /// Worlds for each period and seed.
+    /// Number of worlds per period and seed.
     pub worlds: usize,
     /// One entry for each loop.
     pub loops: Vec<LoopReport>,
 }
 
-/// What methods made of random worlds in a loop.
+/// Results of methods on random worlds in one loop.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct LoopReport {
-    /// Time from sample to sample.
+    /// Sampling period.
     pub period_s: f64,
-    /// Delay, which every renderer is told.
+    /// Delay, included in every renderer's model.
     pub delay_samples: usize,
-    /// Quantum of every sensor, which `coupled` is told.
+    /// Quantum of every sensor, included in the model of `coupled`.
     pub quantum_m: f64,
     /// One entry for each method.
     pub methods: Vec<MethodErrors>,
@@ -129,32 +129,32 @@ pub struct LoopReport {
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct MethodErrors {
-    /// Its name; the best of a method has the setting with the least error of each world, found with knowledge of the
+    /// Name; "best" entries use the setting with the lowest error on each world, selected with knowledge of the
     /// ideal.
     pub name: &'static str,
-    /// E that half of the worlds are below.
+    /// Median of E.
     pub median_percent: f64,
-    /// E that nine tenths are below.
+    /// 90 % quantile of E.
     pub quantile_90_percent: f64,
     /// The largest E.
     pub largest_percent: f64,
-    /// Worlds in which no setting of the method has an E below that of no force, 100 %: the least bad one counts. None for
-    /// methods without settings.
+    /// Number of worlds in which no setting of the method has an E below that of no force, 100 %; the least bad one
+    /// counts. None for methods without settings.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub none_found: Option<usize>,
-    /// How the quantiles of each seed are spread over the seeds, if there are several.
+    /// Spread of the quantiles of each seed over the seeds, if there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub over_seeds: Option<ErrorsOverSeeds>,
 }
 
-/// How the quantiles of each seed's worlds are spread over the seeds.
+/// Spread of the quantiles of each seed's worlds over the seeds.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct ErrorsOverSeeds {
     /// Median of E.
     pub median_percent: Spread,
-    /// What nine tenths of E are below.
+    /// 90 % quantile of E.
     pub quantile_90_percent: Spread,
     /// Largest E.
     pub largest_percent: Spread,
@@ -163,7 +163,7 @@ pub struct ErrorsOverSeeds {
 /// Median, 90 % and largest E of a method on the worlds of a seed.
 type Quantiles = [f64; 3];
 
-/// The quantiles of errors, of which there is one at least.
+/// Returns the quantiles of a non-empty set of errors.
 fn quantiles(errors: impl IntoIterator<Item = f64>) -> Quantiles {
     let mut sorted: Vec<f64> = errors.into_iter().collect();
     sorted.sort_by(f64::total_cmp);
@@ -171,7 +171,7 @@ fn quantiles(errors: impl IntoIterator<Item = f64>) -> Quantiles {
 }
 
 impl MethodErrors {
-    /// Of the errors of the method at this place, on the worlds of each seed.
+    /// Creates the entry from the errors of the method at this index, on the worlds of each seed.
     fn new(place: usize, of_seeds: &[Vec<[f64; NAMES.len()]>]) -> Self {
         let errors = || of_seeds.iter().flatten().map(|errors| errors[place]);
         let [median_percent, quantile_90_percent, largest_percent] = quantiles(errors());
@@ -200,7 +200,7 @@ impl MethodErrors {
     }
 }
 
-/// Names of what is compared.
+/// Names of the compared methods.
 const NAMES: [&str; 5] = [
     "basic",
     "best damper",
@@ -209,11 +209,11 @@ const NAMES: [&str; 5] = [
     "coupled",
 ];
 
-/// Draws so many worlds of a set for each period and seed and judges methods on them. `judged` is called for each world
+/// Draws `worlds` worlds of a set per period and seed and evaluates methods on them. Calls `judged` after each world
 /// and loop.
 ///
 /// # Errors
-/// A world that cannot be drawn or judged.
+/// A world cannot be drawn or evaluated.
 pub fn run(
     set: WorldSet,
     worlds: usize,
@@ -234,7 +234,7 @@ pub fn run(
                         judged();
                         errors
                     })
-                    // A caller that wants to stop lets `judged` panic.
+                    // A caller cancels the rest by a panic in `judged`.
                     .panic_fuse()
                     .collect::<Result<Vec<_>, _>>()
             };
@@ -259,13 +259,13 @@ pub fn run(
     })
 }
 
-/// Number of calls of `judged` in [`run`] for one seed.
+/// Returns the number of calls of `judged` in [`run`] for one seed.
 #[must_use]
 pub fn steps(set: WorldSet, worlds: usize) -> usize {
     worlds * PERIODS.len() * set.conditions().len()
 }
 
-/// E of what is compared on one world `[%]`.
+/// Returns E of the compared methods on one world `[%]`.
 fn errors(
     world: &RandomWorld,
     period: f64,
@@ -315,7 +315,7 @@ fn errors(
     for (best, tunable) in errors[1..].iter_mut().zip(Tunable::ALL) {
         *best = f64::INFINITY;
         for all in [tunable.candidates(scale), tunable.softer(scale)] {
-            // Softer couplings only if no other comes nearer to the ideal than no force.
+            // Softer couplings are tried only if no other is nearer to the ideal than no force.
             if *best < NO_FORCE_PERCENT {
                 break;
             }
@@ -330,7 +330,7 @@ fn errors(
 }
 
 impl LoopReport {
-    /// Period, delay in samples, quantum.
+    /// Returns period, delay in samples and quantum in short form.
     fn in_short(&self) -> String {
         format!(
             "{} ms, {}, {} um",

@@ -10,7 +10,7 @@ use crate::text::{
     E, FRE, counted, digits, legend, lines, number, percent, plain_table, short, wrapped,
 };
 
-/// What the column of the leak is.
+/// Explanation of the leak column.
 const LEAK: &str = "Leak: energy that held forces created: what hands, bodies, contacts and dissipation have gained together.";
 
 impl fmt::Display for WorldReport {
@@ -97,7 +97,7 @@ impl WorldReport {
         table
     }
 
-    /// For each method and device the error along each axis.
+    /// Returns the error along each axis, per method and device.
     fn axis_table(&self) -> Table {
         let header = [
             "method",
@@ -124,7 +124,7 @@ impl WorldReport {
         table
     }
 
-    /// The same about each axis of the devices that turn, if one does.
+    /// Returns the torque error about each axis, if a device has a torque.
     fn torque_table(&self) -> Option<Table> {
         let header = [
             "method",
@@ -158,7 +158,7 @@ impl WorldReport {
         turns.then_some(table)
     }
 
-    /// Where the sensor or the hand of a device decides about its errors, and not the renderer.
+    /// Describes where the sensor or the hand of a device, and not the renderer, dominates its errors.
     fn decided(&self, it: &DecisiveReport) -> Vec<String> {
         let mut decided = Vec::new();
         if let Some(part) = it.quantum_over_force.filter(|it| *it > Decisive::SENSOR) {
@@ -183,7 +183,7 @@ impl WorldReport {
         decided
     }
 
-    /// What the numbers above do not say.
+    /// Returns remarks on facts that the tables do not show.
     fn remarks(&self) -> Vec<String> {
         let overlap = |[one, other]: &[String; 2]| {
             format!("\"{one}\" and \"{other}\" overlap at the start; their contact begins so.")

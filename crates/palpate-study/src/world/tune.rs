@@ -1,7 +1,7 @@
-//! Tuning on a world: how a method's error and leak depend on its damping and its coupling.
+//! Tuning on a world: dependence of a method's error and leak on its damping and its coupling.
 //!
-//! Every setting is judged on the scene as it is, by an ideal that a renderer does not have. It may be bad for another
-//! start or another mass.
+//! Every setting is evaluated on this scene against the ideal, which a renderer does not have. The best setting may
+//! be poor for another start or another mass.
 
 use std::fmt;
 
@@ -22,20 +22,20 @@ use crate::tune::Objective;
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate world-tune 1";
 
-/// E of no force at all `[%]`, or little less: a setting with more makes the force worse than none.
+/// E without any force `[%]`, approximately: a setting with a larger E is worse than no force.
 pub const NO_FORCE_PERCENT: f64 = 100.0;
 
-/// A setting and what it does.
+/// A setting and its results.
 #[derive(Clone, Debug)]
 pub struct Tuned {
     /// The setting.
     pub settings: WorldSettings,
-    /// What the method does with it.
+    /// Run of the method with the setting.
     pub run: WorldRun,
 }
 
 impl Tuned {
-    /// E over all devices and axes `[%]`, infinite where the loop ran away; none if the ideal touches no tool.
+    /// Returns E over all devices and axes `[%]`, infinite if the loop diverged; `None` if the ideal touches no tool.
     #[must_use]
     pub fn error(&self) -> Option<f64> {
         let sum = self.run.judgement.sum.as_ref();
@@ -43,8 +43,8 @@ impl Tuned {
             .map(|error| if error.is_nan() { f64::INFINITY } else { error })
     }
 
-    /// Whether the renderer refuses no sample and the force is nearer to the ideal than no force at all, of which E is
-    /// [`NO_FORCE_PERCENT`]: it does not run away.
+    /// Whether the renderer rejects no sample and E is below [`NO_FORCE_PERCENT`], the value of no force. Such a loop
+    /// does not diverge.
     #[must_use]
     pub fn is_usable(&self) -> bool {
         let error = self.error();
@@ -63,10 +63,10 @@ impl Tuned {
     }
 }
 
-/// Judges a method with each of these settings, in their order. `done` is called after each.
+/// Evaluates a method with each of these settings, in order. Calls `done` after each.
 ///
 /// # Errors
-/// A setting with which the world cannot be rendered, such as a shape of a tool that the method does not know.
+/// The world cannot be rendered with a setting, for example because the method does not support the shape of a tool.
 pub fn tune(
     scene: &WorldScene,
     bench: &WorldBench,
@@ -91,8 +91,8 @@ pub fn tune(
     settings.par_iter().map(one).collect()
 }
 
-/// Judges a method with its [`candidates`](Tunable::candidates) and, if none of them can be used, with
-/// [softer couplings](Tunable::softer). `done` is called after each.
+/// Evaluates a method with its [`candidates`](Tunable::candidates) and, if none of them is usable, with [softer
+/// couplings](Tunable::softer). Calls `done` after each.
 ///
 /// # Errors
 /// As [`tune`].
@@ -110,8 +110,8 @@ pub fn search(
     Ok(tuned)
 }
 
-/// The one of the least error or leak, of those that have some. A setting with which the renderer refuses samples comes after
-/// all with which it refuses fewer: without a force there is no leak.
+/// Returns the result with the lowest error or leak. A setting with more rejected samples ranks below a setting with
+/// fewer, because a rejected sample has no force and hence no leak.
 #[must_use]
 pub fn best(tuned: &[Tuned], objective: Objective) -> Option<&Tuned> {
     tuned.iter().min_by(|one, other| {
@@ -121,7 +121,7 @@ pub fn best(tuned: &[Tuned], objective: Objective) -> Option<&Tuned> {
     })
 }
 
-/// How a method depends on its settings on a world.
+/// Dependence of a method on its settings on a world.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -133,17 +133,17 @@ pub struct WorldTuneReport {
     pub title: String,
     /// Name of the method.
     pub method: &'static str,
-    /// What was to be least: error or leak.
+    /// Minimised quantity: `error` or `leak`.
     pub least: &'static str,
-    /// Time from sample to sample.
+    /// Sampling period.
     pub period_s: f64,
-    /// The least FRE that held forces can have here; none if the ideal touches no tool.
+    /// Zero-order-hold bound: minimum FRE of any held force; none if the ideal touches no tool.
     pub hold_floor_percent: Option<f64>,
-    /// Mean-force error of the ideal against itself, computed with coarser steps.
+    /// Mean-force error between the ideal and the ideal with coarser steps.
     pub ideal_error_percent: Option<f64>,
-    /// Whether a setting can be used: the renderer refuses no sample, and E is less than that of no force, 100 %.
+    /// Whether a setting is usable: the renderer rejects no sample, and E is below that of no force, 100 %.
     pub found: bool,
-    /// The setting that was chosen: the least bad one if none can be used.
+    /// The chosen setting; the least bad one if none is usable.
     pub best: WorldPointReport,
     /// Every setting that was tried.
     pub curve: Vec<WorldPointReport>,
@@ -152,20 +152,20 @@ pub struct WorldTuneReport {
     pub files: Vec<String>,
 }
 
-/// A setting and what it does.
+/// A setting and its results.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct WorldPointReport {
     /// The setting, under the keys of scene files.
     pub settings: SettingReport,
-    /// E over all devices and axes; `null` where the loop ran away.
+    /// E over all devices and axes; `null` if the loop diverged.
     pub mean_force_error_percent: Option<f64>,
-    /// FRE likewise.
+    /// FRE over all devices and axes.
     pub force_rendering_error_percent: Option<f64>,
-    /// Energy that held forces created: what hands, bodies, contacts and dissipation have gained together.
+    /// Generated energy of the held forces: the total energy gain of hands, bodies, contacts and dissipation.
     pub leak_j: f64,
-    /// Samples that the renderer refused.
+    /// Number of samples that the renderer rejected.
     pub refused_samples: usize,
 }
 
@@ -183,7 +183,7 @@ impl WorldPointReport {
 }
 
 impl WorldTuneReport {
-    /// The report of what was tried; none if nothing was.
+    /// Creates the report of the tried settings; `None` if there are none.
     #[must_use]
     pub fn new(
         scene: &WorldScene,
@@ -209,12 +209,12 @@ impl WorldTuneReport {
         })
     }
 
-    /// Adds a file that was written.
+    /// Adds a written file.
     pub fn wrote(&mut self, path: &std::path::Path) {
         self.files.push(path.display().to_string());
     }
 
-    /// Whether no larger damping was tried with the coupling of the best setting, so that a larger one may be better.
+    /// Whether the best setting has the largest tried damping of its coupling, so that a larger one may be better.
     #[must_use]
     pub fn has_largest_damping(&self) -> bool {
         let damping = |point: &WorldPointReport| point.settings.damping_n_s_per_m;
@@ -228,7 +228,7 @@ impl WorldTuneReport {
     }
 }
 
-/// Of so many settings a table shows all; of more only the best.
+/// Maximum number of rows of a table; of more settings it shows only the best.
 const MOST_ROWS: usize = 26;
 
 impl fmt::Display for WorldTuneReport {
@@ -314,7 +314,7 @@ impl WorldTuneReport {
     }
 }
 
-/// Why none of so many settings can be used, with the least bad one.
+/// Returns the reason why no setting is usable, with the least bad one.
 pub(super) fn none_found(count: usize, best: &WorldPointReport) -> String {
     let least = match (best.refused_samples, best.mean_force_error_percent) {
         (0, Some(error)) => format!("the least E is {} %", percent(error)),

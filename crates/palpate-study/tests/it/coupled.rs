@@ -1,4 +1,4 @@
-//! How near coupled rendering comes to the hold floor: the claims of docs/coupled.md.
+//! Distance of coupled rendering from the zero-order-hold bound: the claims of docs/coupled.md.
 #![allow(clippy::print_stdout)]
 
 use crate::common::{PAPER_SCENES, scene};
@@ -64,11 +64,11 @@ fn a_pressed_wall_is_steady_and_does_not_creep() {
         ("coupled/wall-1000", 1000.0, 0.004),
         ("coupled/wall-10000", 10_000.0, 0.02),
     ] {
-        // A third of the scene's minute, which is most of the time its ideal takes.
+        // A third of the scene's minute, since the ideal takes most of the computing time.
         let mut scene = scene(name);
         scene.measure = Measure::Duration(20.0);
         let run = coupled(&scene);
-        // The hand's 3 N against its own 100 N/m from 0 and the wall's K from 10 mm.
+        // Static equilibrium of the hand's 3 N, its spring of 100 N/m from 0, and the wall's K from 10 mm.
         let ideal = (3.0 - 100.0 * 0.01) * stiffness / (stiffness + 100.0);
         let mean_and_deviation = |from: f64| {
             let late: Vec<f64> = run
@@ -97,8 +97,8 @@ fn a_pressed_wall_is_steady_and_does_not_creep() {
 
 #[test]
 fn a_stiff_light_object_rebounds_as_it_should_though_the_encoder_is_coarse() {
-    // Half of a quantum is 0.8 N at 160 N/mm, and a rebound that is 0.2 % too fast is a collision
-    // that comes a third of a sample early.
+    // Half a quantum is 0.8 N at 160 N/mm. A rebound that is 0.2 % too fast makes the next collision a third of a
+    // sample early.
     for (name, median, worst) in [
         ("coupled/stiff-40", 4.0, 15.0),
         ("coupled/stiff-160", 8.0, 30.0),
@@ -141,14 +141,14 @@ fn a_pressed_wall_stays_steady_with_a_delay_and_any_mass_told() {
 
 #[test]
 fn what_the_motor_did_not_give_is_placed_for() {
-    // Samples that come late or not at all, and a motor that gives a part of what is asked: what was held
-    // is known a sample later, and the object is placed by that. Where commands come late beside that, by
-    // more than is told, nobody knows what was held.
+    // Samples are late or missing, and the motor delivers only a part of the command. The held force is known one
+    // sample later and then corrects the object position. An additional unmodelled command delay would make the held
+    // force unknown.
     let mut stale = scene("users/s09-stale-late-missing");
     stale.delay = Delay::NONE;
     let late = fidelity(&stale).mean_force_error;
-    // The contact yields with the largest force, as an ideal clipped one does: it creates no energy, and takes longer than the
-    // ideal that is not clipped.
+    // The contact yields at the force limit, as in a clipped ideal: it generates no energy and lasts longer than in
+    // the unclipped ideal.
     let scene = scene("users/s04-clipped-200hz");
     let clipped = fidelity(&scene).mean_force_error;
     let leak = coupled(&scene).last().ledger.held_leak.absolute;

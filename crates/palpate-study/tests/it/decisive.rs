@@ -1,4 +1,4 @@
-//! Where the sensor or the hand decides about the force error of a world, on random worlds.
+//! Influence of the sensor and the hand on the force error of random worlds.
 #![allow(clippy::print_stdout)] // what was measured
 
 use palpate_sim::world::{WorldBench, as_rendered};
@@ -7,7 +7,7 @@ use palpate_testbed::world::{Decisive, PlantParams};
 use palpate_world::{CoupledParams, WorldLoop, WorldRenderer};
 use rayon::prelude::*;
 
-/// The loop in which worlds are judged.
+/// The loop of the evaluation.
 #[derive(Clone, Copy)]
 struct Condition {
     period: f64,
@@ -15,7 +15,7 @@ struct Condition {
     quantum: f64,
 }
 
-/// What decides on one world, and E of `coupled` `[%]`.
+/// Returns the influence of sensor and hand on one world, and E of `coupled` `[%]`.
 fn judged(world: &RandomWorld, condition: Condition) -> Option<(Decisive, f64)> {
     let Condition {
         period, quantum, ..
@@ -53,7 +53,7 @@ fn all(conditions: &[Condition], worlds: usize) -> Vec<(Decisive, f64)> {
     judged_worlds
 }
 
-/// Median and 90 % of E of the worlds of which `measure` lies in a range, printed with it.
+/// Returns and prints median and 90 % quantile of E of the worlds with `measure` in a range.
 fn errors(
     name: &str,
     judged: &[(Decisive, f64)],

@@ -1,4 +1,4 @@
-//! All integration tests of palpate-study, in one program.
+//! All integration tests of palpate-study, in one binary.
 
 #[path = "../../../palpate-sim/tests/it/common/mod.rs"]
 mod common;

@@ -1,5 +1,5 @@
-//! The map: its loop against the bench's, its classes against classical results, and that nothing
-//! depends on threads.
+//! Tests of the map: its loop against the bench, its classes against classical results, and its independence of
+//! threads.
 #![allow(clippy::print_stdout)]
 
 use std::ops::ControlFlow;
@@ -36,8 +36,8 @@ fn all_cells(params: &MapParams, threads: usize) -> Vec<CellResult> {
     results
 }
 
-/// The bench, which records every tick, in one phase of a bounce; its window is that of the lossless
-/// bounce, as in the map.
+/// Runs the bench, which records every tick, in one phase of a bounce; its window is that of the lossless bounce, as
+/// in the map.
 fn on_the_bench<T>(bounce: &Bounce, phase: usize, then: impl FnOnce(&Bench) -> T) -> T {
     let height = 0.05 * (2.0 * phase as f64 / (PHASES - 1) as f64 - 1.0);
     let mut lossless = bounce.on(Plant::Undamped).scene(height, 1);
@@ -80,8 +80,8 @@ fn the_lean_loop_gives_the_numbers_of_the_bench_to_the_bit() {
 
 #[test]
 fn with_friction_the_lean_loop_gives_the_numbers_of_the_bench_s_integrated_ideal() {
-    // Experiment 1 with the friction of the pantograph; an unstable loop forgets nothing, so only
-    // stable ones can agree.
+    // Experiment 1 with the friction of the pantograph. An unstable loop amplifies differences, so only stable loops
+    // can agree.
     let mut bounce = params(5).cell(0).bounce;
     (bounce.stiffness, bounce.object_mass) = (100.0, 0.1);
     let methods = [MethodName::HfcrModSt, MethodName::VirtualDamper];
@@ -160,7 +160,7 @@ fn what_the_renderer_is_told_wrong_is_no_part_of_the_plant() {
         entries.find(|entry| entry.method == method).unwrap()
     };
     let right = of(1.0, 1.0, MethodName::Hfcr);
-    // A wrong mass reaches what derives its damping from it, and nothing else.
+    // A wrong model mass affects only methods that derive their damping from it.
     assert_ne!(of(0.2, 1.0, MethodName::Hfcr), right);
     let told_right = of(1.0, 1.0, MethodName::Coupled);
     assert_ne!(of(0.2, 1.0, MethodName::Coupled), told_right);
@@ -168,13 +168,13 @@ fn what_the_renderer_is_told_wrong_is_no_part_of_the_plant() {
         of(0.2, 1.0, MethodName::HfcrModSt),
         of(1.0, 1.0, MethodName::HfcrModSt)
     );
-    // A wrong period leaves the ideal what it is.
+    // A wrong model period does not change the ideal.
     let wrong = of(1.0, 1.2, MethodName::Hfcr);
     assert_eq!(wrong.hold_floor, right.hold_floor);
     assert!(wrong.error.median > right.error.median + 1.0, "{wrong:?}");
 }
 
-/// The loop with a device file differs from the loop without one: a map, an advice and a page must see that.
+/// A device file changes the loop, so it must affect a map, an advice and a page.
 #[test]
 fn a_deviation_of_the_model_reaches_the_renderer_of_every_cell() {
     let of = |delay_deviation: f64, lag_deviation: f64, method| {
@@ -198,7 +198,7 @@ fn a_deviation_of_the_model_reaches_the_renderer_of_every_cell() {
     let exact = of(0.0, 0.0, MethodName::Coupled);
     assert_ne!(of(0.1, 0.0, MethodName::Coupled), exact);
     assert_ne!(of(0.0, 0.1, MethodName::Coupled), exact);
-    // Other methods predict no device.
+    // Other methods do not predict the device motion.
     let exact = of(0.0, 0.0, MethodName::HfcrModSt);
     assert_eq!(of(0.1, 0.1, MethodName::HfcrModSt), exact);
 }
@@ -227,7 +227,7 @@ fn below_the_colgate_schenkel_bound_no_wall_gains_energy() {
             assert!(entry.growth.worst <= 1.0, "{friction}, {share}: {entry:?}");
             checked += 1;
         }
-        // The bound is sharp in order of magnitude: far above it the wall buzzes.
+        // The bound is sharp in order of magnitude: far above it the wall oscillates.
         let entry = judged(&wall(8.0 * most, friction), MethodName::Basic, None);
         assert_ne!(entry.class(), Class::Stable, "{friction}: {entry:?}");
     }
@@ -344,7 +344,7 @@ fn coulomb_friction_takes_energy_and_has_an_ideal() {
     let with = bounce.judge(Plant::Damped, &settings).unwrap().0[0];
     println!("without {:?}, with {:?}", without.growth, with.growth);
     assert!(with.growth.worst < without.growth.worst - 0.02);
-    // Judged against its own ideal, it is no worse than without.
+    // Against the ideal with friction, its error is not larger than without friction.
     assert!(with.error.worst < without.error.worst + 3.0, "{with:?}");
 }
 
@@ -375,8 +375,8 @@ fn stay(bounce: &Bounce, method: MethodName) -> Stay {
     bounce.stay(method, default_settings(method)).unwrap().0
 }
 
-/// The stiffness up to which a device in a hand and the plain spring of a wall are stable: both
-/// eigenvalues of the step from sample to sample lie in the unit circle (Jury).
+/// Returns the stiffness limit of a device in a hand with the sampled spring of a wall: both eigenvalues of the step
+/// from sample to sample are inside the unit circle (Jury).
 fn stiffest_wall_in_a_hand(device: f64, hand: (f64, f64, f64), period: f64) -> f64 {
     let (mass, stiffness, damping) = hand;
     let from = |position, velocity, force| {
@@ -428,7 +428,7 @@ fn a_wall_that_is_pressed_with_the_plain_spring_is_steady_up_to_the_bound_of_lin
 #[test]
 fn what_rests_and_what_does_not() {
     for (method, kappa, object_kappa, rests) in [
-        // An object that hardly moves the device: no damping of the hand reaches its swing.
+        // The object hardly moves the device, so the hand's damping does not affect its oscillation.
         (MethodName::Basic, 0.01, 1.0, false),
         (MethodName::Basic, 1.0, 0.1, false),
         (MethodName::Basic, 0.1, 0.1, true),
@@ -450,7 +450,7 @@ fn what_rests_and_what_does_not() {
 
 #[test]
 fn an_object_that_is_lost_does_not_rest() {
-    // The force is 0 while the object flies: there is nothing left that swings.
+    // The force is 0 while the object flies, so there is no oscillation.
     let stay = stay(&object(3.1622776601683795, 0.001), MethodName::Basic);
     assert_eq!(stay.resting, Some(f64::INFINITY), "{stay:?}");
     assert!(!stay.rests());
@@ -462,7 +462,7 @@ fn without_an_encoder_the_plain_spring_swings_as_much_whatever_presses() {
         let stay = stay(&object(kappa, object_kappa), MethodName::Basic);
         let resting = stay.resting.unwrap();
         assert!((resting - stay.pressed).abs() < 1e-6, "{stay:?}");
-        // An ideal contact keeps the 10 % it begins with, a standard deviation of 7.07 %.
+        // An ideal contact keeps its initial 10 %, a standard deviation of 7.07 %.
         assert!(resting > 0.0 && resting < 2.0 * RESTS_BELOW);
     }
 }
@@ -481,7 +481,7 @@ fn a_cell_has_the_contacts_that_stay_of_its_scene() {
     }
 }
 
-/// A delay a little below or above a whole number of periods, with a little lag, is nearly that number.
+/// A delay slightly below or above a whole number of periods, with a small lag, is nearly equivalent to that number.
 #[test]
 fn a_fraction_of_delay_and_a_lag_come_on_without_a_jump() {
     let bounce = params(5).cell(9).bounce.on(Plant::Undamped);
@@ -507,14 +507,14 @@ fn a_fraction_of_delay_and_a_lag_come_on_without_a_jump() {
         }
         halves.push(judged(whole, 0.0)[0].error.median);
     }
-    // And half a period is neither.
+    // Half a period differs from both.
     let half = judged(0.5, 0.2)[0].error.median;
     println!("hfcr-mod-st at half a period and a lag: {half}");
     assert!((half - halves[0]).abs() > 0.1 * halves[0]);
     assert!((half - halves[1]).abs() > 0.1 * halves[1]);
 }
 
-/// A renderer that is told of half a period and of a lag renders what none can that is not told.
+/// A renderer with a modelled delay of half a period and a modelled lag is stable where an unmodelled one is not.
 #[test]
 fn coupled_rendering_holds_at_half_a_period_of_delay_and_a_lag() {
     let bounce = Bounce {

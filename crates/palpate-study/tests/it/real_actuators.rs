@@ -1,4 +1,4 @@
-//! The sets of plants with real actuators: what is drawn, what is told, and what telling is worth.
+//! Sets of plants with real actuators: the drawn plants, the renderer's model, and the benefit of the model.
 #![allow(clippy::print_stdout)] // what was measured
 
 use palpate_scene::method::MethodName;
@@ -115,7 +115,7 @@ fn every_draw_of_the_desk_lies_in_its_range_and_fills_it() {
             .is_some()
     });
     println!("in a hand {in_hand}, flexible {flexible}");
-    // 70 % of the draws; those that are drawn again are in hands.
+    // 70 % of the draws have a hand; so have the rejected draws.
     assert!((in_hand - 0.67).abs() < 0.1 && (flexible - 0.5).abs() < 0.1);
     for plant in &plants {
         let scene = &plant.scene;
@@ -146,7 +146,7 @@ fn a_condition_is_of_what_is_told_and_leaves_the_truth_as_it_is() {
                         let device = scene.device.point_mass().unwrap();
                         assert_eq!(told.transmission.is_some(), device.transmission.is_some());
                         if let (Some(told), Some(of)) = (told.transmission, device.transmission) {
-                            // The motor's side has no part of the hand.
+                            // The motor side excludes the mass of the hand.
                             let mass = scene.told_device_mass.unwrap();
                             let motor = mass * (1.0 - told.flexible_mass_fraction);
                             assert!((motor / (of.motor_share * device.mass) - 1.0).abs() < 1e-12);
@@ -169,7 +169,7 @@ fn a_condition_is_of_what_is_told_and_leaves_the_truth_as_it_is() {
     }
 }
 
-/// Time decides, and telling it pays: the claim that the sets are there to look at.
+/// Timing dominates the error, and modelling it pays: the claim that these sets test.
 #[test]
 fn coupled_needs_to_be_told_and_a_calibration_is_nearly_the_truth() {
     for set in [Set::Desk, Set::Real] {
@@ -207,7 +207,7 @@ fn in_steps_mass_and_friction_matter_little_and_time_much() {
     assert!(median("delay .3 T, untold") > 20.0);
     assert!(median("delay .3 T, told .3 T") < 0.1 * median("delay .3 T, untold"));
     assert!(median("lag .3 ms + delay .5 T, both told") < 2.0);
-    // Of three quarters of the plants; the worst of so few may be as bad.
+    // The 75 % quantile; the largest value of so few plants may not improve.
     let most = |words: &str| errors(words)[1];
     assert!(most("sensor noise 5 um, told") < 0.8 * most("sensor noise 5 um, untold"));
     let mistold = median("the same, the delay told .02 T wrong");
@@ -227,8 +227,8 @@ fn a_plant_depends_on_set_seed_and_number_only() {
     );
 }
 
-/// The plausible device, told what `calibrate` finds on it: E of coupled is within what was asked of it, and the
-/// best damper's is not.
+/// The plausible device with the model of its own `calibrate`: E of coupled meets its limits, and is below that of
+/// the best damper on at least 85 % of the plants.
 #[test]
 fn coupled_is_told_enough_by_a_calibration_of_the_device_itself() {
     let count = std::env::var("PALPATE_PLANTS").map_or(8, |count| count.parse().unwrap());
@@ -258,7 +258,7 @@ fn coupled_is_told_enough_by_a_calibration_of_the_device_itself() {
         .count();
     println!("the best damper is beaten on {beaten} of {count}");
     let [median, _, ninety, _] = summary(&judged, 0, 1).unwrap().error;
-    // Of so few plants; docs/suite.md has more.
+    // Few plants; docs/suite.md has results for more.
     assert!(median < 6.0 && ninety < 45.0, "{median} {ninety}");
     assert!(beaten * 20 >= count * 17);
 }

@@ -1,4 +1,4 @@
-//! The suite of random plants: what is drawn, that it stays the same, and what comes out.
+//! Tests of the suite of random plants: ranges, reproducibility and results.
 #![allow(clippy::print_stdout)] // what was measured
 
 use crate::common::{PAPER_SCENES, experiments, scene};
@@ -26,7 +26,7 @@ fn all() -> Vec<Column> {
     MethodName::ALL.map(Column::of).to_vec()
 }
 
-/// What a judgement consists of, bit by bit.
+/// Returns the bits of the evaluation results.
 fn bits(judged: &[Judged]) -> Vec<u64> {
     judged
         .iter()
@@ -47,7 +47,7 @@ fn bits(judged: &[Judged]) -> Vec<u64> {
 #[test]
 fn every_draw_lies_in_its_range_and_fills_it() {
     let plants = plants(11, 300);
-    // Name, value, range; a share of the range that must be met at both ends.
+    // Name, value, range, and the share of the range that must be reached at both ends.
     type Value = fn(&RandomPlant) -> Option<f64>;
     let device = |plant: &RandomPlant| plant.scene.device.mass();
     let ranges: [(&str, Value, f64, f64); 14] = [
@@ -160,7 +160,7 @@ fn every_draw_lies_in_its_range_and_fills_it() {
     let rubbing = share(&|plant| plant.scene.device.coulomb_friction() > 0.0);
     let ideal = share(&|plant| plant.scene.device.encoder_quantum() == 0.0);
     println!("no hand {free}, tremor {trembling}, Coulomb {rubbing}, ideal encoder {ideal}");
-    // 40 % of the draws; of those that are drawn again, nearly all have a hand.
+    // 40 % of the draws; nearly all rejected draws have a hand.
     assert!((free - 0.46).abs() < 0.08);
     assert!((trembling - 0.5).abs() < 0.08 && (rubbing - 0.5).abs() < 0.08);
     assert!((ideal - 1.0 / 3.0).abs() < 0.08);
@@ -228,7 +228,7 @@ fn any_number_of_threads_gives_the_same_bits_in_the_same_order() {
             .enumerate()
             .all(|(at, judged)| judged.plant.index == at)
     );
-    // Nor does a plant depend on how many follow it.
+    // A plant does not depend on the number of plants after it.
     assert_eq!(
         bits(&one[..3]),
         bits(&run(Set::Paper, 2, 3, &all(), || ()).unwrap())
@@ -284,7 +284,7 @@ fn hfcr_gives_the_column_that_calibrates_the_suite() {
     let found = DELAYS.map(|delay| summary(&judged, 0, delay).unwrap());
     println!("{found:?}");
     let within = |value: f64, from: f64, to: f64| assert!((from..to).contains(&value), "{value}");
-    // A median of 180 of these is known to about 7.
+    // The median of 180 plants has an uncertainty of about 7.
     within(found[0].error[0], 60.0, 85.0);
     within(found[0].error[1], 98.0, 115.0);
     within(found[0].error[2], 122.0, 145.0);
@@ -396,7 +396,7 @@ fn of_a_list_of_dampings_the_best_on_each_plant_counts() {
         }
     }
     assert_eq!(chosen.len(), 3, "no ratio is best everywhere");
-    // A single ratio is a setting like others.
+    // A single ratio is an ordinary setting.
     let plain = Column {
         settings: crate::common::damping(judged[0].trials[1].damping.unwrap()),
         ..Column::of(MethodName::VirtualDamper)
@@ -408,7 +408,7 @@ fn of_a_list_of_dampings_the_best_on_each_plant_counts() {
 
 #[test]
 fn over_heights_the_damping_of_least_median_is_the_scene_s() {
-    // The scene's own B is the best at its own height, and far from it at others.
+    // The scene's own B is the best at its own height, but not at other heights.
     let scene = scene("fig2");
     let impedance = scene.contact.stiffness * scene.loop_params.period;
     let damper = &scene.settings[&MethodName::VirtualDamper];

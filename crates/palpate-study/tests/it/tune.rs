@@ -74,7 +74,7 @@ fn the_damper_that_is_best_at_one_height_is_not_the_best_of_all() {
 
 #[test]
 fn hfcr_has_a_flat_curve_where_the_damper_has_a_narrow_valley() {
-    // The paper: b hardly matters, B does. Over a factor of 4 around the best of each.
+    // The paper: b hardly matters, B does. The range is a factor of 4 around the best of each.
     let range = |method, centre: f64| {
         let values = [0.5 * centre, centre, 2.0 * centre];
         let points = tune(&scene("fig2"), method, &values, || ()).unwrap();

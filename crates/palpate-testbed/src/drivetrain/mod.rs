@@ -45,7 +45,7 @@ pub struct Drivetrain {
     hand: Hand,
     longest_step: f64,
     time: f64,
-    /// When the hand lets go `[s]`; infinite once it has, and if it never does.
+    /// Time at which the hand releases the device `[s]`; infinite if it never does or already has.
     release: f64,
     motor: Side,
     end: Side,
@@ -95,7 +95,7 @@ impl Drivetrain {
         })
     }
 
-    /// The same device at another position `[m]` and velocity `[m/s]`, both sides of it.
+    /// Returns the same device at another position `[m]` and velocity `[m/s]`, both sides of it.
     ///
     /// # Errors
     ///
@@ -112,8 +112,8 @@ impl Drivetrain {
         })
     }
 
-    /// The same device whose hand lets go of it at a time `[s]`, for good: its force ends, and its mass moves with the
-    /// device no longer.
+    /// Returns the device with a hand that releases it permanently at `time` `[s]`. The hand's force then ends, and its
+    /// mass no longer moves with the device.
     ///
     /// # Errors
     ///
@@ -171,7 +171,7 @@ impl Drivetrain {
         self.end_mass == 0.0
     }
 
-    /// By how much the transmission is stretched beyond its backlash `[m]`.
+    /// Returns the stretch of the transmission beyond its backlash `[m]`.
     fn stretch(&self) -> f64 {
         let apart = self.end.position - self.motor.position;
         apart - apart.clamp(-self.half_backlash, self.half_backlash)

@@ -1,4 +1,4 @@
-//! What a drivetrain is made of.
+//! Parameters of a drivetrain.
 
 use std::f64::consts::TAU;
 
@@ -23,7 +23,7 @@ pub struct DrivetrainParams {
 /// A flexible transmission between a motor's side and an end-point's side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transmission {
-    /// Resonance of the device that nobody holds `[Hz]`, above 0: the two masses against each other.
+    /// Resonance of the free device `[Hz]`, above 0: the two masses oscillate against each other.
     pub resonance_hz: f64,
     /// Damping of that resonance over the critical, from 0 to 1.
     pub damping_ratio: f64,

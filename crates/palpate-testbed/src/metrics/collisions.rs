@@ -5,12 +5,11 @@ use std::ops::Range;
 use crate::grid::Grid;
 use crate::profile::{Collision, ForceProfile, Snapshot};
 
-/// What a held force drops to between two collisions, relative to the smaller of their peak forces, at
-/// most. A renderer that corrects what it has held before goes on holding a small force after contact
-/// has ended.
+/// Largest ratio of the held force between two separate collisions to the smaller of their peak forces. A renderer that
+/// corrects past commands keeps holding a small force after the contact has ended.
 const VALLEY: f64 = 0.05;
 
-/// What such a remainder has of the impulse of each of its neighbours, at most.
+/// Largest impulse of such a remainder, relative to that of each of its neighbours.
 const REMAINDER: f64 = 0.01;
 
 /// An ideal collision and the rendered collision of the same number.
@@ -24,12 +23,11 @@ pub struct CollisionJudgement {
 
 /// A rendered collision: a run of intervals in which a force is held.
 ///
-/// Two collisions are apart if the force between them falls to 0, or to a twentieth of the smaller of their
-/// peak forces. The interval with the smallest force is where the second begins. A force with less than
-/// a hundredth of the impulse of each of its neighbours is no collision but belongs to the one before
-/// it. The same rule is applied to the interval means of the ideal force, so that ideal and rendered
-/// collisions are counted alike: two ideal collisions with a gap too short for the loop's rate are one.
-/// A run is cut at the end of the window.
+/// Two collisions are separate if the force between them falls to 0, or to a twentieth of the smaller of their peak
+/// forces. The second begins at the interval with the smallest force. A force with less than a hundredth of the impulse
+/// of each neighbour is not a collision; it belongs to the one before it. The same rule is applied to the interval
+/// means of the ideal force, so ideal and rendered collisions are counted alike: two ideal collisions with a gap too
+/// short for the loop's rate count as one. A run is cut at the end of the window.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RenderedCollision {
     /// The intervals of the run.
@@ -102,8 +100,8 @@ fn join_remainders(held: &[f64], grid: &Grid, runs: Vec<Range<usize>>) -> Vec<Ra
     joined
 }
 
-/// The ideal collisions of `profile` that end within its window, those that `means`, its interval
-/// means cut into collisions, cannot show apart as one.
+/// Returns the ideal collisions of `profile` that end within its window. Collisions that `means`, the interval means
+/// cut into collisions, cannot resolve are merged into one.
 pub(super) fn ideal_collisions(profile: &ForceProfile) -> Vec<Collision> {
     let grid = profile.grid();
     let means: Vec<f64> = profile.mean_forces().collect();

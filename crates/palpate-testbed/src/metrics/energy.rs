@@ -5,8 +5,8 @@ use crate::metrics::WindowMismatch;
 use crate::metrics::collisions::{ideal_collisions, parted, separated};
 use crate::profile::{Collision, ForceProfile, Snapshot};
 
-/// How far above its start the energy may rise before a loop counts as diverged, in impact
-/// energies: nine above the one that is there makes ten.
+/// Energy rise above the start, in impact energies, at which a loop counts as diverged. With the initial impact energy
+/// the total is ten.
 const DIVERGED_ABOVE: f64 = 9.0;
 
 /// The energy with which device and object part after a collision.
@@ -27,12 +27,11 @@ pub enum Rebound {
     Undefined,
 }
 
-/// What a closed loop did to the energy of device and object.
+/// Effect of a closed loop on the energy of device and object.
 ///
-/// The energy H is that of [`Ideal::energy`], so the work of the user's and the virtual force is
-/// accounted for and only the rendering can change it. The reference of all ratios but the
-/// rebounds' is the impact energy of the first ideal collision; should that begin without speed,
-/// the energy K p²/2 of its spring at the peak.
+/// The energy H is that of [`Ideal::energy`], which includes the work of the user's and the virtual force, so only the
+/// rendering can change it. All ratios except those of the rebounds refer to the impact energy of the first ideal
+/// collision. If that collision begins at zero speed, they refer to the spring energy K p²/2 at its peak.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnergyJudgement {
     /// The rebound after each ideal collision that ends within the window.
@@ -51,8 +50,8 @@ pub struct EnergyJudgement {
 }
 
 impl EnergyJudgement {
-    /// Judges the record of a perfect closed loop: its states at all samples 0 to W of a window of W
-    /// intervals, each with the force held from there on (that of the last is not looked at).
+    /// Evaluates the record of a perfect closed loop: the states at all samples 0 to W of a window of W intervals, each
+    /// with the force held from that sample on. The force of the last sample is ignored.
     ///
     /// # Errors
     ///
@@ -71,9 +70,9 @@ impl EnergyJudgement {
         Self::sampled(ideal, profile, &held, record)
     }
 
-    /// Judges a closed loop by the force it `held` over each interval `[N]` and the `record` of its
-    /// states at the samples, from the first one to the one at the window's end. Samples need not lie
-    /// where the held force changes.
+    /// Evaluates a closed loop from the force `held` over each interval `[N]` and the `record` of its states at the
+    /// samples, from the first one to the one at the window's end. Samples need not coincide with the changes of the
+    /// held force.
     ///
     /// # Errors
     ///

@@ -13,12 +13,11 @@ use crate::profile::ForceProfile;
 /// mean-force error        E     = 100 √( Σ h_i (f_i − J_i/h_i)² / Σ Q_i )
 /// ```
 ///
-/// The intervals are those in which the loop really holds one command; in a perfect loop each lasts
-/// one period.
+/// The intervals are those over which the loop actually holds one command; in a perfect loop each lasts one period.
 ///
-/// The sum in FRE is ∫ (f_held − f)² dt written out, so it involves no sampling. Taking means is an
-/// orthogonal projection, hence FRE² = floor² + E²: the floor belongs to the loop, E to the
-/// renderer. Each is computed by its own formula.
+/// The sum in FRE is the expanded form of ∫ (f_held − f)² dt and involves no sampling. Taking means is an orthogonal
+/// projection, hence FRE² = floor² + E²: the zero-order-hold bound depends only on the loop, E on the renderer. Each is
+/// computed by its own formula.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Fidelity {

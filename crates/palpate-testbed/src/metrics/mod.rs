@@ -1,8 +1,9 @@
-//! What a rendering is judged by: the force held over each period against the ideal force.
+//! Metrics of a rendering: the force held over each period compared with the ideal force.
 //!
-//! [`ForceJudgement`] needs the held forces alone and applies to closed loops and open-loop
-//! replays. [`EnergyJudgement`] and [`ReboundSpeed`] need the motion that these forces made, so they
-//! apply to closed loops only, the former to such as the forces alone can change the energy of. All of it looks at one window, that of the [`ForceProfile`].
+//! [`ForceJudgement`] needs only the held forces and applies to closed loops and open-loop replays. [`EnergyJudgement`]
+//! and [`ReboundSpeed`] need the resulting motion, so they apply to closed loops only; [`EnergyJudgement`] also
+//! requires that only the held forces change the loop's energy. All metrics cover one window, that of the
+//! [`ForceProfile`].
 //!
 //! Errors of the force are in percent, after the literature; errors of single collisions and of
 //! energy are plain ratios.
@@ -56,7 +57,7 @@ pub struct ForceJudgement {
 }
 
 impl ForceJudgement {
-    /// Judges the force on the object `held` over each interval of the window `[N]`.
+    /// Evaluates the force on the object `held` over each interval of the window `[N]`.
     ///
     /// # Errors
     ///

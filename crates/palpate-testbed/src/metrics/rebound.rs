@@ -81,8 +81,8 @@ impl ReboundSpeed {
     }
 }
 
-/// Speed `[m/s]` at which the two were in touch before `sample`, the first out of contact; the next
-/// collision begins at `until`, and a force below `least` `[N]` is none.
+/// Returns the speed `[m/s]` at which device and object parted before `sample`, the first sample out of contact. The
+/// next collision begins at `until`. A force below `least` `[N]` counts as zero.
 fn parting_speed(record: &[Snapshot], sample: usize, until: usize, least: f64) -> f64 {
     let velocity = |at: &Snapshot| at.device_velocity - at.object_velocity;
     let is_free = |&i: &usize| {

@@ -42,7 +42,7 @@ impl SafetyBox {
     }
 }
 
-/// What the controller remembers.
+/// State of the PID controller.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct PidMemory {
     integral_force: f64,
@@ -64,10 +64,10 @@ struct PidMemory {
 ///
 /// # Energy
 ///
-/// `advance` returns the work ∫ f y′ dt with the force that was asked for. The motors do other
-/// work, [`motor_work`](Pantograph::motor_work), because they hold torques, saturate and may be
-/// disconnected; the two agree under [`Actuation::Ideal`] without a controller. What always holds,
-/// to the integration's tolerance, is
+/// `advance` returns the work ∫ f y′ dt of the commanded force. The work of the motors,
+/// [`motor_work`](Pantograph::motor_work), differs because the motors hold torques, saturate and may be disconnected;
+/// the two agree under [`Actuation::Ideal`] without a controller. Within the integration's tolerance the balance is
+/// always
 ///
 /// ```text
 /// stored_energy + dissipated − motor_work = constant
@@ -75,11 +75,11 @@ struct PidMemory {
 ///
 /// # When it stops
 ///
-/// Once a sample finds the measured end-point outside the safety box, the motors are disconnected
-/// until [`reset`](Pantograph::reset). Motion into a singular pose ends there, because the motor
-/// angles no longer say how it would go on (a mechanism whose elbows meet changes its assembly): the
-/// device jams, loses its kinetic energy and stays; [`starting_at`](Pantograph::starting_at) frees
-/// it. Free arms do get there: without a stop, motion towards meeting elbows passes through them.
+/// If a sample finds the measured end-point outside the safety box, the motors are disconnected until
+/// [`reset`](Pantograph::reset). Motion into a singular pose ends there, because the motor angles no longer determine
+/// the subsequent motion (a mechanism whose elbows meet changes its assembly). The device jams, loses its kinetic
+/// energy and stays; [`starting_at`](Pantograph::starting_at) frees it. Free arms do reach such poses: without a stop,
+/// motion towards meeting elbows passes through them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pantograph {
     params: PantographParams,
@@ -134,7 +134,7 @@ impl Pantograph {
         })
     }
 
-    /// The same device with other motor angles `[rad]` and rates `[rad/s]`, free to move.
+    /// Returns the same device with other motor angles `[rad]` and rates `[rad/s]`, free to move.
     ///
     /// # Errors
     ///
@@ -162,7 +162,7 @@ impl Pantograph {
         })
     }
 
-    /// The same device pushed by a constant force (x, y) `[N]` at its end-point.
+    /// Returns the same device pushed by a constant force (x, y) `[N]` at its end-point.
     ///
     /// # Errors
     ///
@@ -175,7 +175,7 @@ impl Pantograph {
         Ok(self)
     }
 
-    /// The same device pushed by a constant force (x, y) `[N]` that its motors give, as if it were a
+    /// Returns the same device pushed by a constant force (x, y) `[N]` that its motors give, as if it were a
     /// part of the force to render: torques by the Jacobian at the last sample, held, within the motors'
     /// range together with the other forces, and none once the motors are disconnected. Under
     /// [`Actuation::Ideal`] the force itself acts on the end-point.
@@ -194,7 +194,7 @@ impl Pantograph {
         Ok(self)
     }
 
-    /// The same device with a controller along x.
+    /// Returns the same device with a controller along x.
     ///
     /// # Errors
     ///
@@ -209,7 +209,7 @@ impl Pantograph {
         Ok(self)
     }
 
-    /// The same device with a safety box.
+    /// Returns the same device with a safety box.
     ///
     /// # Errors
     ///
@@ -230,7 +230,7 @@ impl Pantograph {
         Ok(self)
     }
 
-    /// What the device is made of.
+    /// Returns the parameters of the device.
     #[must_use]
     pub fn params(&self) -> &PantographParams {
         &self.params
@@ -337,12 +337,11 @@ impl Pantograph {
         self.user_force
     }
 
-    /// Moves on for `duration` `[s]` under motor torques `[N m]`, limited to the motors' range, and the
-    /// user's force: for whoever stands in for the board that drives the motors. Controller and
-    /// safety box belong to [`advance`](DevicePlant::advance) and do nothing here.
+    /// Advances by `duration` `[s]` under motor torques `[N m]`, limited to the motors' range, and the user's force.
+    /// Use it to emulate the board that drives the motors. The controller and the safety box act only in
+    /// [`advance`](DevicePlant::advance).
     ///
-    /// A torque that is not finite is none, and a duration that is not finite and positive moves
-    /// nothing.
+    /// A non-finite torque counts as 0. A duration that is not finite and positive has no effect.
     pub fn turn(&mut self, torques: [f64; 2], duration: f64) {
         if self.jammed || !duration.is_finite() || duration <= 0.0 {
             return;
@@ -474,9 +473,8 @@ impl DevicePlant for Pantograph {
         asked * travel[1]
     }
 
-    /// Kinetic energy, gravity, and minus the user's force at the end-point times its position `[J]`.
-    /// What the motors give of the user's force is in
-    /// [`motor_work`](Pantograph::motor_work).
+    /// Returns the kinetic energy, gravity, and minus the user's force at the end-point times its position `[J]`. The
+    /// part of the user's force that the motors deliver is in [`motor_work`](Pantograph::motor_work).
     fn stored_energy(&self) -> f64 {
         self.dynamics.kinetic_energy(&self.pose, self.state.rates)
             + self.dynamics.potential_energy(&self.pose)

@@ -41,7 +41,7 @@ impl Dynamics {
     /// The constants of checked parameters.
     pub(super) fn new(params: &PantographParams) -> Self {
         let (l, distal_length) = (params.geometry.proximal, params.geometry.distal);
-        // The end-point's mass is booked on arm 1; arm 2 ends in the same point.
+        // The end-point's mass is assigned to arm 1; arm 2 ends in the same point.
         let tip = [params.end_point_mass, 0.0];
         let each = |f: &dyn Fn(usize) -> f64| [f(0), f(1)];
         let upper = params.proximal;
@@ -96,7 +96,7 @@ impl Dynamics {
         let (l, distal_length) = (self.geometry.proximal, self.geometry.distal);
         let w = pose.distal_rates();
         let phi_rates = w.map(|row| dot(row, rates));
-        // What is left of the loop's second derivative once the motors' accelerations are zero:
+        // Remainder of the loop closure's second derivative for zero motor accelerations:
         // L t(φ1) φ1″ − L t(φ2) φ2″ = r.
         let pull = |i: usize| {
             let upper = scaled(l * rates[i] * rates[i], pose.proximal[i]);

@@ -1,15 +1,14 @@
-//! Where the end-point is for given motor angles, and back.
+//! Forward and inverse kinematics of the end-point.
 //!
-//! Motor 1 stands at the origin, motor 2 at (d, 0). Angles are counter-clockwise from +x `[rad]`, x
-//! points right, y away from the base:
+//! Motor 1 is at the origin, motor 2 at (d, 0). Angles are counter-clockwise from +x `[rad]`, x points right, y away
+//! from the base:
 //!
 //! ```text
 //! A = l (cos θ1, sin θ1)     B = (d, 0) + l (cos θ2, sin θ2)     |P − A| = |P − B| = L
 //! ```
 //!
-//! Everything that moves with the distal links is written with their directions (P − A)/L and
-//! (P − B)/L, never with an arccosine of their angle: an arccosine loses the side on which P lies
-//! of an elbow, and with it the sign of an entry of the Jacobian.
+//! All quantities of the distal links use their directions (P − A)/L and (P − B)/L instead of an arccosine of their
+//! angle. An arccosine loses the side of the elbow on which P lies, and with it the sign of an entry of the Jacobian.
 
 use thiserror::Error;
 
@@ -39,7 +38,7 @@ impl Assembly {
     }
 }
 
-/// Where x = 0 is. y is zero on the line through the motors either way.
+/// Origin of x. y is zero on the line through the motors in both cases.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Origin {
     /// On the axis of motor 1.
@@ -61,7 +60,7 @@ pub enum Elbow {
 /// Both elbows away from each other: the usual way to build the device.
 pub const ELBOWS_OUT: [Elbow; 2] = [Elbow::Left, Elbow::Right];
 
-/// Why there is no pose.
+/// Reason why a pose does not exist.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum NoPose {
     /// The links do not reach: |h| > 2L forwards, or a point outside an arm's ring backwards.
@@ -127,7 +126,7 @@ impl Geometry {
         .checked()
     }
 
-    /// The same geometry if its numbers are allowed.
+    /// Returns the same geometry if its numbers are allowed.
     ///
     /// # Errors
     ///
@@ -317,7 +316,7 @@ impl ArmPose {
     }
 }
 
-/// The same direction in (−π, π\].
+/// Returns the same direction in (−π, π\].
 fn wrapped(angle: f64) -> f64 {
     let (sin, cos) = angle.sin_cos();
     sin.atan2(cos)

@@ -1,11 +1,11 @@
 //! A five-bar pantograph: two motors on the base, two arms of two links, one end-point.
 //!
-//! [`kinematics`] says where the end-point is, [`Dynamics`] how the links accelerate, and
-//! [`Pantograph`] puts motors, encoders, friction, a controller for x and a safety box around them
-//! and stands behind [`DevicePlant`](crate::device::DevicePlant): the contact direction is y.
+//! [`kinematics`] computes the end-point, [`Dynamics`] the accelerations of the links. [`Pantograph`] adds motors,
+//! encoders, friction, a controller for x and a safety box, and implements [`DevicePlant`](crate::device::DevicePlant)
+//! with the contact direction y.
 //!
-//! Motors hold **torques** between samples, not forces. While the end-point moves, the force that a
-//! held torque makes turns and changes with the pose, as it does on the bench.
+//! Motors hold **torques** between samples, not forces. The force of a held torque therefore turns and changes with the
+//! pose while the end-point moves, as on a real device.
 
 mod device;
 mod dynamics;

@@ -6,13 +6,12 @@
 //! relative over 10 s (`tests/pantograph_dynamics.rs`). Close to a singular pose, where the distal
 //! links whirl, it keeps fewer digits.
 //!
-//! **Coulomb friction** is exact, not smoothed: each joint slides one way or sticks, and that mode
-//! is fixed during a step. A step in which a sliding joint would turn round, or a stuck joint would
-//! need more than the friction to hold it, is shortened to that instant by bisection, and the joints
-//! at rest are decided anew. Among all modes the consistent one is taken, which for friction that
-//! does not depend on the load is the minimiser of a strictly convex function, hence unique.
-//! Friction thus works against sliding and does no work in sticking. A joint that has come to rest
-//! is given the rate 0, at most 1e-9 rad/s of change.
+//! **Coulomb friction** is exact, not smoothed: each joint slides one way or sticks, and that mode is fixed during a
+//! step. A step in which a sliding joint would reverse, or a stuck joint would need more than the friction to hold it,
+//! is shortened to that instant by bisection, and the modes of the joints at rest are determined again. The consistent
+//! mode is selected. For friction that does not depend on the load it is the minimiser of a strictly convex function,
+//! hence unique. Friction thus opposes sliding and does no work in sticking. A joint that has come to rest is given the
+//! rate 0, a change of at most 1e-9 rad/s.
 
 use super::dynamics::{Dynamics, solved};
 use super::kinematics::{ArmPose, dot};
@@ -36,7 +35,7 @@ pub(super) struct State {
     pub dissipated: f64,
 }
 
-/// Everything that is held during an advance.
+/// Quantities that are constant during an advance.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct HeldInputs<'a> {
     pub dynamics: &'a Dynamics,
@@ -50,15 +49,15 @@ pub(super) struct HeldInputs<'a> {
     pub coulomb: f64,
 }
 
-/// What a joint's Coulomb friction does during a step.
+/// State of a joint's Coulomb friction during a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Mode {
-    /// Slides with this sign of its rate; 0 stands for no Coulomb friction.
+    /// Slides with this sign of its rate; 0 means no Coulomb friction.
     Slides(f64),
     Sticks,
 }
 
-/// What moves the mechanism, but for Coulomb friction.
+/// Driving forces of the mechanism, without Coulomb friction.
 struct Push {
     /// Mass matrix `[kg m²]` seen by the motors.
     mass: [[f64; 2]; 2],
@@ -192,7 +191,7 @@ impl HeldInputs<'_> {
         best.0
     }
 
-    /// What moves the mechanism at a pose and rates.
+    /// Returns the driving forces of the mechanism at a pose and rates.
     fn push(&self, pose: &ArmPose, rates: [f64; 2]) -> Push {
         let coriolis = self.dynamics.coriolis(pose, rates);
         let gravity = self.dynamics.gravity_torques(pose);

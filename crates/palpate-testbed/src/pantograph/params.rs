@@ -1,4 +1,4 @@
-//! What a pantograph is made of.
+//! Parameters of a pantograph.
 
 use super::kinematics::Geometry;
 use super::parameter::PantographParameter as Parameter;
@@ -29,7 +29,7 @@ impl Link {
     }
 }
 
-/// How forces at the end-point come about.
+/// Generation of forces at the end-point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Actuation {
     /// The force itself acts on the end-point, exactly and without a limit.
@@ -64,15 +64,15 @@ pub struct PantographParams {
     pub max_torque: f64,
     /// Encoder counts per revolution of the joint; `None` measures exactly.
     pub counts_per_rev: Option<f64>,
-    /// How forces come about.
+    /// Generation of forces.
     pub actuation: Actuation,
     /// Gravity `[m/s²]`; zero for a device that lies flat.
     pub gravity: [f64; 2],
 }
 
 impl PantographParams {
-    /// The same parameters if every number is allowed. The home pose is checked by
-    /// [`Pantograph::new`](super::Pantograph::new).
+    /// Returns the parameters if every value is allowed. [`Pantograph::new`](super::Pantograph::new) checks the home
+    /// pose.
     ///
     /// # Errors
     ///
@@ -150,7 +150,7 @@ impl PantographParams {
         Ok(self)
     }
 
-    /// The same device without friction.
+    /// Returns the same device without friction.
     #[must_use]
     pub fn frictionless(self) -> Self {
         Self {

@@ -1,14 +1,14 @@
-//! A device in a recorded hand, under another force than the recorded one.
+//! A device in a recorded hand, under a force that differs from the recorded one.
 //!
-//! The recorded force gave the recorded motion x̂. Under a force that differs from it, the device
-//! differs from that motion by d, and the hand's own force drops out:
+//! The recorded force produced the recorded motion x̂. Under another force the device deviates from that motion by d,
+//! and the hand's own force cancels:
 //!
 //! ```text
 //! m d″ = f_recorded − f − k_h d − b_h d′        (forces on the object)
 //! ```
 //!
-//! So what is not known of the hand does not add up: a wrong estimate of its force shifts the device by
-//! no more than it shifts x̂.
+//! Errors in the estimated hand force therefore do not accumulate: they shift the device by at most as much as they
+//! shift x̂.
 
 use std::sync::Arc;
 
@@ -31,10 +31,10 @@ pub struct HeldByRecording {
     departure: Departure,
 }
 
-/// How far the device has left its recorded motion, as a mass of its own.
+/// Deviation of the device from its recorded motion, as a separate mass.
 #[derive(Clone, Debug)]
 enum Departure {
-    /// The hand lets it go where it goes.
+    /// The hand does not pull the device back.
     Free(PointMass),
     /// The hand holds on to the recorded motion.
     Held(Box<HeldMass>),
@@ -101,7 +101,7 @@ impl DevicePlant for HeldByRecording {
         while self.time < end {
             let bend = self.hand.end_of(self.piece);
             let until = bend.min(end);
-            // What the motor had on the device then, it has no more.
+            // Cancel the recorded motor force, which no longer acts.
             let force = force_on_object + self.sign * self.hand.held_force(self.piece);
             match &mut self.departure {
                 Departure::Free(device) => device.advance(force, until - self.time),

@@ -15,7 +15,7 @@ const FEWEST_SAMPLES: usize = 8;
 /// A position is never taken to be known better than this `[m]`.
 const LEAST_NOISE: f64 = 1e-9;
 
-/// What was recorded of a device in a hand.
+/// Recorded motion and motor forces of a device in a hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Recording<'a> {
     /// Times `[s]`, increasing; steps need not be even.
@@ -37,19 +37,19 @@ pub struct HandModel {
     /// Bandwidth of the hand's force `[Hz]`; `None` takes the one under which the recording is most
     /// likely.
     pub bandwidth: Option<f64>,
-    /// Stiffness with which the hand holds on to its recorded motion `[N/m]`; 0 for a hand whose
-    /// force is the recorded one wherever the device goes.
+    /// Stiffness of the hand about its recorded motion `[N/m]`; with 0 the hand applies the recorded force at any
+    /// position of the device.
     pub stiffness: f64,
-    /// Damping with which it does `[N s/m]`.
+    /// Damping of the hand about its recorded motion `[N s/m]`.
     pub damping: f64,
 }
 
 impl HandModel {
-    /// Stiffness with which a hand holds on that nothing is known of `[N/m]`: about the middle, by
-    /// ratio, of the 10 to 300 N/m of the random plants' hands.
+    /// Stiffness of an unknown hand `[N/m]`: about the middle, by ratio, of the 10 to 300 N/m of the random plants'
+    /// hands.
     pub const USUAL_STIFFNESS: f64 = 60.0;
 
-    /// Damping with which it does `[N s/m]`: likewise of their 0.5 to 5 N s/m.
+    /// Damping of an unknown hand `[N s/m]`: about the middle, by ratio, of the random plants' 0.5 to 5 N s/m.
     pub const USUAL_DAMPING: f64 = 2.0;
 
     /// A hand on a device of this mass `[kg]` that holds on to its recorded motion as hands usually do.
@@ -62,7 +62,7 @@ impl HandModel {
         }
     }
 
-    /// A hand whose force is the recorded one wherever the device of this mass `[kg]` goes.
+    /// Creates a hand that applies the recorded force at any position of the device of this mass `[kg]`.
     #[must_use]
     pub fn force_on(device_mass: f64) -> Self {
         Self {
@@ -105,7 +105,7 @@ impl HandModel {
     }
 }
 
-/// How well the force of a hand is known.
+/// Uncertainty of the force of a hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandUncertainty {
     /// Bandwidth of the estimate `[Hz]`: what the hand did faster than this is not in it.
@@ -116,16 +116,16 @@ pub struct HandUncertainty {
     pub force_deviation: f64,
     /// The force itself, root mean square `[N]`.
     pub force: f64,
-    /// How far the device is from a recorded position, at most, when the estimated force and the
-    /// recorded one move it from its start to the end of the recording `[m]`.
+    /// Largest distance between the recorded positions and those of a device that the estimated and the recorded force
+    /// move from its start to the end of the recording `[m]`.
     pub given_back_within: f64,
 }
 
-/// Why a recording shows no hand.
+/// Reason for a failed estimate of the hand.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HandError {
-    /// The recording is no motion.
+    /// The recording is not a valid motion.
     #[error(transparent)]
     Path(#[from] PathError),
     /// A value of the model is out of range.
@@ -158,7 +158,7 @@ pub enum HandError {
         /// Period of the loop `[s]`.
         period: f64,
     },
-    /// Numbers so large that the estimate is no number.
+    /// The estimate overflows.
     #[error("the force of the hand is not a finite number: a position or a force is too large")]
     Overflow,
 }
@@ -185,11 +185,11 @@ pub struct RecordedHand {
     times: Vec<f64>,
     positions: Vec<f64>,
     velocities: Vec<f64>,
-    /// By the hand `[m/s²]`.
+    /// Due to the hand `[m/s²]`.
     accelerations: Vec<f64>,
     /// Their standard deviations `[m/s²]`.
     deviations: Vec<f64>,
-    /// By the recorded force, held from each sample on `[m/s²]`.
+    /// Due to the recorded force, held from each sample on `[m/s²]`.
     held: Vec<f64>,
     /// Samples without a position.
     unmeasured: usize,
@@ -200,8 +200,8 @@ impl RecordedHand {
     /// Estimates the hand's force from all samples of `recording` at once.
     ///
     /// # Errors
-    /// A recording that is no motion, has too few samples or other forces than positions; a value of
-    /// the model out of range.
+    /// The recording is not a valid motion, has too few samples, or has a different number of forces than positions; or
+    /// a model value is out of range.
     pub fn estimate(recording: &Recording, model: &HandModel) -> Result<Self, HandError> {
         model.check()?;
         let path = RecordedPath::new(recording.times, &bridged(recording.positions))?;
@@ -262,7 +262,7 @@ impl RecordedHand {
         Ok(hand)
     }
 
-    /// How well the force is known.
+    /// Returns the uncertainty of the force.
     #[must_use]
     pub fn uncertainty(&self) -> &HandUncertainty {
         &self.uncertainty
@@ -281,7 +281,7 @@ impl RecordedHand {
         self.unmeasured
     }
 
-    /// From the least to the greatest position of the recorded motion `[m]`.
+    /// Returns the range of the recorded motion, from its least to its greatest position `[m]`.
     #[must_use]
     pub fn span(&self) -> f64 {
         let positions = self.positions.iter().copied();
@@ -291,7 +291,7 @@ impl RecordedHand {
         greatest - least
     }
 
-    /// When samples were taken, since the first `[s]`.
+    /// Returns the sample times, relative to the first `[s]`.
     #[must_use]
     pub fn times(&self) -> &[f64] {
         &self.times
@@ -332,7 +332,7 @@ impl RecordedHand {
         self.duration() - self.times[self.times.len() - 2]
     }
 
-    /// When sample `piece` was taken `[s]`.
+    /// Returns the time of sample `piece` `[s]`.
     pub(super) fn start_of(&self, piece: usize) -> f64 {
         self.times[piece]
     }
@@ -342,7 +342,7 @@ impl RecordedHand {
         self.model.device_mass * self.held[piece]
     }
 
-    /// When the interval that begins with sample `piece` ends `[s]`; never, for the last.
+    /// Returns the end of the interval that begins with sample `piece` `[s]`; infinite for the last.
     pub(super) fn end_of(&self, piece: usize) -> f64 {
         match self.times.get(piece + 1) {
             Some(end) if piece + 2 < self.times.len() => *end,
@@ -374,8 +374,8 @@ impl RecordedHand {
         after.clamp(1, self.times.len() - 1) - 1
     }
 
-    /// Moves a device from the first state to the end by the forces alone, and says how far from
-    /// `recorded` `[m]` it gets.
+    /// Moves a device from the first state to the end by the forces alone, and returns its largest distance from
+    /// `recorded` `[m]`.
     fn given_back_within(&self, recorded: &[f64]) -> f64 {
         let mut state = (self.positions[0], self.velocities[0]);
         let mut farthest = (state.0 - recorded[0]).abs();
@@ -389,7 +389,7 @@ impl RecordedHand {
                 step,
             );
             state = (position, velocity);
-            // Without a position there is nothing to be far from: a NaN is no maximum.
+            // A NaN position is skipped: `max` ignores NaN.
             farthest = farthest.max((position - recorded[piece + 1]).abs());
         }
         farthest
@@ -409,7 +409,8 @@ fn bridged(positions: &[f64]) -> Vec<f64> {
     between.collect()
 }
 
-/// Where a device is `after` a while `[s]` under an acceleration that has a jerk, and one that is held.
+/// Returns position, velocity and acceleration after a time `after` `[s]` with a constant jerk and an additional held
+/// acceleration.
 fn moved(
     (position, velocity): (f64, f64),
     acceleration: f64,

@@ -1,14 +1,14 @@
-//! A fixed-interval smoother of a recorded motion: where the device was, how fast, and what pushed it,
-//! from all samples at once. A sample may lack its position; what was known of the force counts there
-//! all the same.
+//! Fixed-interval smoother of a recorded motion. It estimates position, velocity and unknown force from all samples at
+//! once. A sample may lack its position; the known force of that interval is still used.
 //!
-//! State: position, velocity, and the acceleration a by everything but the known force u, which is
-//! held over each interval. The jerk of a is constant over an interval and drawn anew for each, with
-//! a spectral density S; positions are measured with a deviation σ. Only S/σ² shapes the estimate; as
-//! a bandwidth it is that of the quintic smoothing spline, ω⁶ = S/(σ² h). Forwards it is a Kalman
-//! filter, backwards the recursion of Bryson and Frazier, which inverts nothing.
+//! State: position, velocity, and the acceleration a due to all forces except the known force u, which is held over
+//! each interval. The jerk of a is constant over an interval and independent between intervals, with a spectral density
+//! S. Positions are measured with a standard deviation σ. Only S/σ² shapes the estimate; expressed as a bandwidth it is
+//! that of the quintic smoothing spline, ω⁶ = S/(σ² h). The forward pass is a Kalman filter, the backward pass the
+//! recursion of Bryson and Frazier, which needs no matrix inverse.
 //!
-//! Jerk being all that is random, the estimates are one motion: each interval follows from the one
+//! Jerk is the only random quantity, so the estimates form one motion: each interval follows from the previous one by a
+//! jerk. The estimated force, held against the same mass, therefore reproduces the motion.
 //! before it by a jerk, so the force they give, held against the same mass, gives the motion back.
 
 use std::f64::consts::PI;
@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 /// Variances of the first state, over that of a position and in mean steps: as good as unknown.
 const UNKNOWN: f64 = 1e6;
 
-/// Samples that the first state takes up; what they say of the noise is not counted.
+/// Number of samples that determine the first state; they do not contribute to the noise estimate.
 const STARTING: usize = 3;
 
 /// Bandwidths that are tried before the best of them is refined.
@@ -42,7 +42,7 @@ pub(super) struct MeasuredTrajectory<'a> {
 
 /// A smoothed motion.
 pub(super) struct Smoothed {
-    /// Position `[m]`, velocity `[m/s]` and acceleration by what is not known `[m/s²]` at each sample.
+    /// Position `[m]`, velocity `[m/s]` and acceleration due to the unknown force `[m/s²]` at each sample.
     pub states: Vec<Vector>,
     /// Their standard deviations.
     pub deviations: Vec<Vector>,
@@ -59,7 +59,7 @@ impl MeasuredTrajectory<'_> {
         (self.times[self.times.len() - 1] - self.times[0]) / (measured.count() - 1) as f64
     }
 
-    /// The bandwidths that can be told apart `[Hz]`: from one swing over the recording to half of the
+    /// Returns the range of distinguishable bandwidths `[Hz]`: from one cycle over the recording to half of the
     /// sampling rate.
     fn bandwidths(&self) -> [f64; 2] {
         let step = self.mean_step();
@@ -210,7 +210,7 @@ impl MeasuredTrajectory<'_> {
     }
 }
 
-/// What a filter says of the whole recording.
+/// Result of a filter over the whole recording.
 struct Filtered {
     /// Twice the negative logarithm of its likelihood, but for a constant.
     unlikelihood: f64,
@@ -218,7 +218,7 @@ struct Filtered {
     noise: f64,
 }
 
-/// What is expected of a sample before it is seen.
+/// Prediction of a sample before its measurement.
 struct Predicted {
     state: Vector,
     covariance: Matrix,

@@ -18,7 +18,7 @@ use super::scene::{
     WorldScene,
 };
 
-/// How many starts a benchmark has.
+/// Number of starts of a benchmark.
 pub const STARTS: usize = 21;
 
 /// g `[m/s²]`
@@ -29,7 +29,7 @@ const GRAVITY: f64 = 9.81;
 pub struct Benchmark {
     /// Short name, that of its file.
     pub name: String,
-    /// What happens.
+    /// Description.
     pub title: String,
     /// The scene, with the middle one of its starts.
     pub scene: WorldScene,
@@ -37,7 +37,7 @@ pub struct Benchmark {
     pub period: f64,
     /// Length of the window `[s]`.
     pub duration: f64,
-    /// How far the first start has the first device from the middle one; the last one is on the other side `[m]`.
+    /// Offset of the first device between the middle and the first start; the last start has the opposite offset `[m]`.
     pub spread: Vector,
 }
 
@@ -294,7 +294,7 @@ pub fn row() -> Benchmark {
 
 /// W6: a sphere slides over a sphere with bumps and hollows of 12 cells² triangles.
 ///
-/// Edges and corners of triangles, that stand out and that do not.
+/// Covers convex and concave edges and corners of triangles.
 #[must_use]
 pub fn bumpy(cells: u32) -> Benchmark {
     let triangles = gallery::bumpy_sphere(0.04, 0.001, 12.0, cells);
@@ -311,9 +311,9 @@ pub fn bumpy(cells: u32) -> Benchmark {
     )
 }
 
-/// W6: a sphere slides along a stepped shaft that lies on its side, down a step and into its corner.
+/// W6: a sphere slides along a horizontal stepped shaft, down a step and into its corner.
 ///
-/// Round and sharp edges, those that stand out and those of hollows.
+/// Covers round and sharp edges, both convex and concave.
 #[must_use]
 pub fn shaft() -> Benchmark {
     let profile = [

@@ -107,12 +107,12 @@ impl Flat {
 pub(super) struct Pair(pub [Flat; 2]);
 
 impl Pair {
-    /// How many contacts they have: one for each corner of either.
+    /// Returns the number of contacts: one for each corner of either solid.
     pub fn contacts(&self) -> usize {
         self.0.iter().map(|of| of.corners.len()).max().unwrap_or(0)
     }
 
-    /// How many of them share the law.
+    /// Returns the number of contacts that share the law.
     pub fn share(&self) -> usize {
         self.0.iter().map(|of| of.most).max().unwrap_or(1)
     }
@@ -122,7 +122,7 @@ pub(super) fn number(of: usize) -> u8 {
     u8::try_from(of).unwrap_or(u8::MAX)
 }
 
-/// Where two edges come nearest to each other.
+/// Closest points of two edges.
 struct Crossing {
     /// Directions of both.
     along: [Vec3; 2],
@@ -208,7 +208,7 @@ impl Crossing {
 }
 
 impl Between {
-    /// How the two lie at one of the contacts.
+    /// Returns the state of one of the contacts.
     pub fn touch(self, number: usize, pair: &Pair, placed: [&Placed; 2]) -> Touch {
         match self {
             Self::Face { of, face } => {
@@ -389,8 +389,8 @@ impl<'a> Lying<'a> {
     }
 }
 
-/// To which contact each goes that touched, as another plane takes over: those nearest to each other first. What does not
-/// touch takes what is left.
+/// Assigns the old contacts to those of a new plane, nearest first. Contacts that do not touch take the remaining
+/// indices.
 pub(super) fn order_after(old: &[Touch], touched: &[bool], new: &[Touch]) -> Vec<usize> {
     let mut ways = Vec::new();
     for (from, one) in old.iter().enumerate().filter(|(from, _)| touched[*from]) {

@@ -17,7 +17,7 @@ use super::vector::{Rotation, Vec3};
 /// Corners of a hull that touches a half-space by them, at most.
 pub(super) const MOST_CORNERS: usize = 64;
 
-/// What is wrong with a scene, or with the attempt to solve it.
+/// Invalid scene, or failure to solve it.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum WorldError {
@@ -33,7 +33,7 @@ pub enum WorldError {
     Pair {
         /// Number of the pair, from 0.
         number: usize,
-        /// What is wrong with it.
+        /// Reason for rejecting it.
         reason: String,
     },
     /// Contacts that change their state more often than is taken for a motion.
@@ -41,7 +41,7 @@ pub enum WorldError {
     TooManySteps {
         /// The limit.
         limit: usize,
-        /// Where it was met `[s]`.
+        /// Time at which the limit was reached `[s]`.
         time: f64,
     },
     /// A motion that is another one with each length of step, see [`CheckedIdeal`](super::CheckedIdeal).
@@ -49,7 +49,7 @@ pub enum WorldError {
         "the motion depends on the steps it is computed by from {time} s on; there is nothing to judge by"
     )]
     Chaotic {
-        /// From when on `[s]`.
+        /// Start of the dependence `[s]`.
         time: f64,
     },
 }
@@ -63,7 +63,7 @@ pub(super) struct Contact {
     pub first: usize,
     /// The member that has the surface.
     pub second: usize,
-    /// Where the point or the sphere's centre is, in the axes of the first.
+    /// Position of the point or the sphere's centre, in the axes of the first.
     pub on_first: Vec3,
     /// Radius of the sphere, 0 for a point `[m]`.
     pub radius: f64,
@@ -79,7 +79,7 @@ pub(super) struct Contact {
     pub law: ContactLaw,
 }
 
-/// How a member of a contact lies and moves.
+/// Pose and velocity of a member of a contact.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Placed {
     pub position: Vec3,
@@ -108,7 +108,7 @@ pub(super) struct Acceleration {
 pub(super) struct Touch {
     /// p, negative where there is a gap `[m]`.
     pub penetration: f64,
-    /// How fast the material of the two approaches there `[m/s]`: p′, but for the ends of a capsule.
+    /// Approach speed of the two materials there `[m/s]`: p′, except for the ends of a capsule.
     pub rate: f64,
     /// p′ `[m/s]`
     pub growth: f64,
@@ -116,7 +116,7 @@ pub(super) struct Touch {
     pub normal: Vec3,
     /// n′ `[1/s]`
     pub normal_rate: Vec3,
-    /// By how much p grows per length of a way against n, and how that changes `[1/s]`.
+    /// Growth of p per displacement against n, and its rate `[1/s]`.
     pub slope: f64,
     pub slope_rate: f64,
     /// Midway between the two surfaces.
@@ -128,7 +128,7 @@ pub(super) struct Touch {
 }
 
 impl Touch {
-    /// Of a contact that has not been looked at.
+    /// Returns a placeholder for a contact that has not been evaluated.
     pub fn none() -> Self {
         Self {
             penetration: 0.0,
@@ -144,7 +144,7 @@ impl Touch {
         }
     }
 
-    /// Of two that overlap by `penetration` along `normal` about `point`, all of which move.
+    /// Creates a contact of two members that overlap by `penetration` along `normal` about `point`; all three move.
     pub fn across(
         penetration: f64,
         normal: Vec3,
@@ -169,7 +169,7 @@ impl Touch {
         }
     }
 
-    /// The same of a contact that there is not: nothing is so far apart.
+    /// Returns the same touch for an inactive contact, with an infinite gap.
     pub fn of_none(self) -> Self {
         Self {
             penetration: f64::NEG_INFINITY,
@@ -182,13 +182,13 @@ impl Touch {
         self.sliding.across(self.normal)
     }
 
-    /// How fast the place midway between the surfaces moves.
+    /// Returns the velocity of the point midway between the surfaces.
     #[cfg(test)]
     pub fn point_velocity(&self) -> Vec3 {
         self.point_velocity
     }
 
-    /// What a tangent vector z changes by as it is carried with the normal: (n × n′) × z.
+    /// Returns the rate of a tangent vector z that is carried with the normal: (n × n′) × z.
     pub fn carried(&self, z: Vec3) -> Vec3 {
         self.normal_rate * self.normal.dot(z) - self.normal * self.normal_rate.dot(z)
     }
@@ -210,20 +210,20 @@ impl Touch {
     }
 }
 
-/// How a surface lies about a place.
+/// Position of a surface relative to a point.
 struct Lies {
     /// `[m]`
     distance: f64,
     /// Out of the surface, and how it turns `[1/s]`.
     normal: Vec3,
     normal_rate: Vec3,
-    /// By how much the distance grows per length of a way along the normal, and how that changes `[1/s]`.
+    /// Growth of the distance per displacement along the normal, and its rate `[1/s]`.
     slope: f64,
     slope_rate: f64,
 }
 
 impl Contact {
-    /// How the two lie, by the formula of `feature`.
+    /// Returns the relative position of the two members, by the formula of `feature`.
     pub fn touch(&self, feature: Feature, placed: &[Placed]) -> Touch {
         let (first, second) = (&placed[self.first], &placed[self.second]);
         if let (Some((solids, number)), Feature::Between(plane)) = (&self.solids, feature) {
@@ -266,7 +266,8 @@ impl Contact {
         }
     }
 
-    /// How the two lie at this contact and those after it, where one plane that takes long to find serves all; whether it does.
+    /// Computes this contact and the following ones if one plane that is expensive to find serves all. Returns whether
+    /// it does.
     pub fn touch_all(&self, feature: Feature, placed: &[Placed], found: &mut [Touch]) -> bool {
         let (Some((cylinder, number)), Feature::OnCylinder(at)) = (&self.cylinder, feature) else {
             return false;
@@ -278,7 +279,7 @@ impl Contact {
         true
     }
 
-    /// How the surface of the second lies about a place in the world that moves against it.
+    /// Returns the position of the second member's surface relative to a point in the world that moves against it.
     fn lies(&self, feature: Feature, centre: Vec3, relative: Vec3, second: &Placed) -> Lies {
         let local = || second.rotation.back(centre - second.position);
         let turned =
@@ -299,7 +300,7 @@ impl Contact {
         }
         let (distance, normal, normal_rate) = match (&self.surface, feature) {
             (Shape::HalfSpace { normal, offset }, _) => {
-                // Of a fixed body, so that the normal does not turn.
+                // The body is fixed, so the normal does not turn.
                 let normal = second.rotation.out(Vec3(*normal));
                 let distance = normal.dot(centre - second.position) - offset;
                 (distance, normal, Vec3::ZERO)
@@ -327,8 +328,8 @@ impl Contact {
         }
     }
 
-    /// What each of the contacts of a sphere with a mesh should be at, if they are at `now`; this is one of them. Another shape
-    /// has none.
+    /// Returns the required states of the contacts of a sphere with a mesh, for the present states `now`; this is one
+    /// of these contacts. `None` for another shape.
     pub fn wanted_of_mesh(
         &self,
         now: &[OnMesh; MOST_CONTACTS],
@@ -345,7 +346,8 @@ impl Contact {
         Some(super::mesh::wanted(mesh, now, self.radius, centre))
     }
 
-    /// What all contacts of two solids should be at, if they are at `now`; `None` where each contact has a feature of its own.
+    /// Returns the required feature of all contacts of two solids, for the present one `now`; `None` if each contact
+    /// has its own feature.
     pub fn wanted_of_solids(
         &self,
         now: Option<Feature>,
@@ -378,7 +380,7 @@ impl Contact {
         matches!(self.solids, Some((_, 0))) || matches!(self.cylinder, Some((_, 0)))
     }
 
-    /// How many contacts two such solids have.
+    /// Returns the number of contacts of two such solids.
     pub fn of_pair(&self) -> usize {
         let flat = self.solids.iter().map(|(solids, _)| solids.contacts());
         let round = self.cylinder.iter().map(|(with, _)| with.contacts());

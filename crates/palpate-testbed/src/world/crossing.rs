@@ -1,8 +1,8 @@
 //! Planes that touch a rim of each of two cylinders.
 //!
-//! The way between the two places that such a plane touches is along its normal, so it is at right angles to both rims there: one
-//! of the places where the two circles are nearest to each other. For each place of the smaller circle, the nearest place of the
-//! larger one is known, so one root is left. Its normal is at right angles to both tangents.
+//! The line between the two points that such a plane touches is along its normal, hence perpendicular to both rims: the
+//! two points are closest points of the two circles. The closest point of the larger circle is known for each point of
+//! the smaller one, which leaves a single root. The normal is perpendicular to both tangents.
 
 use super::cylinder::Lying;
 use super::ridders::falls_through_zero;
@@ -10,12 +10,12 @@ use super::tangent::Turn;
 use super::tube::{Moving, Tube, side_of};
 use super::vector::Vec3;
 
-/// Places of a rim at which the way to the other is looked at, and of the part of it about a place by name.
+/// Number of points at which the distance between the rims is evaluated: around a whole rim, and near a named point.
 const AROUND: usize = 64;
 const NEARBY: usize = 8;
-/// A plane is looked for so many parts about where it was.
+/// Search range for a plane about its previous angle, in name steps.
 const ABOUT: f64 = 3.0;
-/// Beside a root, others are looked for at this many places, each half as far away as the one before.
+/// Number of points that are evaluated next to a root, each half as far from it as the one before.
 const BESIDE: i32 = 8;
 /// Sine of the angle of parallel tangents.
 const PARALLEL: f64 = 1e-6;
@@ -38,7 +38,7 @@ struct Near {
     is_left: bool,
     /// Whether the plane has both cylinders on their sides and less overlap than those beside it.
     is_between: bool,
-    /// Of both: the places, outwards there, and along the rim.
+    /// For both rims: the points, the outward directions there, and the tangents.
     places: [Vec3; 2],
     out: [Vec3; 2],
     along: [Vec3; 2],
@@ -71,7 +71,7 @@ fn rises(of: impl Fn(f64) -> f64, low: f64, high: f64, count: usize) -> Vec<f64>
 }
 
 impl Lying<'_> {
-    /// The one with the smaller circles goes first; and whether that is the other one.
+    /// Returns the tubes, the one with the smaller circles first, and whether they were swapped.
     fn by_size(&self) -> ([&Tube<'_>; 2], bool) {
         let other = self.other.as_ref().unwrap_or(&self.tube);
         if other.radius < self.tube.radius {
@@ -167,7 +167,7 @@ impl Lying<'_> {
             .min_by(|one, other| (one - about).abs().total_cmp(&(other - about).abs()))
     }
 
-    /// The overlap of the plane of that name, and what it is called now.
+    /// Returns the overlap of the plane with that name, and its present name.
     pub fn overlap_of_rims(&self, crossing: Crossing, name: u8) -> (f64, u8) {
         let turn = Turn::about(self.by_size().0[0]);
         let Some(angle) = self.angle_of_rims(crossing, &turn, name) else {

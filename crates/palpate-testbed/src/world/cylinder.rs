@@ -1,15 +1,17 @@
-//! A cylinder on a solid with flat faces or on another cylinder: which plane is between them, and the points by which they touch.
+//! Contact of a cylinder with a solid with flat faces or with another cylinder: the separating plane and the contact
+//! points.
 //!
-//! Behind a plane that has the other solid on its far side lie the two rims of the cylinder. Each has m points that share the
-//! law. Behind a plane that has the cylinder on its far side lie corners of the other solid. The deepest has the whole law: with
-//! springs at all of them, the corners of a large table would pull a can that stands off its middle to one side. The two touch
-//! across the plane of least overlap, as two solids with flat faces do.
+//! A plane whose far side contains the other solid has the two rims of the cylinder behind it. Each rim has m points
+//! that share the law. A plane whose far side contains the cylinder has corners of the other solid behind it. The
+//! deepest corner takes the whole law: with springs at all corners, those of a large table would pull an off-centre can
+//! to one side. As for two solids with flat faces, the contact plane is the one with the least overlap.
 //!
-//! Two cylinders have planes of the same kinds: the ends and the side of the other one have the rims of the cylinder behind them,
-//! and behind those of the cylinder lies the deepest place of the other one's rims. Where a rim meets a rim, the plane touches both.
+//! Two cylinders have planes of the same kinds. The ends and the side of the other cylinder have the rims of this one
+//! behind them. The planes of this cylinder have the deepest point of the other cylinder's rims behind them. If a rim
+//! meets a rim, the plane touches both.
 //!
-//! Where a rim is behind the plane with all of itself, they stay where they are on it (*held*): the sum of their squared
-//! depths is the same wherever they are. Where it is not, they turn with the deepest place of the rim (*turned*).
+//! If a whole rim is behind the plane, its points keep their positions on it (*held*), because the sum of their squared
+//! depths does not depend on the rotation. Otherwise they turn with the deepest point of the rim (*turned*).
 
 use std::f64::consts::TAU;
 
@@ -24,15 +26,15 @@ use super::vector::Vec3;
 const FEWEST: usize = 4;
 /// Corners of which the depths differ by no more than this are equally deep `[m]`.
 const ALIKE: f64 = 1e-14;
-/// By how many parts of a family a plane's name may change at once.
+/// Largest change of a plane's name at once, in parts of a family.
 const NEAR: u8 = 4;
 
-/// Where the points of a rim are, but for a number of steps from point to point.
+/// Position of the points of a rim, up to a number of steps from point to point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rim {
-    /// So many steps back from the cylinder's x axis.
+    /// This number of steps back from the cylinder's x axis.
     Held(u8),
-    /// So many steps back from the deepest place.
+    /// This number of steps back from the deepest point.
     Turned(u8),
 }
 
@@ -87,7 +89,7 @@ impl Plane {
     }
 }
 
-/// How a cylinder and a solid touch.
+/// Contact state of a cylinder and a solid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct OnCylinder {
     pub plane: Plane,
@@ -95,7 +97,7 @@ pub(super) struct OnCylinder {
 }
 
 impl OnCylinder {
-    /// Whether each contact keeps its point, if the two come from another way to touch.
+    /// Returns whether each contact keeps its point in a change from the state `other`.
     pub fn has_points_of(self, other: Self) -> bool {
         self.plane.is_same(other.plane)
     }
@@ -149,17 +151,17 @@ impl Cylinder {
         }
     }
 
-    /// How many points share the law.
+    /// Returns the number of points that share the law.
     pub fn share(&self) -> usize {
         self.cosines.len()
     }
 
-    /// How many contacts there are.
+    /// Returns the number of contacts.
     pub fn contacts(&self) -> usize {
         (2 * self.share()).max(self.flat.corners.len())
     }
 
-    /// How the two should touch, if they touch as `now` tells.
+    /// Returns the required contact state, for the present state `now`.
     pub fn wanted(&self, now: Option<OnCylinder>, placed: [&Placed; 2], slack: f64) -> OnCylinder {
         let lying = Lying::new(self, placed);
         let plane = lying.least(now.map(|now| now.plane), slack);
@@ -170,7 +172,7 @@ impl Cylinder {
         }
     }
 
-    /// How the two lie at the contacts from `first` on, as many as there are places for.
+    /// Computes the contacts from `first` on, as many as `found` has space for.
     pub fn touch(&self, first: usize, at: OnCylinder, placed: [&Placed; 2], found: &mut [Touch]) {
         let lying = Lying::new(self, placed);
         let plane = lying.moving(at.plane);
@@ -352,11 +354,11 @@ impl<'a> Lying<'a> {
         let corners = overlaps(ends.chain(corners().map(Plane::Side)).collect());
         let all = faces.iter().chain(&corners);
         let so_far = all.fold(f64::INFINITY, |least, (_, overlap)| least.min(*overlap));
-        // Of equals, one that the cylinder has its rims behind comes first.
+        // Ties go to a plane that has the rims of the cylinder behind it.
         for (face, overlap) in faces {
             look(face, overlap);
         }
-        // Of two that are apart, any plane between them will do.
+        // For separated solids any plane between them is valid.
         if so_far > 0.0 {
             for edge in (0..solid.edges.len()).map(number) {
                 if self.least_that_can_be(edge) > so_far {
@@ -388,7 +390,7 @@ impl<'a> Lying<'a> {
         plane
     }
 
-    /// The overlap of a plane, and what the plane is called now.
+    /// Returns the plane with its present name, and its overlap.
     fn overlap(&self, plane: Plane) -> (Plane, f64) {
         let share = self.cylinder.share() as f64;
         match plane {
@@ -413,7 +415,7 @@ impl<'a> Lying<'a> {
             Plane::Side(corner) => {
                 let at = self.moving(plane);
                 let (deepest, depth) = self.deepest(&at, usize::from(corner));
-                // Where another one is deeper, the plane has not the least overlap of those about it.
+                // If another corner is deeper, the plane is not a local minimum of the overlap.
                 let is_least = deepest == usize::from(corner);
                 (plane, if is_least { depth } else { f64::INFINITY })
             }
@@ -471,7 +473,7 @@ impl<'a> Lying<'a> {
         })
     }
 
-    /// How many corners can lie behind a plane of the cylinder, or rims.
+    /// Returns the number of corners, or rims, that can lie behind a plane of the cylinder.
     fn count(&self) -> usize {
         match self.other {
             Some(_) => 2,

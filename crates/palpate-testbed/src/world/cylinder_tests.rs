@@ -1,4 +1,4 @@
-//! What a cylinder and a solid with flat faces or another cylinder store, at places by chance.
+//! Stored energy of a cylinder in contact with a flat-faced solid or another cylinder, in random poses.
 
 #![allow(clippy::print_stdout)] // what was measured
 
@@ -97,7 +97,7 @@ fn touches(cylinder: &Cylinder, at: OnCylinder, two: [&Placed; 2]) -> Vec<Touch>
     found
 }
 
-/// How the two touch, and what they store with a stiffness of 1 N/m.
+/// Returns the contact state, and the energy stored with a stiffness of 1 N/m.
 fn energy(cylinder: &Cylinder, one: Pose, other: Pose) -> (OnCylinder, f64) {
     let (one, other) = (placed(one), placed(other));
     let at = cylinder.wanted(None, [&one, &other], 0.0);
@@ -202,7 +202,7 @@ fn the_force_of_a_cylinder_is_the_fall_of_its_energy() {
     assert!(kinds.iter().all(|count| *count > 15), "{kinds:?}");
 }
 
-/// Depths, normals and places change at the rates that are told.
+/// Depths, normals and points change at the computed rates.
 #[test]
 fn the_rates_of_a_cylinder_are_those_of_its_motion() {
     let mut chance = Chance::new(12);
@@ -248,7 +248,7 @@ fn the_rates_of_a_cylinder_are_those_of_its_motion() {
                     (growth - one.growth).abs(),
                     (point - one.point_velocity()).norm(),
                 ];
-                // Where the plane has turned fast, the steps are long.
+                // If the plane has turned fast, the steps are long.
                 let fast = 1.0 + normal.norm();
                 for (worst, off) in worst.iter_mut().zip(off) {
                     *worst = worst.max(off / fast);

@@ -1,17 +1,17 @@
-//! What the force error of a world depends on where the renderer does not decide it: the quantum of a position sensor, and
-//! a stiff hand behind a delay.
+//! Parameters that dominate the force error of a world independently of the renderer: the quantum of a position sensor,
+//! and a stiff hand behind a delay.
 
 use super::ideal::WorldIdeal;
 use super::scene::{Member, WorldScene};
 
-/// How much the sensor and the hand of a device decide about the error of its force.
+/// Influence of the sensor and the hand of a device on its force error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Decisive {
     /// q K: by how much a quantum of the position changes the force of the stiffest contact that the ideal makes with
     /// the tool, along the axis with the largest quantum `[N]`; 0 if the ideal does not touch the tool.
     pub quantum_force: f64,
-    /// The same over the root mean square of the ideal's force on the tool while something touches it; `None` if
-    /// nothing does.
+    /// `quantum_force` over the root mean square of the ideal's force on the tool during contact; `None` without
+    /// contact.
     pub quantum_over_force: Option<f64>,
     /// k T²/m: stiffness of the hand's spring times the square of the period, over the least mass along an axis.
     pub hand_over_mass: f64,
@@ -20,14 +20,14 @@ pub struct Decisive {
 impl Decisive {
     /// Above this part of the force the quantum decides ([`quantum_over_force`](Self::quantum_over_force)).
     pub const SENSOR: f64 = 0.1;
-    /// Above this the hand decides, where forces come late ([`hand_over_mass`](Self::hand_over_mass)).
+    /// Above this value the hand dominates if forces are delayed ([`hand_over_mass`](Self::hand_over_mass)).
     pub const HAND: f64 = 0.2;
 
-    /// Of each device of the scene whose ideal this is. The period is that of the ideal's grid.
+    /// Returns the values for each device of `scene` with this ideal. The period is that of the ideal's grid.
     ///
     /// # Panics
     ///
-    /// `ideal` is not of `scene` and has fewer devices.
+    /// `ideal` does not belong to `scene` and has fewer devices.
     #[must_use]
     pub fn of(scene: &WorldScene, ideal: &WorldIdeal) -> Vec<Self> {
         let period = ideal.grid.period();

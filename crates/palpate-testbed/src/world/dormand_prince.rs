@@ -68,7 +68,7 @@ pub(super) struct Step {
 }
 
 impl Step {
-    /// Room for states of so many numbers.
+    /// Creates a step with memory for states of `size` numbers.
     pub fn of_size(size: usize) -> Self {
         Self {
             stages: std::array::from_fn(|_| vec![0.0; size]),
@@ -78,8 +78,8 @@ impl Step {
         }
     }
 
-    /// Takes a step of a length from `start` at `time`; `rates(time, state, rates)` is the right-hand side.
-    /// With `first_is_known`, the first stage is there already, see [`hand_on`](Self::hand_on).
+    /// Takes a step of a given length from `start` at `time`; `rates(time, state, rates)` is the right-hand side. With
+    /// `first_is_known`, the first stage is already available, see [`hand_on`](Self::hand_on).
     pub fn take(
         &mut self,
         time: f64,

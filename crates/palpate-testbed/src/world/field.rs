@@ -23,7 +23,7 @@ pub(super) struct At {
     /// `[m]`
     pub value: f64,
     pub gradient: Vec3,
-    /// How the gradient changes while the place moves with a velocity `[1/s]`.
+    /// Rate of the gradient for a moving point `[1/s]`.
     pub gradient_rate: Vec3,
 }
 

@@ -12,7 +12,7 @@ const LONGEST_STEP: f64 = 6.25e-5;
 /// A step is at most this part of the lag.
 const STEP_IN_LAGS: f64 = 0.125;
 
-/// Where such a device is and how it moves.
+/// Position and velocity of such a device.
 #[derive(Debug, Clone)]
 pub(super) struct HeldLinkage {
     actuator: ActuatorParams,
@@ -46,7 +46,7 @@ impl HeldLinkage {
         Vec3::of(&self.state[3..])
     }
 
-    /// Moves on under a commanded force on the tool. Returns the impulse of what was delivered, along the device's axes.
+    /// Advances under a commanded force on the tool. Returns the delivered impulse along the device's axes.
     pub fn advance(
         &mut self,
         (device, table): (&WorldDevice, &MassTable),

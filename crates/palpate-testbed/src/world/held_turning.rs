@@ -1,4 +1,4 @@
-//! How a device turns in its hand, under a torque that is held.
+//! Rotation of a device in its hand, under a held torque.
 
 use super::dormand_prince::Step;
 use super::scene::Vector;
@@ -45,12 +45,12 @@ impl HeldTurning {
     /// moment of inertia, and 2.2 times the root of its stiffness over that.
     pub const FASTEST: f64 = STEP_IN_RATES / LONGEST_STEP;
 
-    /// A device as it is at the start, with an actuator about each axis that gives no torque yet.
+    /// Creates a device in its initial state, with an actuator about each axis that gives no torque yet.
     ///
     /// # Errors
     ///
-    /// A quantity of the device or of the actuator outside its range, by its value and what is allowed; a hand faster than
-    /// [`FASTEST`](Self::FASTEST).
+    /// A quantity of the device or of the actuator is out of range, with its value and the allowed range; or the hand
+    /// is faster than [`FASTEST`](Self::FASTEST).
     pub fn checked(turning: &Turning, actuator: ActuatorParams) -> Result<Self, InvalidParameter> {
         turning.check("turning").map_err(|wrong| InvalidParameter {
             name: "turning",
@@ -70,7 +70,7 @@ impl HeldTurning {
         Ok(Self::new(turning, actuator))
     }
 
-    /// Of a checked device, and a checked actuator that gives no torque yet.
+    /// Creates the rotation of a checked device with a checked actuator, without torque.
     pub(super) fn new(turning: &Turning, actuator: ActuatorParams) -> Self {
         let rotation = Rotation::of_quaternion(turning.orientation);
         let momentum = turning.angular_momentum(&rotation, Vec3(turning.angular_velocity));
@@ -89,8 +89,8 @@ impl HeldTurning {
         }
     }
 
-    /// The hand's spring is relaxed at `rest` from now on, a unit quaternion `[w, x, y, z]`. What is none changes nothing.
-    /// Allocates nothing, for a loop's tick.
+    /// Moves the rest orientation of the hand's spring to `rest`, a unit quaternion `[w, x, y, z]`. Other values are
+    /// ignored. Does not allocate, so it may be called in a loop's tick.
     pub fn aim_at(&mut self, rest: [f64; 4]) {
         let length = rest.iter().map(|part| part * part).sum::<f64>();
         if (length - 1.0).abs() < 1e-6 {
@@ -111,7 +111,7 @@ impl HeldTurning {
         q.map(|part| part / length)
     }
 
-    /// What the sensor says: the rotation vector from the start, rounded to the quantum.
+    /// Returns the measured orientation: the rotation vector from the start, rounded to the quantum.
     #[must_use]
     pub fn measured(&self) -> [f64; 4] {
         let quantum = self.turning.quantum;
@@ -124,7 +124,7 @@ impl HeldTurning {
         turned_by(Vec3(rounded), start)
     }
 
-    /// How fast it turns, in world axes `[rad/s]`.
+    /// Returns the angular velocity in world axes `[rad/s]`.
     #[must_use]
     pub fn angular_velocity(&self) -> Vector {
         let rotation = Rotation::of_quaternion(self.orientation());

@@ -21,7 +21,7 @@ pub(super) enum OfHull {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hull {
     wrapped: Wrapped,
-    /// Of each face: its normal out of the solid, and how far along it.
+    /// For each face, its outward normal and its offset along it.
     planes: Vec<(Vec3, f64)>,
     mesh: Arc<TriangleMesh>,
 }
@@ -68,7 +68,7 @@ impl Hull {
         self.wrapped.corners[usize::from(number)]
     }
 
-    /// What of the surface is nearest to a point; inside, the face of least depth.
+    /// Returns the part of the surface that is nearest to a point; inside, the face of least depth.
     pub(super) fn nearest_part(&self, point: Vec3) -> OfHull {
         let small = |number: usize| u8::try_from(number).unwrap_or(u8::MAX);
         let heights = self.planes.iter();
@@ -102,7 +102,7 @@ impl Hull {
                 if share <= 0.0 {
                     take(off.norm(), OfHull::Corner(small(*from)));
                 } else if share < 1.0 {
-                    // The same name from both sides.
+                    // Same name from both sides.
                     let (low, high) = (small(*from.min(to)), small(*from.max(to)));
                     take((off - along * share).norm(), OfHull::Edge(low, high));
                 }

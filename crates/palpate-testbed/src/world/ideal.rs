@@ -17,13 +17,13 @@ use crate::InvalidParameter;
 use crate::error::positive;
 use crate::grid::Grid;
 
-/// Local error of a step, relative to 1 mm, 0.1 m/s and what they make of rotations.
+/// Local error of a step, relative to 1 mm, 0.1 m/s and the corresponding rotations.
 pub const TOLERANCE: f64 = 1e-11;
 
 /// The ideal of a scene over a window.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldIdeal {
-    /// How the window is cut.
+    /// Intervals of the window.
     pub grid: Grid,
     /// The force on each device's tool.
     pub devices: Vec<DeviceProfile>,
@@ -48,7 +48,7 @@ impl WorldIdeal {
         Self::with_tolerance(scene, grid, TOLERANCE)
     }
 
-    /// The same with another local error of a step than [`TOLERANCE`].
+    /// Solves the ideal with another local error of a step than [`TOLERANCE`].
     ///
     /// # Errors
     ///
@@ -61,13 +61,13 @@ impl WorldIdeal {
         Self::solve(scene, grid, tolerance, None)
     }
 
-    /// The ideal of `scene` with devices that are led along a path, whatever pushes them: their masses and hands do not
-    /// matter.
+    /// Solves the ideal of `scene` with position-driven devices that follow a path. Their masses and hands have no
+    /// effect.
     ///
     /// # Errors
     ///
-    /// Those of [`with_tolerance`](Self::with_tolerance), a path of another number of devices, one that ends before the
-    /// window, or a device that turns where the path says no orientations.
+    /// Those of [`with_tolerance`](Self::with_tolerance); the path has another number of devices or ends before the
+    /// window; or it has no orientations for a device that turns.
     pub fn led(
         scene: &WorldScene,
         grid: Grid,
@@ -125,7 +125,7 @@ impl WorldIdeal {
                 profile.impulses.push(Vec3::of(&run.state[sums..]).0);
                 profile.squares.push(Vec3::of(&run.state[sums + 3..]).0);
                 profile.peaks.push(run.peaks[number]);
-                // From 0 again, so that a difference of large sums costs no digits.
+                // Restart the sums at 0 to avoid differences of large numbers.
                 run.state[sums..sums + 6].fill(0.0);
                 if scene.devices[number].turning.is_some() {
                     let sums = system.layout.torque_sums(number);

@@ -5,7 +5,7 @@ use super::scene::{InvalidScene, Vector, above_zero, all_finite, not_negative, u
 use super::vector::{Rotation, Vec3};
 use crate::InvalidParameter;
 
-/// What a joint lets its body do.
+/// Degree of freedom that a joint leaves to its body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Freedom {
     /// Turn about the axis.
@@ -14,19 +14,20 @@ pub enum Freedom {
     Slide,
 }
 
-/// A joint of a body, as everything stands at t = 0.
+/// Joint of a body, described in the state at t = 0.
 ///
-/// Its coordinate q is the angle `[rad]` about, or the way `[m]` along the axis of the body against the other one, 0 at t = 0.
-/// A joint that turns holds two points of the axis, half a span on both sides of its own, by a spring K/2 each. One that
-/// slides holds four, as far away along the axis and across it, by K/4 each against motion across the axis. Across is as far as
-/// it can be along that of the body's axes at t = 0 which is least along the axis, the first of equal ones.
+/// Its coordinate q is the angle `[rad]` about the axis, or the displacement `[m]` along it, of the body relative to
+/// the other one; q = 0 at t = 0. A revolute joint holds two points of the axis, half a span on both sides of the
+/// joint's point, by a spring K/2 each. A prismatic joint holds four points, at the same distance along the axis and
+/// across it, by K/4 each against motion across the axis. The transverse direction is the initial axis of the body that
+/// is closest to perpendicular to the joint axis, projected onto the normal plane; ties go to the lower index.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldJoint {
     /// Number of the body.
     pub body: usize,
     /// Number of the other body; `None` for the world.
     pub against: Option<usize>,
-    /// What it lets the body do.
+    /// Degree of freedom of the body.
     pub freedom: Freedom,
     /// Its middle, in world axes `[m]`.
     pub point: Vector,
@@ -34,13 +35,13 @@ pub struct WorldJoint {
     pub axis: Vector,
     /// K, above 0 `[N/m]`.
     pub stiffness: f64,
-    /// Damping beside K, shared likewise, at least 0 `[N s/m]`.
+    /// Damping parallel to K, distributed over the points in the same way, at least 0 `[N s/m]`.
     pub damping: f64,
     /// Length of the bearing, above 0 `[m]`.
     pub span: f64,
     /// Spring along q, `[N/m]` or `[N m/rad]`, at least 0.
     pub spring: f64,
-    /// Where it is relaxed `[m]` or `[rad]`.
+    /// Rest value of the coordinate `[m]` or `[rad]`.
     pub rest: f64,
     /// Damping along q, `[N s/m]` or `[N m s/rad]`, at least 0.
     pub along_damping: f64,
@@ -77,7 +78,7 @@ impl WorldJoint {
 pub(super) struct Bearing {
     joint: WorldJoint,
     members: [Option<usize>; 2],
-    /// The joint's point, then those that are held: on the body, and on what it moves against.
+    /// The joint's point, then the held points: each on the body and on its counterpart.
     points: Vec<[Vec3; 2]>,
     /// Axis and a direction across it, in the other's axes.
     axis: Vec3,
@@ -86,7 +87,7 @@ pub(super) struct Bearing {
     mark: Vec3,
 }
 
-/// What a joint does at an instant.
+/// State of a joint at an instant.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Hold {
     /// Force and torque about the mass centre on each of the two.
@@ -111,8 +112,8 @@ impl Bearing {
         let members = [Some(joint.body), joint.against].map(|body| body.map(|body| devices + body));
         let [one, other] = members.map(|member| member.map_or(still(), |member| start[member]));
         let axis = Vec3(joint.axis);
-        // The direction across the axis is along one of the body's own axes as far as it can be: the one that is least along the
-        // axis, of equal ones the first. Rounding decides nothing when the whole scene is turned.
+        // The transverse direction follows the body axis that is closest to perpendicular to the joint axis; ties go to
+        // the lower index. The tolerance keeps the choice independent of rounding if the whole scene is rotated.
         let own = one.rotation.back(axis).0.map(f64::abs);
         let is_least = |i: &usize| own.iter().all(|other| own[*i] <= other + 1e-6);
         let mut unit = Vec3::ZERO;

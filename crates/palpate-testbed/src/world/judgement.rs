@@ -1,4 +1,4 @@
-//! What a rendering of a world is judged by: the forces held on each tool against those of the ideal.
+//! Metrics of a rendered world: the forces held on each tool compared with those of the ideal.
 
 use thiserror::Error;
 
@@ -12,12 +12,12 @@ use crate::metrics::collisions::{relative_error, separated};
 use crate::metrics::fidelity::ErrorSums;
 use crate::metrics::{Fidelity, WindowMismatch};
 
-/// How well held forces render a world.
+/// Accuracy of held forces in a world.
 ///
-/// Each [`Fidelity`] is of one component or of several: errors in sum are weighted by the mobility 1/m of the
-/// device's axis, torques by the mobility about the axis at t = 0, ∫ e·W e over ∫ f·W f, so that axes of unequal
-/// masses, and forces and torques, count by the motion they make. Means over
-/// intervals are the same projection for each weight: FRE² = floor² + E² holds for every one of them.
+/// Each [`Fidelity`] is of one component or of several. Errors in sum are weighted by the mobility 1/m of the device's
+/// axis, torques by the mobility about the axis at t = 0: ∫ e·W e over ∫ f·W f. Axes of unequal masses, forces and
+/// torques thus count by their motion. The mean over intervals is the same projection for each weight. Hence
+/// FRE² = floor² + E² holds for all of them.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct WorldJudgement {
@@ -27,7 +27,7 @@ pub struct WorldJudgement {
     pub devices: Vec<DeviceJudgement>,
 }
 
-/// How well the forces on one tool are rendered.
+/// Accuracy of the forces on one tool.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct DeviceJudgement {
@@ -47,7 +47,7 @@ pub struct DeviceJudgement {
     pub peak_force: f64,
 }
 
-/// How well the torque on one tool is rendered.
+/// Accuracy of the torque on one tool.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct TorqueJudgement {
@@ -75,7 +75,7 @@ pub struct TouchJudgement {
     pub ideal_impulse: Vector,
     /// Largest |f| of the ideal `[N]`.
     pub ideal_peak: f64,
-    /// The same of the held forces; `None` if there were fewer touches.
+    /// Values of the held forces; `None` if there are fewer touches.
     pub rendered: Option<RenderedTouch>,
 }
 
@@ -95,7 +95,7 @@ pub struct RenderedTouch {
     pub peak_error: Option<f64>,
 }
 
-/// Forces that do not fit the ideal they are judged by.
+/// Mismatch between recorded forces and the ideal that they are evaluated against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum JudgementError {
@@ -118,15 +118,15 @@ pub enum JudgementError {
 }
 
 impl WorldJudgement {
-    /// Judges the force `held` on each tool over each interval of the ideal's grid `[N]`: `held[device][interval]`.
+    /// Evaluates the force `held` on each tool over each interval of the ideal's grid `[N]`: `held[device][interval]`.
     ///
     /// # Errors
     ///
-    /// There is not one record for each device of `ideal`, or not one force for each interval.
+    /// The number of records differs from the devices of `ideal`, or the number of forces from the intervals.
     ///
     /// # Panics
     ///
-    /// `ideal` is not of `scene` and has more devices.
+    /// `ideal` does not belong to `scene` and has more devices.
     pub fn of(
         scene: &WorldScene,
         ideal: &WorldIdeal,
@@ -135,8 +135,8 @@ impl WorldJudgement {
         Self::of_wrenches(scene, ideal, held, &[])
     }
 
-    /// The same with the torque held on each tool about its mass centre `[N m]`: `torques[device][interval]`. Where one is
-    /// missing, it counts as 0; that of a device that gives none is not looked at.
+    /// Evaluates forces and the torque held on each tool about its mass centre `[N m]`: `torques[device][interval]`. A
+    /// missing torque counts as 0; the torques of a device that gives none are ignored.
     ///
     /// # Errors
     ///
@@ -144,7 +144,7 @@ impl WorldJudgement {
     ///
     /// # Panics
     ///
-    /// `ideal` is not of `scene` and has more devices.
+    /// `ideal` does not belong to `scene` and has more devices.
     pub fn of_wrenches(
         scene: &WorldScene,
         ideal: &WorldIdeal,
@@ -240,7 +240,7 @@ impl DeviceJudgement {
     }
 }
 
-/// Judges torques whose weights are `weights`, and adds them to the sums.
+/// Evaluates torques with the weights `weights`, and adds their errors to the sums.
 fn judged_torque(
     grid: &Grid,
     weights: Vector,
@@ -276,7 +276,7 @@ fn judged_torque(
     }
 }
 
-/// The larger of two; infinite if one is no number.
+/// Returns the larger of two values; infinite if `b` is not finite.
 fn larger(a: f64, b: f64) -> f64 {
     if b.is_finite() {
         a.max(b)
@@ -350,10 +350,10 @@ impl DeviceProfile {
     }
 }
 
-/// Over what window a world is judged.
+/// Evaluation window of a world.
 ///
-/// Undamped contacts ring for ever, and after a while an error of force is one of phase. So a window ends with a
-/// touch, or after a time, whichever comes first.
+/// Undamped contacts ring indefinitely, and the force error becomes a phase error. The window therefore ends with a
+/// touch or after a time, whichever comes first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WindowRule {
     /// The window ends half a period after this touch of a tool ends, counted from 1 over all tools; `None` for
@@ -389,7 +389,7 @@ impl WindowRule {
     }
 }
 
-/// A number of periods, at least one; a rounding above the last one is none.
+/// Converts to a whole number of periods, at least one; a rounding error just below a whole number is compensated.
 fn whole(periods: f64) -> usize {
     #[expect(
         clippy::cast_possible_truncation,
@@ -401,7 +401,7 @@ fn whole(periods: f64) -> usize {
 }
 
 impl WorldIdeal {
-    /// When anything begins and ends to touch the tool of a device `[s]`; the end is `None` if that is beyond the
+    /// Returns start and end of each contact with the tool of a device `[s]`; the end is `None` if it is beyond the
     /// window.
     #[must_use]
     pub fn touches_of(&self, device: usize) -> Vec<(f64, Option<f64>)> {
@@ -411,7 +411,7 @@ impl WorldIdeal {
                 continue;
             }
             match touches.last_mut() {
-                // Encounters are in the order of their begins, so one that overlaps goes on with the last.
+                // Encounters are ordered by their start, so an overlapping one extends the last.
                 Some((_, last)) if last.is_none_or(|last| encounter.start <= last) => {
                     *last = match (*last, encounter.end) {
                         (Some(a), Some(b)) => Some(a.max(b)),

@@ -1,10 +1,10 @@
-//! The state of a system, one row of numbers.
+//! State vector of a system.
 //!
-//! First comes what moves: position and velocity of each device, and where one turns, quaternion and angular momentum of
-//! each; position, velocity, quaternion and angular momentum
-//! of each free body; the bristle of each contact. After it come integrals over what moves.
+//! It begins with the moving quantities: position and velocity of each device; quaternion and angular momentum of each
+//! device if one turns; position, velocity, quaternion and angular momentum of each free body; the bristle of each
+//! contact. Integrals over these quantities follow.
 
-/// Where in the state what is.
+/// Indices into the state vector.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layout {
     pub devices: usize,
@@ -22,9 +22,9 @@ const BODY: usize = 13;
 const BRISTLE: usize = 3;
 /// Of a device: ∫ f dt and ∫ f² dt along each axis, and the hand's work.
 const DEVICE_SUMS: usize = 7;
-/// And of its torque likewise, where one turns.
+/// Of a device that turns, additionally the same integrals of its torque.
 const TORQUE_SUMS: usize = 6;
-/// Of a contact: ∫ N dt, ∫ of the force on its first member dt, and what it has dissipated.
+/// Of a contact: ∫ N dt, ∫ of the force on its first member dt, and the dissipated energy.
 const CONTACT_SUMS: usize = 5;
 
 impl Layout {
@@ -44,7 +44,7 @@ impl Layout {
         self.body(self.free_bodies) + BRISTLE * contact
     }
 
-    /// How many numbers move; the rest are integrals over them.
+    /// Returns the number of moving quantities; the rest are integrals over them.
     pub fn moving(&self) -> usize {
         self.bristle(self.contacts)
     }
@@ -62,7 +62,7 @@ impl Layout {
         self.device_sums(self.devices) + CONTACT_SUMS * contact
     }
 
-    /// What the damping of a joint has taken.
+    /// Returns the index of the energy dissipated by a joint's damping.
     pub fn joint_sum(&self, joint: usize) -> usize {
         self.contact_sums(self.contacts) + joint
     }

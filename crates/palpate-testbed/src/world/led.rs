@@ -76,12 +76,12 @@ impl LedPath {
         })
     }
 
-    /// The same motion of devices that turn, with `orientations[point][device]`, unit quaternions `[w, x, y, z]`. From point to
-    /// point each device goes the shorter way round.
+    /// Adds the orientations `orientations[point][device]` of devices that turn, unit quaternions `[w, x, y, z]`.
+    /// Between points each device takes the shorter rotation.
     ///
     /// # Errors
     ///
-    /// Other numbers of points or devices than positions, or a quaternion whose length is not 1.
+    /// The numbers of points or devices differ from the positions, or a quaternion does not have length 1.
     pub fn turned(
         self,
         orientations: Vec<Vec<Quaternion>>,
@@ -104,13 +104,13 @@ impl LedPath {
         })
     }
 
-    /// Whether it says how the devices are turned.
+    /// Returns whether the path has orientations.
     #[must_use]
     pub fn turns(&self) -> bool {
         !self.orientations.is_empty()
     }
 
-    /// How each device is turned at a time `[s]`; none where that is not known.
+    /// Returns the orientation of each device at a time `[s]`; empty if unknown.
     #[must_use]
     pub fn orientations_at(&self, time: f64) -> Vec<Quaternion> {
         if !self.turns() {
@@ -131,7 +131,7 @@ impl LedPath {
         ((time - from) / (to - from)).clamp(0.0, 1.0)
     }
 
-    /// When it ends `[s]`.
+    /// Returns the end of the path `[s]`.
     #[must_use]
     pub fn end(&self) -> f64 {
         self.times[self.times.len() - 1]
@@ -143,7 +143,7 @@ impl LedPath {
         self.positions[0].len()
     }
 
-    /// Where each device is at a time `[s]`; before and after the path at its ends `[m]`.
+    /// Returns the position of each device at a time `[s]`; before and after the path that of its ends `[m]`.
     #[must_use]
     pub fn at(&self, time: f64) -> Vec<Vector> {
         let (segment, _) = self.segment(time);
@@ -169,7 +169,7 @@ impl LedPath {
     pub fn unmoved(&self, scene: &WorldScene) -> WorldScene {
         let mut scene = scene.clone();
         for (device, position) in scene.devices.iter_mut().zip(&self.positions[0]) {
-            // No motor gives a force along an axis that a device lacks: nothing is judged there.
+            // No motor acts along an axis that a device lacks, so no force is evaluated there.
             for mass in device.mass.iter_mut().filter(|mass| mass.is_finite()) {
                 *mass = UNMOVED;
             }
@@ -211,7 +211,7 @@ impl LedPath {
                 run.lead_turning(device, here, turning);
             }
             run.settle_anew();
-            // Behind the path's last point nothing is looked at.
+            // Past the last point of the path the run continues to the end.
             let next = if until > run.time {
                 until.min(end)
             } else {

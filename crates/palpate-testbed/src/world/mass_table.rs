@@ -34,15 +34,15 @@ struct Local {
 }
 
 impl MassTable {
-    /// A table along `axes`, unit vectors at right angles along the world's. `places`: increasing coordinates along each of them,
-    /// from the world's origin `[m]`; one alone where nothing changes along an axis. `masses`: a matrix for each place of that grid
-    /// along `axes`, as xx, yy, zz, xy, xz and yz `[kg]`, the last axis first. Beyond the grid the nearest place of its boundary
-    /// counts. Of an axis that a device lacks nothing is looked at.
+    /// Creates a table along `axes`, perpendicular unit vectors in world axes. `places`: increasing coordinates along
+    /// each of them, from the world's origin `[m]`; a single one if the mass does not vary along an axis. `masses`: a
+    /// matrix for each grid point along `axes`, as xx, yy, zz, xy, xz and yz `[kg]`, the last axis first. Beyond the
+    /// grid the nearest point of its boundary applies. Entries of an axis that a device lacks are ignored.
     ///
     /// # Errors
     ///
-    /// Places that do not increase, another number of matrices, numbers that are not finite, matrices that are not positive
-    /// definite, or that differ so much from place to place that one between them is not.
+    /// The places do not increase, the number of matrices is wrong, a number is not finite, a matrix is not positive
+    /// definite, or neighbouring matrices differ so much that an interpolated one is not positive definite.
     pub fn new(
         axes: [Vector; 3],
         places: [Vec<f64>; 3],
@@ -118,7 +118,7 @@ impl MassTable {
         let Local { mass, slopes } = self.at(self.own(position));
         let velocity = self.own(velocity);
         let by_slopes = slopes.map(|slope| times(&slope, velocity));
-        // Along the table's axes: what pushes, and what the mass that changes adds.
+        // Along the table's axes: the applied force, and the effect of the varying mass.
         let pushed: Vector = from_fn(|axis| {
             let by_change: f64 = (0..3).map(|k| velocity[k] * by_slopes[k][axis]).sum();
             0.5 * Vec3(velocity).dot(Vec3(by_slopes[axis])) - by_change
@@ -165,7 +165,7 @@ fn controls_along(places: &[f64]) -> usize {
     3 * places.len() - 2
 }
 
-/// The controls along one axis of a grid of so many matrices.
+/// Returns the control points along one axis of a grid of matrices.
 fn refined(of: &[Symmetric], counts: [usize; 3], axis: usize, places: &[f64]) -> Vec<Symmetric> {
     let inner: usize = counts[axis + 1..].iter().product();
     let outer: usize = counts[..axis].iter().product();
@@ -191,8 +191,8 @@ fn refined(of: &[Symmetric], counts: [usize; 3], axis: usize, places: &[f64]) ->
     all
 }
 
-/// Slope at a place of the parabola through it and its neighbours; at an end, through the three that are there; of two, of the
-/// line.
+/// Returns the slope at a grid point of the parabola through it and its neighbours; at an end, through the three
+/// outermost points; for two points, of the line.
 fn slope(places: &[f64], node: usize, value: impl Fn(usize) -> Symmetric) -> Symmetric {
     let secant = |from: usize| -> Symmetric {
         let (one, other) = (value(from), value(from + 1));

@@ -1,4 +1,4 @@
-//! Worlds: several devices, bodies and contacts in space, their ideal and their judgement.
+//! Worlds: several devices, bodies and contacts in space, their ideal motion and the evaluation of renderings.
 //!
 //! ```text
 //! tool of a device   m x″ = f + F − k (x − x_rest) − b x′ + Σ tremor     along each axis
@@ -9,10 +9,10 @@
 //! friction           z′ = v_t + (n × n′) × z, cut to |z| ≤ μ N/k_t; force on the first member −k_t z
 //! ```
 //!
-//! A contact acts at one point, midway between the two surfaces on the line along n. All is in world axes and
-//! SI units; a force on a tool is what its device gives to the hand.
+//! A contact acts at one point, midway between the two surfaces on the line along n. All quantities are in world axes
+//! and SI units; a force on a tool is the force that its device applies to the hand.
 //!
-//! # From scene to judgement
+//! # From scene to evaluation
 //!
 //! ```
 //! use palpate_testbed::grid::Grid;

@@ -1,7 +1,7 @@
-//! When a contact leaves its mode, and for which one.
+//! Mode transitions of contacts.
 //!
-//! A mode holds a little beyond its end, so that a state at an event, known to round-off, is in one mode or
-//! in the other and not in each of the two by turns.
+//! A mode holds slightly beyond its end. A state at an event, known to round-off, therefore stays in one mode instead
+//! of alternating between two.
 
 use super::between::order_after;
 use super::mesh::{MOST_CONTACTS, OnMesh};
@@ -9,11 +9,11 @@ use super::motion::{Condition, Instant, Mode, System, slip_direction};
 use super::surface::Feature;
 use super::vector::{Vec3, turned};
 
-/// How far beyond its end a condition on lengths holds `[m]`.
+/// Tolerance of a condition on lengths `[m]`.
 const SLACK: f64 = 1e-14;
-/// How far beyond its end a condition on friction holds, relative.
+/// Relative tolerance of a condition on friction.
 const FRICTION_SLACK: f64 = 1e-9;
-/// And in speed `[m/s]`.
+/// Tolerance of a condition on speed `[m/s]`.
 const SPEED_SLACK: f64 = 1e-13;
 /// Rounds in which the contacts settle after an event: one contact's new mode can end another one's.
 const ROUNDS: usize = 16;
@@ -72,7 +72,7 @@ impl System {
         contacts.filter_map(|(number, contact)| contact.begins_solids().then_some(number))
     }
 
-    /// How two solids should touch, if that is another way.
+    /// Returns the required contact state of two solids, if it differs from the present one.
     fn moves_of_solids(
         &self,
         first: usize,
@@ -117,7 +117,7 @@ impl System {
             }
         }
         for number in all {
-            // A corner's push may have jumped: its bristle stays as it is, unless it is longer than that holds.
+            // A corner's normal force may have jumped: keep its bristle up to the new largest deflection.
             conditions[number].mode = Mode::Stick;
             self.change_to(feature, number, state, &mut conditions[number], now);
         }
@@ -125,7 +125,7 @@ impl System {
 
     /// Numbers of the first contact of each sphere with a mesh.
     fn mesh_contacts(&self) -> impl Iterator<Item = usize> {
-        // Of a tool of several spheres, each has as many.
+        // A tool of several spheres has this number of contacts for each.
         let mut count = (None, 0);
         let contacts = self.contacts.iter().enumerate();
         contacts.filter_map(move |(number, contact)| {
@@ -138,7 +138,7 @@ impl System {
         })
     }
 
-    /// What the contacts of a sphere with a mesh should be at, if they are not there, but for the slack.
+    /// Returns the required states of the contacts of a sphere with a mesh, if they differ by more than the slack.
     fn moves_on_mesh(
         &self,
         first: usize,
@@ -272,7 +272,7 @@ impl System {
                 }
                 Mode::Stick | Mode::Slip => (Mode::Stick, bristle),
                 Mode::Free | Mode::Clipped | Mode::Smooth => {
-                    // Without damping, the largest deflection grows from 0 by a rate of its own.
+                    // Without damping, the largest deflection grows from 0 at its own rate.
                     let force_rate = touch.slope * law.stiffness * touch.growth;
                     let rate = law.friction * force_rate / law.friction_stiffness;
                     if law.damping == 0.0 && touch.tangential().norm() > rate {
@@ -285,7 +285,7 @@ impl System {
             }
         };
         condition.mode = mode;
-        // What the bristle loses at once, it dissipates.
+        // A sudden loss of bristle energy is dissipated.
         let lost = 0.5 * law.friction_stiffness * (before.dot(before) - bristle.dot(bristle));
         state[self.layout.contact_sums(number) + 4] += lost.max(0.0);
         bristle.write(&mut state[self.layout.bristle(number)..]);

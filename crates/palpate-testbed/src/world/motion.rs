@@ -11,12 +11,12 @@ use super::vector::{Rotation, Vec3, quaternion_rate};
 
 pub(super) use hand::{hand_force, hand_force_at};
 
-/// What a contact does. Within a mode, the equations are smooth.
+/// State of a contact. Within a mode, the equations are smooth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Mode {
     /// The surfaces are apart.
     Free,
-    /// They overlap, and K p + B p′ < 0: no force.
+    /// Overlap with K p + B p′ < 0: no force.
     Clipped,
     /// Pushing, without friction.
     Smooth,
@@ -54,7 +54,7 @@ pub(super) struct System {
     start_state: Vec<f64>,
 }
 
-/// Everything that follows from a state at one instant; kept to be filled again.
+/// Quantities derived from a state at one instant; reused to avoid allocation.
 #[derive(Debug, Clone)]
 pub(super) struct Instant {
     pub placed: Vec<Placed>,
@@ -63,11 +63,11 @@ pub(super) struct Instant {
     pub normal_forces: Vec<f64>,
     /// Deflection of each bristle that acts `[m]`.
     pub bristles: Vec<Vec3>,
-    /// What damping adds to the force of each bristle on the first `[N]`.
+    /// Damping force added to that of each bristle, on the first member `[N]`.
     pub bristle_dampers: Vec<Vec3>,
     /// Slip of each bristle, e · v_t − (μ N/k_t)′; 0 unless it slips `[m/s]`.
     pub slips: Vec<f64>,
-    /// What the joints do.
+    /// States of the joints.
     pub holds: Vec<Hold>,
     accelerations: Vec<Acceleration>,
     forces: Vec<Vec3>,
@@ -152,7 +152,7 @@ impl System {
         })
     }
 
-    /// Where every member is at t = 0.
+    /// Returns the initial pose of every member.
     pub fn start_places(&self) -> Vec<Placed> {
         self.start.clone()
     }
@@ -210,7 +210,7 @@ impl System {
         scales
     }
 
-    /// Where every member is and how it moves.
+    /// Computes pose and velocity of every member.
     pub fn place(&self, state: &[f64], placed: &mut [Placed]) {
         let devices = self.devices.len();
         for (device, placed) in placed[..devices].iter_mut().enumerate() {
@@ -236,7 +236,7 @@ impl System {
         }
     }
 
-    /// Everything that follows from a state, for contacts in these `conditions`.
+    /// Computes all quantities that follow from a state, for contacts in these `conditions`.
     pub fn evaluate(&self, time: f64, state: &[f64], conditions: &[Condition], now: &mut Instant) {
         self.place(state, &mut now.placed);
         now.forces.fill(Vec3::ZERO);
@@ -387,7 +387,7 @@ impl System {
                 let q = quaternion(&state[place + 6..]);
                 let by_hand = turning.hand_torque(time, q, placed.turning);
                 let torque = turning.of_contacts(now.torques[number]);
-                // What does not act on the device the hand takes up.
+                // The hand takes up the remaining torque.
                 let taken_up = torque - now.torques[number];
                 rates[place + 6..place + 10].copy_from_slice(&quaternion_rate(q, placed.turning));
                 (torque + by_hand).write(&mut rates[place + 10..]);
@@ -490,12 +490,14 @@ impl System {
 const LENGTH: f64 = 1e-3;
 const SPEED: f64 = 0.1;
 
-/// A bristle of a sliding contact turns into the motion within a way of its own length, or of this one where it is shorter `[m]`. A
-/// force that begins at 0 has a bristle without length, and the equations would be stiff without bound. A bristle this short holds
-/// k_t times as much `[N]`, 0.2 mN at 2 kN/m; energy does not depend on where it points.
+/// Distance over which the bristle of a sliding contact turns into the direction of motion, if its own length is
+/// smaller `[m]`. A contact force that begins at 0 has a bristle of zero length, which would make the equations
+/// arbitrarily stiff. A bristle of this length holds k_t times as much `[N]`, 0.2 mN at 2 kN/m. Energy does not depend
+/// on its direction.
 const TURNED_WITHIN: f64 = 1e-7;
 
-/// What damping adds to the force -k_t z of a bristle on the first `[N]`: both together are cut to μ N.
+/// Returns the damping force in addition to the bristle force -k_t z on the first member `[N]`: their sum is limited to
+/// μ N.
 fn damper(law: &ContactLaw, mode: Mode, touch: &Touch, normal_force: f64, bristle: Vec3) -> Vec3 {
     if law.friction_damping == 0.0 || !matches!(mode, Mode::Stick | Mode::Slip) {
         return Vec3::ZERO;
@@ -510,7 +512,7 @@ fn damper(law: &ContactLaw, mode: Mode, touch: &Touch, normal_force: f64, bristl
     }
 }
 
-/// Where the bristle of a sliding contact points; one without length points along the motion.
+/// Returns the bristle direction of a sliding contact; for a bristle of zero length, the direction of the motion.
 pub(super) fn slip_direction(bristle: Vec3, touch: &Touch) -> Vec3 {
     bristle
         .across(touch.normal)
@@ -588,7 +590,7 @@ impl Instant {
         self.torques[device]
     }
 
-    /// What a contact stores, K p²/2 + k_t |z|²/2 `[J]`.
+    /// Returns the stored energy of a contact, K p²/2 + k_t |z|²/2 `[J]`.
     pub fn stored_energy(&self, system: &System, number: usize) -> f64 {
         let law = &system.contacts[number].law;
         let p = self.touches[number].penetration.max(0.0);

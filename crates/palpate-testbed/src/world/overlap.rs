@@ -1,18 +1,18 @@
-//! How far the surfaces of a world overlap, wherever its tools and bodies are.
+//! Overlap of a world's surfaces for any poses of its tools and bodies.
 
 use super::contact::{Placed, WorldError};
 use super::motion::System;
 use super::scene::{Vector, WorldScene};
 use super::vector::{Rotation, Vec3};
 
-/// The contacts of a scene, to be asked about poses that somebody has rendered.
+/// Contacts of a scene, for computing the penetrations in a rendered pose.
 #[derive(Debug, Clone)]
 pub struct Overlap {
     system: System,
 }
 
 impl Overlap {
-    /// The contacts of `scene`.
+    /// Creates the contacts of `scene`.
     ///
     /// # Errors
     ///
@@ -23,10 +23,10 @@ impl Overlap {
         })
     }
 
-    /// Penetration of each contact `[m]`, negative where there is a gap, for tools at `tools` `[m]` and bodies at
-    /// `bodies`, the centre of mass `[m]` and a unit quaternion `[w, x, y, z]` of each, in the order of the scene.
-    /// The contacts are in the order of [`WorldState::contacts`](super::WorldState). What is missing is where it is
-    /// at the start.
+    /// Returns the penetration of each contact `[m]`, negative for a gap, for tools at `tools` `[m]` and bodies at
+    /// `bodies`, each given by the centre of mass `[m]` and a unit quaternion `[w, x, y, z]`, in the order of the
+    /// scene. The contacts are in the order of [`WorldState::contacts`](super::WorldState). Missing tools and bodies
+    /// are in their initial pose.
     #[must_use]
     pub fn penetrations(&self, tools: &[Vector], bodies: &[(Vector, [f64; 4])]) -> Vec<f64> {
         let mut placed = self.system.start_places();
@@ -37,7 +37,7 @@ impl Overlap {
         self.of_placed(placed, bodies)
     }
 
-    /// The same for tools that turn too: a position and a unit quaternion of each.
+    /// Returns the penetrations for tools that also turn, with a position and a unit quaternion of each.
     #[must_use]
     pub fn penetrations_of_poses(
         &self,

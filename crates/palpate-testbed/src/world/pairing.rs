@@ -1,4 +1,4 @@
-//! Which points of a pair of members can touch which surface.
+//! Selection of the contact points and surfaces of a pair of members.
 
 use std::sync::Arc;
 
@@ -82,7 +82,8 @@ fn flat(shape: &Shape) -> Option<Flat> {
     }
 }
 
-/// A capsule on another convex solid: of two capsules the shorter one, of equals the first.
+/// Builds the contact of a capsule on another convex solid. Of two capsules the shorter one is the rod; ties go to the
+/// first.
 fn rod(shapes: [&Shape; 2]) -> Option<Rod> {
     let capsule = |side: usize| match *shapes[side] {
         Shape::Capsule {
@@ -111,7 +112,8 @@ fn rod(shapes: [&Shape; 2]) -> Option<Rod> {
     })
 }
 
-/// A cylinder on a solid with flat faces, or on another one: of two the shorter one, of equals the first.
+/// Builds the contact of a cylinder on a solid with flat faces or on another cylinder. Of two cylinders the shorter one
+/// is chosen; ties go to the first.
 fn cylinder(shapes: [&Shape; 2]) -> Option<Cylinder> {
     let size = |shape: &Shape| match *shape {
         Shape::Cylinder {
@@ -139,7 +141,7 @@ fn cylinder(shapes: [&Shape; 2]) -> Option<Cylinder> {
     }
 }
 
-/// The share of a law that one has of so many that lie flat together.
+/// Returns the share of a law for one of `count` contacts that lie flat together.
 fn shared(law: &ContactLaw, count: f64) -> ContactLaw {
     ContactLaw {
         stiffness: law.stiffness / count,
@@ -150,8 +152,8 @@ fn shared(law: &ContactLaw, count: f64) -> ContactLaw {
     }
 }
 
-/// The contacts of a mesh that has points with what they can touch, if one of the two is such a mesh; of two, the smaller
-/// one where it can.
+/// Builds the point contacts of a mesh that has points, if one of the two is such a mesh and the other one can be
+/// touched by points. Of two such meshes the smaller one provides the points if possible.
 fn by_points(number: usize, pair: &Pair, sides: [&Side; 2]) -> Option<Vec<Contact>> {
     let mesh = |side: &Side| match &side.shape {
         Some(Shape::Mesh(mesh)) => Some(mesh.clone()),
@@ -221,7 +223,7 @@ pub(super) fn of_pair(
     if let Some(contacts) = by_points(number, pair, [&one, &other]) {
         return Ok(contacts);
     }
-    // The tool goes first, then a free sphere, so that the sphere is the first of the two.
+    // The tool comes first, then a free sphere, so the sphere is the first member.
     let rank = |side: &Side| match side.shape {
         Some(Shape::Sphere { .. }) => 2 + u8::from(side.is_device),
         None => 3,

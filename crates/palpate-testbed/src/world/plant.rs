@@ -1,4 +1,4 @@
-//! What stands on the other side of a sampled loop: the devices in their hands, between measuring and actuating.
+//! Plant of a sampled loop: the devices in their hands, between measurement and actuation.
 
 use std::collections::VecDeque;
 
@@ -24,7 +24,7 @@ const WHOLE: f64 = 1e-9;
 pub struct PlantParams {
     /// Period T, finite and above 0 `[s]`.
     pub period: f64,
-    /// From a sample to the begin of the force computed from it, 0 to 1024 periods, whole or not `[s]`.
+    /// Time from a sample to the start of its force, 0 to 1024 periods, also fractional `[s]`.
     pub delay: f64,
     /// Gain and lag of every axis.
     pub actuator: ActuatorParams,
@@ -44,7 +44,7 @@ impl PlantParams {
 
 /// The devices of a scene in a sampled loop.
 ///
-/// At each sample, [`measure`](Self::measure) what the sensors say, compute a force on each tool, and
+/// At each sample, call [`measure`](Self::measure) for the sensor values, compute a force on each tool, and
 /// [`hold`](Self::hold) it. Each axis moves exactly under the force that its actuator delivers.
 ///
 /// ```
@@ -79,7 +79,7 @@ pub struct WorldPlant {
     /// Whole periods and the rest of the delay `[s]`.
     delay: (usize, f64),
     devices: Vec<PlantDevice>,
-    /// Commands that do not act yet, and the one that does.
+    /// Pending commands, and the active one.
     under_way: VecDeque<Vec<[Vector; 2]>>,
     acting: Vec<[Vector; 2]>,
     samples: usize,
@@ -88,7 +88,7 @@ pub struct WorldPlant {
 
 #[derive(Debug, Clone)]
 struct PlantDevice {
-    /// What is held here, which says along which axes it moves.
+    /// The simulated device, which determines the axes along which it moves.
     device: WorldDevice,
     axes: [HeldAxis; 3],
     actuators: [Actuator; 3],
@@ -181,32 +181,32 @@ impl WorldPlant {
         self.samples as f64 * self.params.period
     }
 
-    /// What the sensors say now: positions, rounded along each of a device's axes to its quantum `[m]`.
+    /// Returns the measured positions, rounded along each of a device's axes to its quantum `[m]`.
     #[must_use]
     pub fn measure(&self) -> Vec<Vector> {
         self.each(|device, axis| device.samplers[axis].sample(device.position(axis)))
     }
 
-    /// Where the tools' centres are now `[m]`.
+    /// Returns the present positions of the tools' centres `[m]`.
     #[must_use]
     pub fn positions(&self) -> Vec<Vector> {
         self.each(PlantDevice::position)
     }
 
-    /// How fast they move now `[m/s]`.
+    /// Returns the present velocities `[m/s]`.
     #[must_use]
     pub fn velocities(&self) -> Vec<Vector> {
         self.each(PlantDevice::velocity)
     }
 
-    /// How the sensors say the tools are turned now: the rotation vector of each from the start, rounded to its
-    /// quantum, as a unit quaternion `[w, x, y, z]`; not turned for a device that does not turn.
+    /// Returns the measured orientations of the tools: the rotation vector of each from the start, rounded to its
+    /// quantum, as a unit quaternion `[w, x, y, z]`; the identity for a device that does not turn.
     #[must_use]
     pub fn measure_orientations(&self) -> Vec<[f64; 4]> {
         self.turned(HeldTurning::measured)
     }
 
-    /// How the tools are turned now.
+    /// Returns the present orientations of the tools.
     #[must_use]
     pub fn orientations(&self) -> Vec<[f64; 4]> {
         self.turned(HeldTurning::orientation)
@@ -219,7 +219,7 @@ impl WorldPlant {
             .collect()
     }
 
-    /// How fast the tools turn now, in world axes `[rad/s]`.
+    /// Returns the present angular velocities of the tools in world axes `[rad/s]`.
     #[must_use]
     pub fn angular_velocities(&self) -> Vec<Vector> {
         let turnings = self.devices.iter().map(|device| device.turning.as_ref());
@@ -238,14 +238,14 @@ impl WorldPlant {
             .collect()
     }
 
-    /// Takes the force on each tool `[N]` computed from this sample, one for each device, and moves on to the next
-    /// sample. What is missing counts as 0 N, what is too much is not looked at.
+    /// Applies the force on each tool `[N]` computed from this sample, one for each device, and advances to the next
+    /// sample. A missing force counts as 0 N, an excess one is ignored.
     pub fn hold(&mut self, forces: &[Vector]) {
         self.hold_wrenches(forces, &[]);
     }
 
-    /// The same with a torque on each tool about its mass centre `[N m]`, which a device that does not turn does not
-    /// take.
+    /// Applies forces as [`hold`](Self::hold) does, and a torque on each tool about its mass centre `[N m]`; a device
+    /// that does not turn ignores it.
     pub fn hold_wrenches(&mut self, forces: &[Vector], torques: &[Vector]) {
         let of = |list: &[Vector], number: usize| list.get(number).copied().unwrap_or_default();
         let devices = 0..self.devices.len();
@@ -318,11 +318,11 @@ impl WorldPlant {
         }
     }
 
-    /// How a window of so many periods is cut: where a new command begins to act.
+    /// Returns the grid of a window of `periods` periods; its edges are the starts of new commands.
     ///
     /// # Errors
     ///
-    /// There is a rest of delay and no period.
+    /// The delay has a fraction of a period, and there is no period.
     pub fn grid(&self, periods: usize) -> Result<Grid, InvalidParameter> {
         let (period, rest) = (self.params.period, self.delay.1);
         if rest == 0.0 {
@@ -348,7 +348,7 @@ impl WorldPlant {
         own.map(|mean| device.out(Vec3(mean)).0).collect()
     }
 
-    /// Mean torque on the tool of a device `[N m]` likewise.
+    /// Returns the mean torque on the tool of a device over each interval `[N m]`.
     ///
     /// # Panics
     ///

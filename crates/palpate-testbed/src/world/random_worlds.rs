@@ -1,4 +1,4 @@
-//! Random scenes of a sphere tool in a hand: many contacts that nobody has chosen.
+//! Random scenes of a sphere tool in a hand, with many randomly chosen contacts.
 
 use super::contact::WorldError;
 use super::ideal::WorldIdeal;
@@ -12,7 +12,7 @@ use crate::grid::Grid;
 use crate::hand::Sinusoid;
 use crate::random::SplitMix64;
 
-/// What a random scene is about.
+/// Type of a random scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum WorldKind {
     /// A ball falls on the tool.
@@ -41,26 +41,26 @@ impl WorldKind {
     ];
 }
 
-/// Which hands hold the tools of random scenes, and what a renderer is told of their masses.
+/// Hands of the tools in random scenes, and the errors of a renderer's model masses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum RandomHands {
-    /// Springs of 60 N/m and 300 N/m in turn, with damping, a push and a tremor; of every four masses two are told 1.5
-    /// and two 0.67 times.
+    /// Springs of 60 N/m and 300 N/m in turn, with damping, a push and a tremor. Of every four model masses, two are
+    /// 1.5 times and two are 0.67 times the true mass.
     Springs,
-    /// A constant push and nothing else, so that a device moves freely; every mass is told 1.5 times.
+    /// A constant push only, so that a device moves freely. Every model mass is 1.5 times the true mass.
     Pushes,
 }
 
 /// A random scene with its window and its ideal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RandomWorld {
-    /// What it is about.
+    /// Type of the scene.
     pub kind: WorldKind,
     /// The scene; its sensors have no quantum, set one where it is wanted.
     pub scene: WorldScene,
     /// Stiffness K of the tool's contacts `[N/m]`; the second wall of a groove has another.
     pub stiffness: f64,
-    /// Masses as a renderer may be told, see [`RandomHands`] `[kg]`.
+    /// Model masses for a renderer, see [`RandomHands`] `[kg]`.
     pub told_mass: Vector,
     /// The ideal over the window.
     pub ideal: WorldIdeal,
@@ -79,15 +79,15 @@ const GRAVITY: f64 = 9.81;
 /// Material damping B over 2 √(K m), m about the tool's mass: so little that a bounce keeps 97 % of its speed.
 const DAMPING_RATIO: f64 = 0.01;
 
-/// So many random scenes for a loop of a period `[s]`; the same for the same seed.
+/// Creates random scenes for a loop of a period `[s]`; the same seed gives the same scenes.
 ///
-/// The window is at most 0.3 s, ends soon after the fourth touch, and before
-/// the ideal's motion depends on how it is computed. Scenes without a touch, with one at the start, with mean forces above
-/// 200 N or with less than half a period of touch are drawn again.
+/// The window is at most 0.3 s, ends soon after the fourth touch, and ends before the ideal's motion depends on its
+/// numerical solution. Scenes are redrawn if they have no touch, a touch at the start, mean forces above 200 N, or less
+/// than half a period of touch.
 ///
 /// # Errors
 ///
-/// A scene that has no ideal, see [`WorldIdeal::new`]; or a period that is not finite and positive.
+/// A scene has no ideal, see [`WorldIdeal::new`]; or the period is not finite and positive.
 pub fn random_worlds(
     hands: RandomHands,
     count: usize,

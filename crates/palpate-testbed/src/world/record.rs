@@ -1,4 +1,4 @@
-//! What an ideal says: forces over intervals, states at their edges, contacts from begin to end.
+//! Results of an ideal: forces over intervals, states at their edges, contacts from begin to end.
 
 use super::scene::{Member, Vector};
 
@@ -14,7 +14,7 @@ pub struct DeviceProfile {
     /// ∫ τ dt over each interval of the torque about the tool's mass centre; empty for a device that does not turn
     /// `[N m s]`.
     pub torque_impulses: Vec<Vector>,
-    /// ∫ τ² dt about each axis likewise `[N² m² s]`.
+    /// ∫ τ² dt about each axis over each interval; empty for a device that does not turn `[N² m² s]`.
     pub torque_squares: Vec<Vector>,
 }
 
@@ -25,9 +25,9 @@ pub struct Encounter {
     pub pair: usize,
     /// Number of the contact; those of a box on a half-space have one for each corner.
     pub contact: usize,
-    /// The two, that which has the sphere or the corner first.
+    /// The two members; the one with the sphere or the corner comes first.
     pub between: [Member; 2],
-    /// Begin `[s]`; 0 for a contact that is there at the start.
+    /// Start `[s]`; 0 for an initial contact.
     pub start: f64,
     /// End `[s]`, `None` if the contact lasts beyond the window.
     pub end: Option<f64>,
@@ -43,7 +43,7 @@ pub struct Encounter {
     pub deepest: f64,
 }
 
-/// Where a device is.
+/// Position of a device, with its velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeviceState {
     /// `[m]`
@@ -62,7 +62,7 @@ pub struct DeviceState {
     pub torque: Vector,
 }
 
-/// Where a body is.
+/// Pose of a body, with its velocities.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyState {
     /// Centre of mass `[m]`.
@@ -77,12 +77,12 @@ pub struct BodyState {
     pub angular_momentum: Vector,
 }
 
-/// How a contact is.
+/// State of a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactState {
     /// p `[m]`, negative where there is a gap.
     pub penetration: f64,
-    /// From the second of the two to the first.
+    /// Unit vector from the second member to the first.
     pub normal: Vector,
     /// N `[N]`.
     pub normal_force: f64,
@@ -90,32 +90,32 @@ pub struct ContactState {
     pub bristle: Vector,
 }
 
-/// Where the energy of a scene is, and what went in since t = 0.
+/// Energy ledger of a scene since t = 0.
 ///
-/// kinetic + stored + dissipated = kinetic and stored at the start + hand work + work of the bodies' forces.
+/// kinetic + stored + dissipated = initial kinetic + initial stored + hand work + work of the bodies' forces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorldBooks {
     /// Kinetic energy of devices and bodies `[J]`.
     pub kinetic: f64,
     /// In the contacts' springs and bristles `[J]`.
     pub stored: f64,
-    /// By the contacts, never falling `[J]`.
+    /// Energy dissipated by the contacts, never decreasing `[J]`.
     pub dissipated: f64,
-    /// By the hands on their devices, their springs and dampers included `[J]`.
+    /// Work of the hands on their devices, including their springs and dampers `[J]`.
     pub hand_work: f64,
-    /// By the constant forces on the bodies `[J]`.
+    /// Work of the constant forces on the bodies `[J]`.
     pub body_work: f64,
 }
 
 impl WorldBooks {
-    /// What must not change: kinetic + stored + dissipated − hand work − work of the bodies' forces `[J]`.
+    /// Returns the conserved quantity: kinetic + stored + dissipated − hand work − work of the bodies' forces `[J]`.
     #[must_use]
     pub fn balance(&self) -> f64 {
         self.kinetic + self.stored + self.dissipated - self.hand_work - self.body_work
     }
 }
 
-/// Everything at one edge of the grid.
+/// State at one edge of the grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldState {
     /// `[s]`

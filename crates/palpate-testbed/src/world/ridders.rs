@@ -1,4 +1,4 @@
-//! Where a function is 0.
+//! Bracketing root finder by Ridders' method.
 
 /// Rounds; each at least halves what is left.
 const ROUNDS: usize = 60;
@@ -36,7 +36,7 @@ pub(super) fn falls_through_zero(of: impl Fn(f64) -> f64, mut low: f64, mut high
         if look(next, of(next)) {
             return next;
         }
-        // Where the function jumps, the same place may come again and again that is not the one.
+        // At a jump of the function the iteration may repeat a point that is not the root.
         if (next - last).abs() <= same {
             for place in [next - 2.0 * same, next + 2.0 * same] {
                 look(place, of(place));

@@ -1,8 +1,9 @@
-//! A capsule on another convex solid: how its two ends lie behind the plane between them.
+//! A capsule on another convex solid: the position of its two ends behind the separating plane.
 //!
-//! Two forces of the shares cos θ and sin θ at the ends push as one does where they balance on the segment. There a sphere
-//! overlaps the other solid by p, and the two ends can hold p (cos θ + sin θ) cos θ and p (cos θ + sin θ) sin θ. The pair takes the
-//! θ of which p (cos θ + sin θ) is largest. Planes have no part in this; that they cost least then is what tests say.
+//! Two forces with the shares cos θ and sin θ at the ends are equivalent to a single one at their balance point on the
+//! segment. There a sphere overlaps the other solid by p, and the two ends can hold p (cos θ + sin θ) cos θ and p (cos
+//! θ + sin θ) sin θ. The pair uses the θ with the largest p (cos θ + sin θ). This construction uses no plane; tests
+//! show that the plane has the least overlap.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -13,7 +14,7 @@ use super::surface::{feature, nearest};
 use super::vector::{Rotation, Vec3};
 use super::wrapping::{Wrapped, normal_of};
 
-/// Of a difference in time `[s]`. Short, because it reaches back over the instant at which a contact begins.
+/// Time difference for numerical derivatives `[s]`. Short, because it reaches back over the start of a contact.
 const STEP: f64 = 5e-8;
 
 /// The solid that a capsule is on.
@@ -27,7 +28,7 @@ pub(super) enum Base {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Faces(Vec<(Vec3, f64, Vec<Vec3>)>);
 
-/// A capsule and what it is on.
+/// A capsule and its counterpart.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Rod {
     /// Whether the capsule is the first of the two.
@@ -37,10 +38,10 @@ pub(super) struct Rod {
     pub base: Base,
 }
 
-/// How a capsule lies.
+/// Geometry of a capsule contact.
 #[derive(Clone, Copy)]
 struct Lying {
-    /// From the second to the first.
+    /// Unit vector from the second member to the first.
     normal: Vec3,
     penetration: f64,
     point: Vec3,
@@ -106,7 +107,7 @@ impl Rod {
         let along = ends[1] - ends[0];
         let parts = |angle: f64| {
             let (sine, cosine) = angle.sin_cos();
-            // Of a quarter turn the cosine is round-off.
+            // At a quarter turn the cosine is round-off.
             (sine, if angle < FRAC_PI_2 { cosine } else { 0.0 })
         };
         let at = |angle: f64| {
@@ -134,7 +135,7 @@ impl Rod {
         let penetration = if overlap > 0.0 && share > 0.0 {
             overlap * sum * share
         } else {
-            // It is above the plane through the nearest place.
+            // Depth of an end relative to the plane through the nearest point.
             overlap - out.dot(ends[end] - (ends[0] + along * (sine / sum)))
         };
         Lying {
@@ -144,7 +145,7 @@ impl Rod {
         }
     }
 
-    /// At one of the two ends.
+    /// Returns the touch at one of the two ends.
     pub fn touch(&self, end: usize, placed: [&Placed; 2]) -> Touch {
         let here = self.lying(placed, end);
         let after = |time: f64| {
@@ -170,7 +171,7 @@ impl Rod {
     }
 }
 
-/// Where a member is after a time at its velocities.
+/// Returns the pose of a member after `time` at its present velocities.
 fn moved(placed: &Placed, time: f64) -> Placed {
     let rate = placed.turning.norm();
     let rotation = placed.turning.direction().map_or(placed.rotation, |axis| {

@@ -1,4 +1,4 @@
-//! A system on its way: steps, events, and what is noted on the way.
+//! Integration of a system in time: steps, events, and the recording of states and contacts.
 
 use super::contact::WorldError;
 use super::dormand_prince::Step;
@@ -9,7 +9,7 @@ use super::vector::{Rotation, Vec3};
 
 /// Most steps and events within an interval of the grid.
 const MOST_STEPS: usize = 200_000;
-/// Parts of a step at whose ends every contact is looked at.
+/// Number of sub-steps of a step; every contact is checked at the end of each.
 const PARTS: u32 = 4;
 /// An event is located to this time `[s]`.
 const EVENT_WIDTH: f64 = 1e-15;
@@ -93,7 +93,7 @@ impl<'a> Run<'a> {
         momentum.write(&mut self.state[place + 10..]);
     }
 
-    /// Looks at all contacts anew after the state was changed from outside.
+    /// Re-evaluates all contacts after an external change of the state.
     pub fn settle_anew(&mut self) {
         self.first_is_known = false;
         // When a velocity jumps, the damping's part of N jumps, and so does the longest bristle, mu N/k_t. The length of
@@ -157,7 +157,7 @@ impl<'a> Run<'a> {
             } else {
                 self.step.hand_on();
                 self.first_is_known = true;
-                // A step cut short by the interval's end says little about the next one.
+                // A step shortened by the interval's end is not representative of the next one.
                 self.next_length = if length < self.next_length {
                     self.next_length.max(shrunk)
                 } else {
@@ -244,7 +244,7 @@ impl<'a> Run<'a> {
         self.system.all_hold(&self.conditions, &self.now)
     }
 
-    /// Where between two fractions the gap of a free contact is smallest, if the contact has begun there.
+    /// Returns the minimum of a free contact's gap between two fractions, if the contact has begun there.
     fn summit(&mut self, time: f64, length: f64, number: usize, from: f64, to: f64) -> Option<f64> {
         let gap = -self.now.touches[number].penetration;
         let reach = self.now.touches[number].growth.abs() * (to - from) * length;
@@ -282,7 +282,7 @@ impl<'a> Run<'a> {
         high
     }
 
-    /// Books the forces and depths of the instant just looked at.
+    /// Updates the largest forces and depths with the present instant.
     fn note_peaks(&mut self) {
         for (number, open) in self.open.iter().enumerate() {
             if let Some(open) = open {
@@ -339,7 +339,7 @@ impl<'a> Run<'a> {
         self.note_peaks();
     }
 
-    /// All records, those in progress as far as they are.
+    /// Returns all records, including those in progress.
     pub fn encounters(&self) -> Vec<Encounter> {
         let mut records = self.records.clone();
         for (number, open) in self.open.iter().enumerate() {
@@ -447,7 +447,7 @@ impl<'a> Run<'a> {
     }
 }
 
-/// The same rotation by a quaternion of length 1.
+/// Returns the same rotation by a quaternion of length 1.
 fn unit(q: [f64; 4]) -> [f64; 4] {
     let length = q.iter().map(|part| part * part).sum::<f64>().sqrt();
     q.map(|part| part / length)

@@ -1,4 +1,4 @@
-//! What is judged in: devices with their hands and tools, bodies, and the laws of their contacts.
+//! Scene of an evaluation: devices with their hands and tools, bodies, and the laws of their contacts.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::hand::Sinusoid;
 /// Three numbers along the axes of the world's frame, for instance a position `[m]` or a force `[N]`.
 pub type Vector = [f64; 3];
 
-/// A device in three axes or in six, the hand that holds it, and the tool that it moves.
+/// A device with three or six axes, its hand, and its tool.
 ///
 /// Along each of its axes m x″ = f + F − k (x − x_rest) − b x′ + Σ tremor, with the contact force f on the
 /// tool. Its axes are those of the world, or three of its own, along which its mobility is diagonal.
@@ -25,11 +25,12 @@ pub struct WorldDevice {
     pub name: String,
     /// The device's axes: unit vectors at right angles, along the world's axes; `None` for the world's own.
     pub own_axes: Option<[Vector; 3]>,
-    /// Moved mass m along each axis, above 0 `[kg]`; infinite along an axis that the device lacks. Its mechanism holds it there:
-    /// it stays, and no motor gives a force along that axis, so none is judged.
+    /// Moving mass m along each axis, above 0 `[kg]`; infinite along an axis that the device lacks. The mechanism holds
+    /// the device there and no motor gives a force along that axis, so the force is not evaluated.
     pub mass: Vector,
-    /// The mass matrix by the tool's place, of a linkage; `None` if its mass is the same everywhere. It tells how the device moves;
-    /// [`mass`](Self::mass), that along its axes at the start, says what counts how much in a judgement.
+    /// Mass matrix of a linkage as a function of the tool's position; `None` for a constant mass. It determines the
+    /// motion of the device; [`mass`](Self::mass), its value along the axes at the start, determines the weights of the
+    /// evaluation.
     pub mass_table: Option<Arc<MassTable>>,
     /// Position of the tool's centre, that of mass, at t = 0 `[m]`.
     pub position: Vector,
@@ -37,7 +38,7 @@ pub struct WorldDevice {
     pub velocity: Vector,
     /// The tool, about the centre of mass.
     pub tool: Tool,
-    /// How a device of six axes turns; `None` for one of three, whose tool keeps the axes of the world.
+    /// Rotation of a six-axis device; `None` for a three-axis one, whose tool keeps the axes of the world.
     pub turning: Option<Turning>,
     /// The hand.
     pub hand: WorldHand,
@@ -80,7 +81,7 @@ pub struct WorldHand {
     pub stiffness: f64,
     /// Damping b, at least 0 `[N s/m]`.
     pub damping: f64,
-    /// Where the spring is relaxed `[m]`.
+    /// Rest position of the spring `[m]`.
     pub rest: Vector,
     /// Tremor forces along each of the device's axes, their amplitudes in `[N]`; they add up.
     pub tremor: [Vec<Sinusoid>; 3],
@@ -97,7 +98,7 @@ pub struct WorldBody {
     pub position: Vector,
     /// Unit quaternion `[w, x, y, z]` from the body's axes to the world's at t = 0.
     pub orientation: [f64; 4],
-    /// How it moves; `None` if it is fixed.
+    /// Motion; `None` if it is fixed.
     pub motion: Option<FreeMotion>,
 }
 
@@ -130,7 +131,7 @@ impl FreeMotion {
         }
     }
 
-    /// The same body under a constant force `[N]`.
+    /// Returns the same body under a constant force `[N]`.
     #[must_use]
     pub fn pulled_by(self, force: Vector) -> Self {
         Self { force, ..self }
@@ -149,7 +150,7 @@ pub enum Shape {
     HalfSpace {
         /// Unit vector out of the solid, in the body's axes.
         normal: Vector,
-        /// Where the surface is along the normal, from the body's position `[m]`.
+        /// Position of the surface along the normal, from the body's position `[m]`.
         offset: f64,
     },
     /// A block along the body's axes.
@@ -241,13 +242,13 @@ impl ContactLaw {
         }
     }
 
-    /// The same law with damping `[N s/m]`.
+    /// Returns the same law with damping `[N s/m]`.
     #[must_use]
     pub fn damped(self, damping: f64) -> Self {
         Self { damping, ..self }
     }
 
-    /// The same law with friction of a coefficient and a bristle's stiffness `[N/m]`.
+    /// Returns the same law with friction of a coefficient and a bristle's stiffness `[N/m]`.
     #[must_use]
     pub fn rough(self, friction: f64, friction_stiffness: f64) -> Self {
         Self {
@@ -267,7 +268,7 @@ pub enum Member {
     Body(usize),
 }
 
-/// Two that touch, and their law. The order of the two is of no account.
+/// Two members in contact, and their law. The pair is unordered.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pair {
     /// The two.
@@ -291,7 +292,7 @@ pub struct WorldScene {
     pub joints: Vec<WorldJoint>,
 }
 
-/// A parameter of a scene outside its range; its name says of which device, body or pair, for instance
+/// A parameter of a scene outside its range; its name contains the device, body or pair, for instance
 /// `bodies[1].motion.mass`.
 pub type InvalidScene = InvalidParameter<String>;
 
@@ -320,7 +321,7 @@ impl WorldScene {
 
 const NOT_NEGATIVE: &str = "finite and at least 0";
 pub(super) const ABOVE_ZERO: &str = "finite and above 0";
-/// How far the length of a unit vector may be from 1.
+/// Tolerance on the length of a unit vector.
 const LENGTH_TOLERANCE: f64 = 1e-6;
 
 pub(super) fn all_finite(name: &str, values: &[f64]) -> Result<(), InvalidScene> {
@@ -348,7 +349,7 @@ pub(super) fn unit_length(name: &str, values: &[f64]) -> Result<(), InvalidScene
     InvalidParameter::unless(holds, name.to_owned(), length, "a vector of length 1").map(|_| ())
 }
 
-/// By how much the axes of a device may be off unit length and right angles.
+/// Tolerance on the length and perpendicularity of a device's axes.
 const NOT_SQUARE: f64 = 1e-9;
 
 impl WorldDevice {
@@ -371,7 +372,7 @@ impl WorldDevice {
         })
     }
 
-    /// What of a force is along the axes that the device has, along those axes.
+    /// Returns the components of a force along the device's available axes.
     pub(super) fn along_its_axes(&self, force: Vec3) -> Vec3 {
         let own = self.own(force);
         Vec3(std::array::from_fn(|axis| {

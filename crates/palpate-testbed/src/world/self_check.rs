@@ -1,7 +1,7 @@
-//! The ideal against itself: whether a scene has a motion that can be computed.
+//! Self-check of the ideal: whether the motion of a scene can be computed.
 //!
-//! Where contacts follow each other, a small difference grows with each. After enough of them the ideal says
-//! more about the round-off of its computation than about the scene, and nothing can be judged by it.
+//! In a sequence of contacts, each contact amplifies a small difference. After enough of them the round-off of the
+//! computation dominates the ideal, and it is no longer a valid reference solution.
 
 use super::contact::WorldError;
 use super::ideal::{TOLERANCE, WorldIdeal};
@@ -28,23 +28,23 @@ pub struct CheckedIdeal {
 }
 
 impl CheckedIdeal {
-    /// Solves `scene` over the window of `grid`, and again with longer steps. Where the two part, the scene is
-    /// chaotic and the window is shortened.
+    /// Solves `scene` over the window of `grid`, and again with longer steps. If the two solutions diverge, the scene
+    /// is chaotic and the window is shortened.
     ///
     /// # Errors
     ///
-    /// Those of [`WorldIdeal::new`], or the two part in the first interval.
+    /// Those of [`WorldIdeal::new`], or the two solutions diverge in the first interval.
     pub fn new(scene: &WorldScene, grid: Grid) -> Result<Self, WorldError> {
         Self::of(scene, grid, |grid, tolerance| {
             WorldIdeal::with_tolerance(scene, grid, tolerance)
         })
     }
 
-    /// The same with devices that are led along a path.
+    /// Solves a scene whose position-driven devices follow a path.
     ///
     /// # Errors
     ///
-    /// Those of [`WorldIdeal::led`], or the two part in the first interval.
+    /// Those of [`WorldIdeal::led`], or the two solutions diverge in the first interval.
     pub fn led(scene: &WorldScene, grid: Grid, path: &LedPath) -> Result<Self, WorldError> {
         Self::of(scene, grid, |grid, tolerance| {
             WorldIdeal::led(scene, grid, path, tolerance)

@@ -1,9 +1,8 @@
-//! The nearest point of a shape, and how the normal there turns: one smooth formula for each feature.
+//! Nearest point of a shape, and the rate of its normal: one smooth formula for each feature.
 //!
-//! A face, an edge, a corner or a rim is a *feature*. Within one feature, distance and normal are smooth
-//! functions of the place, and they can be continued a little beyond it. The integration keeps the feature
-//! of each contact over a step and locates the instant at which another one comes nearer, so no step crosses
-//! a kink.
+//! A face, an edge, a corner or a rim is a *feature*. Within one feature, distance and normal are smooth functions of
+//! the position, and can be continued slightly beyond it. The integration keeps the feature of each contact over a step
+//! and locates the instant at which another one becomes nearer, so no step crosses a kink.
 
 use super::between::Between;
 use super::cylinder::OnCylinder;
@@ -17,10 +16,10 @@ use super::vector::Vec3;
 pub(super) enum Feature {
     /// A sphere, half-space or corner of a box on a half-space: the only one there is.
     Whole,
-    /// Of a box: the sign of each coordinate that is beyond the box, 0 where it is within. Inside the box,
-    /// the face of least depth.
+    /// For a box: the sign of each coordinate that is outside the box, 0 inside. Within the box, the face of least
+    /// depth.
     Signs([i8; 3]),
-    /// Of a capsule: 0 beside its segment, otherwise the end on that side.
+    /// For a capsule: 0 beside its segment, otherwise the end on that side.
     Segment(i8),
     /// The round side of a cylinder.
     Side,
@@ -28,18 +27,18 @@ pub(super) enum Feature {
     Cap(i8),
     /// The edge between the round side and a flat end.
     Rim(i8),
-    /// Of two boxes or hulls, the plane between them.
+    /// For two boxes or hulls: the plane between them.
     Between(Between),
-    /// Of a cylinder and a solid with flat faces, how they touch.
+    /// For a cylinder and a solid with flat faces: their contact state.
     OnCylinder(OnCylinder),
-    /// Of a hull, what is nearest to a point.
+    /// For a hull: the part nearest to a point.
     OfHull(OfHull),
     /// Parts of a mesh.
     OnMesh(OnMesh),
 }
 
 impl Feature {
-    /// Whether each contact of two solids keeps its point and so its bristle, if they come from another one.
+    /// Returns whether each contact of two solids keeps its point, and thus its bristle, in a change from `other`.
     pub fn has_points_of(self, other: Self) -> bool {
         match (self, other) {
             (Self::Between(at), Self::Between(other)) => at.has_points_of(other),
@@ -57,7 +56,7 @@ impl Feature {
     }
 }
 
-/// How a surface lies with respect to a point, in the body's axes.
+/// Position of a surface relative to a point, in the body's axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Nearest {
     /// Distance of the point above the surface, negative inside `[m]`.
@@ -67,7 +66,7 @@ pub(super) struct Nearest {
     curvature: Curvature,
 }
 
-/// How the normal turns with the point.
+/// Rate of the normal with the point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Curvature {
     Flat,
@@ -114,7 +113,7 @@ impl Nearest {
     }
 }
 
-/// The nearest point on `feature` of `shape` to a `point` in the body's axes; a half-space is not asked here.
+/// Returns the nearest point on `feature` of `shape` to a `point` in the body's axes; not for a half-space.
 pub(super) fn nearest(shape: &Shape, feature: Feature, point: Vec3) -> Nearest {
     match (shape, feature) {
         (&Shape::Box { half_extents }, Feature::Signs(signs)) => {
@@ -186,8 +185,8 @@ pub(super) fn nearest(shape: &Shape, feature: Feature, point: Vec3) -> Nearest {
     }
 }
 
-/// At `from_core` from a point, line or circle with a radius about it; `fallback` is the normal on the core
-/// itself.
+/// Returns the nearest point of a shape with a radius about a point, line or circle, at `from_core` from that core;
+/// `fallback` is the normal on the core itself.
 fn round(
     from_core: Vec3,
     radius: f64,
@@ -231,7 +230,7 @@ fn on_cylinder(radius: f64, half_length: f64, feature: Feature, point: Vec3) -> 
 pub(super) fn feature(shape: &Shape, point: Vec3) -> Feature {
     match *shape {
         Shape::Sphere { .. } | Shape::HalfSpace { .. } => Feature::Whole,
-        // Which parts push depends on those that did: `System` asks the mesh itself.
+        // The pushing parts of a mesh depend on the previous ones, so `System` queries the mesh itself.
         Shape::Mesh(_) => Feature::OnMesh(OnMesh::Nothing),
         Shape::Hull(ref hull) => Feature::OfHull(hull.nearest_part(point)),
         Shape::Box { half_extents } => {

@@ -1,9 +1,8 @@
-//! Planes between a cylinder and another solid that are found among many: all through an edge of the solid whose normals lie
-//! between those of the two faces there, and of two cylinders all that are tangent to the side of either.
+//! Families of planes between a cylinder and another solid: all planes through an edge of the solid whose normals lie
+//! between those of its two faces, and for two cylinders all planes that are tangent to the side of either.
 //!
-//! Among those the overlap p of a plane is a function of an angle φ. Where p² has its least, half its slope
-//! g(φ) = Σ max(0, d) ∂d/∂φ is 0, and the angle turns at the rate −(∂g/∂t)/(∂g/∂φ). Where one place has the whole law,
-//! g = ∂d/∂φ.
+//! Within a family the overlap p of a plane is a function of an angle φ. At a minimum of p², half its slope g(φ) = Σ
+//! max(0, d) ∂d/∂φ is 0, and the angle turns at the rate −(∂g/∂t)/(∂g/∂φ). If one point has the whole law, g = ∂d/∂φ.
 
 use std::f64::consts::TAU;
 
@@ -17,9 +16,9 @@ use super::vector::Vec3;
 pub(super) const PARTS: u8 = 64;
 /// A plane of which the name is more parts than this away has another name.
 const RENAMED: f64 = 1.5;
-/// A plane is looked for so many parts about where it was.
+/// Search range for a plane about its previous angle, in name steps.
 const ABOUT: f64 = 3.0;
-/// Places at which the slope along an arc is looked at, at most, and the longest way from one to the next `[rad]`.
+/// Largest number of points at which the slope along an arc is evaluated, and their largest distance `[rad]`.
 const AROUND: usize = 32;
 const APART: f64 = 0.1;
 /// How far beyond its end an arc is taken to reach `[rad]`.
@@ -147,7 +146,7 @@ struct Depth {
 }
 
 impl Bend {
-    /// One more point, if it lies behind the plane; p² so far stands in the place of p.
+    /// Adds a point if it lies behind the plane; `overlap` accumulates p² instead of p.
     fn add(&mut self, at: Depth) {
         if at.depth > 0.0 {
             self.overlap += at.depth * at.depth;
@@ -386,7 +385,7 @@ impl Lying<'_> {
             .min_by(|one, other| turn.off(*one, about).total_cmp(&turn.off(*other, about)))
     }
 
-    /// The overlap of the plane of that name, and what it is called now.
+    /// Returns the overlap of the plane with that name, and its present name.
     pub fn overlap_about(&self, family: Family, name: u8) -> (f64, u8) {
         let turn = self.turn(family);
         let is_there =
@@ -400,7 +399,8 @@ impl Lying<'_> {
         }
     }
 
-    /// Where the other rim is deeper, no plane has its least overlap by the first.
+    /// Returns the overlap of a plane; infinite if the other rim is deeper, because the minimum then belongs to that
+    /// rim.
     fn overlap_at(&self, family: Family, turn: &Turn, angle: f64) -> f64 {
         let overlap = self.bend(family, turn, angle).overlap;
         if let Family::SideAtRim(rim) = family {
@@ -413,8 +413,8 @@ impl Lying<'_> {
         overlap
     }
 
-    /// What no plane through an edge has less overlap than: the cylinder holds a ball about its centre, and where that is
-    /// behind the planes at both ends of the arc, it is behind those between by no less.
+    /// Returns a lower bound on the overlap of all planes through an edge. The cylinder contains a ball about its
+    /// centre. If the ball is behind the planes at both ends of the arc, it is at least as deep behind those between.
     pub fn least_that_can_be(&self, edge: u8) -> f64 {
         let turn = self.turn(Family::Edge(edge));
         let off = self.on_edge(edge) - self.tube.placed.position;

@@ -1,4 +1,4 @@
-//! How a device of six axes turns, in the hand that holds it.
+//! Rotation of a six-axis device in the hand that holds it.
 
 use super::scene::{
     ABOVE_ZERO, InvalidScene, Vector, above_zero, all_finite, not_negative, unit_length,
@@ -7,11 +7,11 @@ use super::vector::{Rotation, Vec3};
 use crate::InvalidParameter;
 use crate::hand::Sinusoid;
 
-/// How a device of six axes turns.
+/// Rotation of a six-axis device.
 ///
 /// L′ = τ + T − k φ − b ω + Σ tremor about the mass centre, along the world's axes: L the angular momentum, τ the
-/// contact torque on the tool, φ the rotation vector from the hand's rest to the tool. Where the hand alone turns the tool, τ does
-/// not act.
+/// contact torque on the tool, φ the rotation vector from the hand's rest to the tool. If the hand alone turns the
+/// tool, τ does not act.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Turning {
     /// Moments of inertia about the mass centre along the tool's axes, finite and above 0 `[kg m²]`.
@@ -22,8 +22,8 @@ pub struct Turning {
     pub angular_velocity: Vector,
     /// The hand.
     pub hand: TurningHand,
-    /// Whether the device gives a torque. If not, the hand alone turns the tool: it takes up the contact torque itself, feels
-    /// none of a motor, and none is judged.
+    /// Whether the device gives a torque. If not, the hand alone turns the tool: it takes up the contact torque itself,
+    /// feels no motor torque, and no torque is evaluated.
     pub gives_torque: bool,
     /// Quantum of each component of the measured rotation vector from the start, 0 for a perfect sensor `[rad]`.
     pub quantum: f64,

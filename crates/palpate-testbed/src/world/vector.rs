@@ -155,7 +155,7 @@ mod tests {
     #[test]
     fn a_quarter_turn_about_z_takes_x_to_y() {
         let half = std::f64::consts::FRAC_1_SQRT_2;
-        // The length of the quaternion is of no account.
+        // The quaternion need not have unit length.
         let rotation = Rotation::of_quaternion([3.0 * half, 0.0, 0.0, 3.0 * half]);
         assert!(close(
             rotation.out(Vec3([1.0, 0.0, 0.0])),

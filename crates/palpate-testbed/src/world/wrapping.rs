@@ -102,7 +102,7 @@ fn turned_to(points: &[Vec3], on: Vec3, along: Vec3, normal: Vec3, flat: f64) ->
         }
         // Points of the plane that it comes from are half a turn away.
         let angle = (-h).max(0.0).atan2(u);
-        // Of points in one plane, the one that says best where it is.
+        // Of several points in one plane, the farthest one determines the plane best.
         let is_less = least.is_none_or(|(other, far, _)| {
             angle < other - flat / distance.min(far)
                 || (angle - other).abs() <= flat / distance.min(far) && distance > far

@@ -97,8 +97,8 @@ fn the_true_force_held_as_sampled_scores_what_a_stepped_model_says() {
 
 #[test]
 fn a_spring_sampled_at_the_start_of_each_period_is_worse_than_no_force() {
-    // The plainest rendering: hold K p, and let the object swing on the spring, or fly, for a whole
-    // period while the device stands still.
+    // The simplest rendering: hold K p. The object swings on the spring or flies for a whole period while the device is
+    // at rest.
     for ((name, scene, period, collisions, _), expected) in
         PAPER.into_iter().zip([120.6, 121.9, 163.1])
     {
@@ -167,8 +167,8 @@ fn collisions_are_paired_by_number() {
     assert_eq!(three.rendered, None);
 }
 
-/// A renderer that corrects what it has held goes on holding a small force after contact has ended, up
-/// to the next collision: that is no contact, and no collision of its own.
+/// A renderer that corrects past commands keeps holding a small force after contact has ended, up to the next
+/// collision. That force is neither a contact nor a separate collision.
 #[test]
 fn a_force_that_dies_away_after_contact_does_not_join_collisions() {
     let (_, profile) = windowed(FALLING_BLOCK, 0.01, 3);

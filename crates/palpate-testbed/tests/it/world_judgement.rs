@@ -1,4 +1,4 @@
-//! How worlds are judged: floors, errors, touches and windows.
+//! Evaluation of worlds: hold bounds, errors, touches and windows.
 #![allow(clippy::print_stdout)] // what was measured
 
 use palpate_testbed::grid::Grid;
@@ -99,7 +99,7 @@ fn the_interval_means_are_at_the_floor_and_have_no_error() {
         for touch in &device.touches {
             let rendered = touch.rendered.as_ref().unwrap();
             assert_eq!(rendered.impulse_error, Some(0.0));
-            // A mean is below the peak of what it is the mean of.
+            // An interval mean is below the peak within that interval.
             assert!(rendered.peak_error.unwrap() <= 1e-6);
         }
     }

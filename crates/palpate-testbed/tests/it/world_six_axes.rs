@@ -228,7 +228,7 @@ fn floor_and_error_add_up_in_squares_for_torques_too() {
         sum.mean_force_error < 1e-9 && sum.hold_floor > 0.5,
         "{sum:?}"
     );
-    // Without torques, their error is all of them, and the force's is none.
+    // Without rendered torques the torque error is 100 %, and the force error is 0.
     let device = &none.devices[0];
     let torque = device.torque.as_ref().unwrap().sum.unwrap();
     assert!(
@@ -302,7 +302,7 @@ fn a_hand_alone_turns_a_tool_whose_device_gives_no_torque() {
         "{off}"
     );
 
-    // No motor turns it either, and no torque is judged.
+    // No motor turns the device either, and no torque is evaluated.
     let mut plant = WorldPlant::new(&scene, PlantParams::perfect(0.001)).unwrap();
     for state in &in_the_air.states[..300] {
         let found = plant.orientations()[0];

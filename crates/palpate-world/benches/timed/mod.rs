@@ -1,32 +1,32 @@
-//! Times every tick of a run by itself, and prints a line.
+//! Times every tick of a run, and prints a summary line.
 
 use std::time::Instant;
 
 use palpate_world::{Output, Quaternion, Sample, Vector, WorldLoop, WorldMethod, WorldRenderer};
 
-/// The period of all of them `[s]`.
+/// Sample period of all benchmarks `[s]`.
 pub const PERIOD: f64 = 0.001;
 const TICKS: usize = 3000;
 const RUNS: usize = 5;
-/// What the device's sensor tells apart `[m]`.
+/// Quantum of the device's position sensor `[m]`.
 const QUANTUM: f64 = 2e-6;
 
-/// A device of which each run has its own.
+/// A device under held forces; each run has its own.
 pub trait Held {
-    /// Where its tool is `[m]`, and how it is turned, if that is measured.
+    /// Returns the tool position `[m]`, and its orientation if it is measured.
     fn place(&self) -> (Vector, Option<Quaternion>);
-    /// Goes on by a period under what the renderer commands; `time` is the tick's `[s]`.
+    /// Advances by a period under the commands of the renderer; `time` is the time of the tick `[s]`.
     fn hold(&mut self, output: &Output, time: f64);
 }
 
-/// What the columns are.
+/// Prints the column headings.
 pub fn print_heading() {
     println!(
         "microseconds per tick: median, p99, max; sub-steps per tick: median, p99, max; ticks in contact; features left out"
     );
 }
 
-/// Renders `world` by `method` on a device, several times alike, and prints the least time of each tick.
+/// Renders `world` by `method` on a device in several identical runs, and prints the minimum time of each tick.
 pub fn print_ticks<D: Held>(
     name: &str,
     world: &palpate_world::World,

@@ -1,26 +1,26 @@
-//! Two boxes, and the planes that may be between them.
+//! Two boxes, and the candidate planes between them.
 
 use super::{Between, Found, PARALLEL, PREFERENCE, Plane};
 use crate::rigid::{Rigid, Vector3};
 
-/// Corners of a box.
+/// Number of corners of a box.
 const CORNERS: usize = 8;
-/// How many corners a face has, which share the law of a pair.
+/// Number of corners of a face, which share the law of a pair.
 pub(super) const ON_A_FACE: usize = 4;
 
-/// Where the two boxes are: centre and axes of each, and the way from the first to the second `[m]`.
+/// Poses of the two boxes: centre and axes of each, and the vector from the first to the second `[m]`.
 pub(super) struct Placed {
     pub(super) centres: [Vector3; 2],
     axes: [[Vector3; 3]; 2],
     pub(super) half: [Vector3; 2],
     pub(super) way: Vector3,
-    /// The way along the axes of each `[m]`.
+    /// Components of `way` along the axes of each box `[m]`.
     along: [[f64; 3]; 2],
-    /// Cosines between the first's axes (rows) and the second's.
+    /// Cosines between the axes of the first box (rows) and those of the second.
     cosines: [[f64; 3]; 3],
 }
 
-/// Axis and side of a face by its number.
+/// Returns the axis and side of a face by its index.
 fn axis_of(number: usize) -> (usize, bool) {
     (number / 2, number % 2 == 1)
 }
@@ -47,7 +47,7 @@ impl Placed {
         }
     }
 
-    /// Cosine between an axis of a box and one of the other.
+    /// Returns the cosine between an axis of a box and an axis of the other.
     fn cosine(&self, of: usize, axis: usize, other: usize) -> f64 {
         if of == 0 {
             self.cosines[axis][other]
@@ -56,14 +56,15 @@ impl Placed {
         }
     }
 
-    /// From the centre of a box to its corner of that number `[m]`.
+    /// Returns the vector from the centre of a box to a corner `[m]`.
     pub(super) fn corner(&self, of: usize, number: usize) -> Vector3 {
         let (axes, half) = (&self.axes[of], &self.half[of]);
         let along = |axis: usize| axes[axis] * (side(number >> axis & 1 == 1) * half[axis]);
         along(0) + along(1) + along(2)
     }
 
-    /// By how much the boxes overlap across a plane: the length p for which E = K/2 p^2, or less than 0, the gap `[m]`.
+    /// Returns the overlap of the boxes in the direction of a plane: the length p with E = K/2 p^2, or the negative
+    /// gap `[m]`.
     fn depth(&self, plane: Plane) -> f64 {
         match plane {
             Plane::Face { of, number } => {
@@ -86,7 +87,8 @@ impl Placed {
                 (squares / ON_A_FACE as f64).sqrt()
             }
             Plane::Edges([i, j]) => {
-                // Along the cross product of axis i of the first and j of the second, times the sine between them.
+                // Overlap along the cross product of axis i of the first and j of the second, times the sine between
+                // them.
                 let after = |axis: usize| [(axis + 1) % 3, (axis + 2) % 3];
                 let ([k, l], [m, n]) = (after(i), after(j));
                 let (c, [one, other]) = (&self.cosines, &self.half);
@@ -100,12 +102,12 @@ impl Placed {
         }
     }
 
-    /// Sine between an axis of the first box and one of the second.
+    /// Returns the sine between an axis of the first box and one of the second.
     fn sine(&self, i: usize, j: usize) -> f64 {
         (1.0 - self.cosines[i][j].powi(2)).max(0.0).sqrt()
     }
 
-    /// The face of a box across an axis that is towards the other box.
+    /// Returns the face of a box across an axis that faces the other box.
     fn face(&self, of: usize, axis: usize) -> Plane {
         let along = self.along[of][axis];
         let positive = if of == 0 { along >= 0.0 } else { along <= 0.0 };
@@ -115,7 +117,7 @@ impl Placed {
         }
     }
 
-    /// Midway between the edges of the two boxes that are nearest to each other across a plane `[m]`.
+    /// Returns the midpoint between the closest edges of the two boxes across a plane `[m]`.
     fn crossing(&self, pair: [usize; 2], normal: &Vector3) -> Vector3 {
         let middle = |of: usize, towards: Vector3| {
             let mut place = self.centres[of];
@@ -128,7 +130,7 @@ impl Placed {
         let (one, other) = (middle(0, -normal), middle(1, *normal));
         let (u, v) = (self.axes[0][pair[0]], self.axes[1][pair[1]]);
         let (between, cosine) = (other - one, u.dot(&v));
-        // Of two lines along unit vectors, the places nearest to each other.
+        // Closest points of two lines along unit vectors.
         let sine_square = 1.0 - cosine * cosine;
         let along_u = (u.dot(&between) - cosine * v.dot(&between)) / sine_square;
         let along_v = (cosine * u.dot(&between) - v.dot(&between)) / sine_square;

@@ -1,8 +1,8 @@
-//! Where the rims of two cylinders cross.
+//! Separating plane at the crossing of two cylinder rims.
 //!
-//! A plane with the first behind it, across a normal n out of the first, is overlapped by the second by D(n). Where D has a minimum at
-//! which n is neither along an axis nor across one, the plane touches a rim of each where the two cross, and the way from the one rim's
-//! outermost point to the other's is along n.
+//! D(n) is the overlap of the second cylinder with the plane that has the first behind it and the outward normal n.
+//! At a minimum of D with n neither along an axis nor perpendicular to one, the plane touches a rim of each cylinder
+//! where the rims cross. The vector between the outermost points of the two rims is then along n.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -11,21 +11,21 @@ use super::rims::Cylinder;
 use super::zero::rising_zero;
 use crate::rigid::Vector3;
 
-/// Steps of Newton's method, at most.
+/// Maximum number of Newton steps.
 const MOST_STEPS: usize = 40;
 /// Longest step `[rad]`.
 const LONGEST: f64 = 0.3;
-/// A slope is 0 below this part of the solids' size.
+/// Slope, relative to the size of the solids, below which it is zero.
 const NO_SLOPE: f64 = 1e-13;
-/// Sine and cosine below which a normal is along an axis, or across it.
+/// Sine and cosine below which a normal is parallel or perpendicular to an axis.
 const ALONG: f64 = 1e-9;
 
-/// Two cylinders across a direction.
+/// Two cylinders projected on a direction.
 struct Across<'a> {
     cylinders: [&'a Cylinder; 2],
-    /// With the first behind it.
+    /// Half-space with the first cylinder behind it.
     bound: Bound,
-    /// From the second one's outermost point against the normal to the first's along it `[m]`.
+    /// Vector from the second cylinder's outermost point against the normal to the first's along it `[m]`.
     way: Vector3,
 }
 
@@ -55,7 +55,8 @@ impl<'a> Across<'a> {
         self.way - self.bound.normal * self.overlap()
     }
 
-    /// Whether the normal is along no axis and across none, so that it touches the rims.
+    /// Returns whether the normal is neither parallel nor perpendicular to an axis, so that the plane touches the
+    /// rims.
     fn is_at_rims(&self) -> bool {
         self.cylinders.iter().all(|cylinder| {
             let along = self.bound.normal.dot(&cylinder.axes[2]).abs();
@@ -63,7 +64,7 @@ impl<'a> Across<'a> {
         })
     }
 
-    /// By Newton's method, or down the slope where D is not convex.
+    /// Returns a Newton step, or a gradient step if D is not convex.
     fn step(&self) -> Vector3 {
         let slope = self.slope();
         let one = self.bound.normal.cross(&self.cylinders[0].axes[2]);
@@ -77,7 +78,7 @@ impl<'a> Across<'a> {
             let axis = cylinder.axes[2];
             let across = axis.cross(&self.bound.normal);
             let sine = across.norm();
-            // The rim bends along this.
+            // Direction of the rim's curvature.
             let along = nalgebra::Vector2::from(basis.map(|basis| basis.dot(&across) / sine));
             let bend = cylinder.radius / sine;
             second += along * along.transpose() * bend;
@@ -101,7 +102,7 @@ impl<'a> Across<'a> {
         Self::new(self.cylinders, (self.bound.normal + way).normalize())
     }
 
-    /// From here to the least overlap nearby, or to any direction across which the two are apart.
+    /// Descends to the nearest minimum of the overlap, or to any separating direction.
     fn least(mut self) -> Option<Self> {
         let size: f64 = self.cylinders.iter().map(|cylinder| cylinder.reach()).sum();
         for _ in 0..MOST_STEPS {
@@ -116,7 +117,7 @@ impl<'a> Across<'a> {
             }
             let mut step = self.step();
             let mut next = self.moved(&step);
-            // Near the end the overlaps differ by round-off only.
+            // Near the minimum the overlaps differ only by rounding.
             while next.overlap() > self.overlap() && step.norm() > 1e-6 {
                 step *= 0.5;
                 next = self.moved(&step);
@@ -127,8 +128,8 @@ impl<'a> Across<'a> {
     }
 }
 
-/// The plane at the crossing of two rims, if they cross; `sides`: those on the side of each cylinder. Where a plane is found that parts
-/// the two, it is that one.
+/// Returns the plane at the crossing of two rims, if they cross. `sides` are the planes at the side of each cylinder.
+/// A separating plane is returned as soon as one is found.
 pub(super) fn across_rims(cylinders: [&Cylinder; 2], sides: [Option<Bound>; 2]) -> Option<Bound> {
     let mut least: Option<(f64, Bound)> = None;
     for of in [0, 1] {
@@ -137,7 +138,8 @@ pub(super) fn across_rims(cylinders: [&Cylinder; 2], sides: [Option<Bound>; 2]) 
         let caps = [0, 1].map(|number| Some(own.cap(number)));
         for (number, bound) in caps.into_iter().chain([sides[of]]).enumerate() {
             let Some(bound) = bound else { continue };
-            // The overlap falls from a cap or side towards where the other's deepest point is beyond it.
+            // The overlap decreases from a cap or side towards the direction in which the other's deepest point is
+            // beyond it.
             let place = other.deepest(&bound) - own.centre;
             let along = axis * axis.dot(&place);
             let (beyond, reach) = if number < 2 {

@@ -1,16 +1,18 @@
-//! A cylinder and a half-space, a solid with flat faces or another cylinder, and the planes that may be between them.
+//! A cylinder with a half-space, a flat-faced solid or another cylinder, and the candidate planes between them.
 //!
-//! The plane that the pair takes is that of least energy of two kinds:
+//! The pair uses the plane of lowest energy of two kinds:
 //!
-//! - Planes that have the other solid behind them: its faces, those through one of its edges and between the faces there, and those
-//!   that touch its side. The points of the cylinder's rims overlap them: E = K/2m sum of p^2, where m share the law. So the force
-//!   balances where both solids are, wherever the cylinder stands on the other.
-//! - Planes that have the cylinder behind them: its caps and those that touch its side or a rim. The other solid overlaps them by p
-//!   where it is deepest, and E = K/2 p^2, as where two edges cross. Such a plane costs least where a corner or rim is the first to meet
-//!   the cylinder. Where a face or edge lies flat on it, a plane of the first kind costs less: its energy grows with the square of a tilt.
+//! - Planes with the other solid behind them: its faces, planes through one of its edges between the adjacent faces,
+//!   and tangent planes of its side. The points of the cylinder's rims overlap them: E = K/2m sum of p^2, where m
+//!   points share the law. The force thus balances at any position of the cylinder on the other solid.
+//! - Planes with the cylinder behind them: its caps and the tangent planes of its side and rims. The other solid
+//!   overlaps them by p at its deepest point, and E = K/2 p^2, as for two crossing edges. Such a plane has the lowest
+//!   energy if a corner or rim touches the cylinder first. If a face or edge lies flat on the cylinder, a plane of
+//!   the first kind has lower energy: its energy grows with the square of a tilt.
 //!
-//! Of a family of planes the pair takes that of least energy. Of two cylinders the shorter one is "the cylinder", of equals the first.
-//! Faces are numbered so: of a flat solid its faces, and then its edges; of a cylinder its caps, and then its side.
+//! From a family of planes the pair uses the one of lowest energy. For two cylinders "the cylinder" is the shorter
+//! one, or the first if they are equal. Face indices: for a flat solid its faces, then its edges; for a cylinder its
+//! caps, then its side.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -23,50 +25,50 @@ use super::{Between, Bound, Found, PREFERENCE, Plane};
 use crate::hull::Corners;
 use crate::rigid::{Rigid, Vector3};
 
-/// Directions around a cylinder from which the plane of least overlap at its side is looked for.
+/// Number of directions around a cylinder in the search for the plane of least overlap at its side.
 const DIRECTIONS: usize = 16;
-/// Parts of the way from one face at an edge to the other, in each of which the plane of least overlap is looked for.
+/// Number of intervals between the two faces at an edge in the search for the plane of least overlap.
 const PARTS: usize = 8;
-/// A bound on an overlap is lower by this part of the solids' size, so that a plane which is not looked at would not have been taken.
+/// Safety margin of a lower bound on an overlap, relative to the size of the solids, that covers rounding.
 const ROUND_OFF: f64 = 1e-9;
-/// Faces of a cylinder before its side.
+/// Number of faces of a cylinder before its side.
 const CAPS: usize = 2;
-/// The planes that have the cylinder behind them.
+/// Planes with the cylinder behind them.
 const AT_CAP: [Plane; CAPS] = [Plane::Edges([0, 0]), Plane::Edges([1, 0])];
 const AT_SIDE: Plane = Plane::Edges([2, 0]);
 const AT_RIM: Plane = Plane::Edges([3, 0]);
 
-/// A solid, as it lies.
+/// A solid at its current pose.
 #[derive(Clone, Debug)]
 pub(super) enum Form {
     Cylinder(Cylinder),
     Flat(Flat),
-    /// Of a body, in its own axes and as that lies.
+    /// Half-space of a body, in its own axes and at its current pose.
     HalfSpace {
         own: Bound,
         placed: Bound,
     },
 }
 
-/// A plane that has been looked at.
+/// An evaluated plane.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     plane: Plane,
-    /// With one of the solids behind it.
+    /// Half-space with one of the solids behind the plane.
     bound: Bound,
-    /// As of [`Between::least`] `[m]`.
+    /// Depth as in [`Between::least`] `[m]`.
     depth: f64,
 }
 
 /// A cylinder and another solid.
 #[derive(Clone, Debug)]
 pub(super) struct Cylinders {
-    /// Which of the two is the cylinder.
+    /// Index of the cylinder in the pair.
     side: usize,
     cylinder: Cylinder,
     other: Form,
     share: usize,
-    /// Of these the first `known` have been looked at: a tick asks for no more room.
+    /// Preallocated; the first `known` entries are valid.
     candidates: Vec<Candidate>,
     known: usize,
 }
@@ -116,7 +118,7 @@ impl Form {
         }
     }
 
-    /// How many flat faces it has.
+    /// Returns the number of flat faces.
     fn faces(&self) -> usize {
         match self {
             Self::Cylinder(_) => CAPS,
@@ -136,7 +138,7 @@ impl Form {
         }
     }
 
-    /// The place that is deepest behind a plane.
+    /// Returns the position that is deepest behind a plane.
     fn deepest(&self, bound: &Bound) -> Vector3 {
         match self {
             Self::Cylinder(cylinder) => cylinder.deepest(bound),
@@ -152,17 +154,17 @@ impl Form {
                 )
                 .1
             }
-            // None of its places is deepest behind any plane but its own.
+            // A half-space has a deepest point only for its own plane.
             Self::HalfSpace { placed, .. } => placed.normal * placed.offset,
         }
     }
 }
 
 impl Cylinders {
-    /// `side`: the cylinder is the first (0) or second (1) of the two; `share`: how many points have the law together, as many as each
-    /// rim has.
+    /// Creates the pair. `side`: the cylinder is the first (0) or second (1) solid. `share`: number of points that
+    /// share the law, equal to the number per rim.
     pub fn new(side: usize, cylinder: Cylinder, other: Form, share: usize) -> Self {
-        // As many planes as there can be.
+        // Capacity for all possible planes.
         let of_other = match &other {
             Form::Flat(flat) => flat.normals.len() + flat.along.len(),
             form => form.faces() + 1,
@@ -200,7 +202,7 @@ impl Cylinders {
         (&self.cylinder, &self.other)
     }
 
-    /// They lie so now. `before`: the plane that was taken, which is looked at whatever it costs now.
+    /// Sets the current poses. `before`: the previous plane, which is always evaluated.
     pub fn place(&mut self, rigids: [&Rigid; 2], before: Option<Plane>) {
         self.cylinder.place(rigids[self.side]);
         self.other.place(rigids[1 - self.side]);
@@ -209,7 +211,7 @@ impl Cylinders {
         self.candidates = candidates;
     }
 
-    /// Looks at the planes until one is between the two. Says at how many.
+    /// Evaluates the planes until one separates the solids. Returns the number of evaluated planes.
     fn look(&self, before: Option<Plane>, candidates: &mut [Candidate]) -> usize {
         let mut known = 0;
         self.look_at_each(before, |plane, bound| {
@@ -225,14 +227,14 @@ impl Cylinders {
         known
     }
 
-    /// A face of the other solid, by its number.
+    /// Returns a face of the other solid.
     fn face(&self, number: usize) -> Plane {
         let of = 1 - self.side;
         Plane::Face { of, number }
     }
 
-    /// Gives all planes that may cost least and that of `before`, or those up to one that is between the two; `take` says by how much the
-    /// two overlap there.
+    /// Enumerates the plane `before` and all planes that may have the lowest energy, or stops at a separating plane.
+    /// `take` returns the overlap for a plane.
     fn look_at_each(&self, before: Option<Plane>, mut take: impl FnMut(Plane, Bound) -> f64) {
         let (mut depth, mut face) = (f64::INFINITY, 0);
         for number in 0..self.other.faces() {
@@ -264,7 +266,8 @@ impl Cylinders {
         }
         match &self.other {
             Form::Flat(flat) => {
-                // A place of the cylinder: whatever plane is between the faces at an edge, that place is as deep as behind one of them.
+                // A point of the cylinder: for any plane between the faces at an edge, it is as deep as for one of
+                // these faces.
                 let place = self.cylinder.deepest(&self.other.face(face));
                 for (edge, own) in flat.own.edges.iter().enumerate() {
                     let depths = own.faces.map(|face| self.other.face(face).depth(&place));
@@ -307,8 +310,9 @@ impl Cylinders {
         }
     }
 
-    /// By how much a flat solid overlaps the planes at the cylinder's side, at least: by that with which a place of it does that is
-    /// near the axis, under the middle of the deeper cap behind a face. Most cylinders stand, and need not look for the plane.
+    /// Returns a lower bound of the overlap of a flat solid with the planes at the cylinder's side. The bound is the
+    /// overlap of a point near the axis, below the centre of the deeper cap behind a face. It spares the search for
+    /// most upright cylinders.
     fn least_at_own_side(&self, face: usize) -> f64 {
         let Form::Flat(flat) = &self.other else {
             return f64::NEG_INFINITY;
@@ -327,7 +331,7 @@ impl Cylinders {
         own.radius - off_axis - ROUND_OFF * (own.reach() + flat.reach)
     }
 
-    /// Of all planes that touch the cylinder's side, that of least overlap.
+    /// Returns the plane of least overlap among those tangent to the cylinder's side.
     fn at_own_side(&self) -> Option<Bound> {
         let tangent = |angle: f64| self.cylinder.tangent(angle);
         let slope = |angle: f64| {
@@ -337,7 +341,7 @@ impl Cylinders {
         self.around(AT_SIDE, slope, |angle| tangent(angle)[0])
     }
 
-    /// Of all planes that touch the side of another cylinder.
+    /// Returns the plane of least overlap among those tangent to the side of another cylinder.
     fn at_side_of(&self, other: &Cylinder) -> Option<Bound> {
         let slope = |angle: f64| {
             let [bound, rate] = other.tangent(angle);
@@ -356,19 +360,20 @@ impl Cylinders {
         let first = slope(0.0);
         let ends = (0..=DIRECTIONS).map(|number| {
             let angle = step * number as f64;
-            // Once around: round-off must not make the first and the last another one.
+            // The loop is closed: rounding must not make the first and the last entry differ.
             let is_first = number % DIRECTIONS == 0;
             (angle, if is_first { first } else { slope(angle) })
         });
         self.least_of(plane, ends, &slope, at)
     }
 
-    /// Of all planes through an edge between its two faces that of least overlap, where that is none of the two.
+    /// Returns the plane of least overlap among those through an edge between its two faces, if it is not one of the
+    /// faces.
     fn at_edge(&self, flat: &Flat, number: usize) -> Option<Bound> {
         let [first, last] = flat.at(number);
         let place = flat.begin(number);
         let cosine = first.dot(last);
-        // Across the first normal, in the plane of the two.
+        // Perpendicular to the first normal, in the plane of both.
         let across = last - first * cosine;
         let sine = across.norm();
         let across = across / sine;
@@ -395,8 +400,8 @@ impl Cylinders {
         self.least_of(self.face(0), ends, slope, |angle| at(angle)[0])
     }
 
-    /// Of a family of planes that of least overlap: of all between two of the `ends` from the first of which the overlap falls and
-    /// towards the second of which it rises.
+    /// Returns the plane of least overlap of a family: searches all intervals between successive `ends` in which the
+    /// overlap first falls and then rises.
     fn least_of(
         &self,
         plane: Plane,
@@ -407,7 +412,7 @@ impl Cylinders {
         let mut least: Option<(f64, Bound)> = None;
         let mut low = ends.next()?;
         for high in ends {
-            // The slope is 0 throughout where the two have one axis.
+            // The slope is zero everywhere for coaxial cylinders.
             if low.1 <= 0.0 && high.1 >= 0.0 {
                 let angle = if high.1 == 0.0 {
                     high.0
@@ -427,8 +432,8 @@ impl Cylinders {
         Some(least?.1)
     }
 
-    /// Where a plane is. One through an edge that there is not any more has come to one of the two faces there, another one to the
-    /// plane that has taken over.
+    /// Returns the half-space of a plane. A plane through an edge that no longer exists becomes one of the two faces
+    /// there; any other becomes the plane that replaces it.
     fn bound(&self, plane: Plane) -> Bound {
         let find = |plane: Plane| {
             let mut known = self.candidates[..self.known].iter();
@@ -457,7 +462,7 @@ impl Cylinders {
         }
     }
 
-    /// The points of the cylinder come to be turned as they are behind the plane that is taken.
+    /// Updates the rotation of the cylinder's points for the selected plane.
     pub fn turn(&mut self, plane: Plane) {
         if plane.corners_of().is_some() {
             let bound = self.bound(plane);
@@ -510,7 +515,7 @@ impl Between for Cylinders {
         }
     }
 
-    /// The points of a rim turn.
+    /// Returns `false`: the points of a rim rotate.
     fn keeps_points(&self) -> bool {
         false
     }

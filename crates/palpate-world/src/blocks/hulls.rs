@@ -1,4 +1,4 @@
-//! Two hulls, and the planes that may be between them.
+//! Two hulls, and the candidate planes between them.
 
 use std::sync::Arc;
 
@@ -7,13 +7,13 @@ use crate::hull::Corners;
 use crate::pairs::MOST_POINTS;
 use crate::rigid::{Rigid, Vector3};
 
-/// A hull as it lies in the world.
+/// A hull in the world's axes.
 #[derive(Clone, Debug)]
 pub(super) struct Flat {
     pub own: Arc<Corners>,
     pub reach: f64,
     pub corners: Vec<Vector3>,
-    /// Normal and offset of each face.
+    /// Normal of each face; `offsets` has the offsets.
     pub normals: Vec<Vector3>,
     pub offsets: Vec<f64>,
     /// Unit vector along each edge.
@@ -24,17 +24,17 @@ pub(super) struct Flat {
 #[derive(Clone, Debug)]
 pub(super) struct Hulls {
     solids: [Flat; 2],
-    /// How many corners share the law of the pair.
+    /// Number of corners that share the law of the pair.
     pub(super) share: usize,
 }
 
-/// Numbers of edges.
+/// A set of edges.
 struct Near {
     edges: [u8; MOST_EDGES],
     count: usize,
 }
 
-/// Three for each corner, at most, less six (Euler).
+/// Maximum number of edges: three per corner, minus six (Euler).
 const MOST_EDGES: usize = 3 * MOST_POINTS;
 
 impl Near {
@@ -86,7 +86,7 @@ impl Flat {
         }
     }
 
-    /// The normals of the faces at an edge.
+    /// Returns the normals of the faces at an edge.
     pub fn at(&self, edge: usize) -> [&Vector3; 2] {
         self.own.edges[edge].faces.map(|face| &self.normals[face])
     }
@@ -108,15 +108,15 @@ impl Hulls {
         self.solids.each_ref().map(|solid| solid.reach)
     }
 
-    /// They lie so now.
+    /// Sets the current poses.
     pub fn place(&mut self, rigids: [&Rigid; 2]) {
         for (solid, rigid) in self.solids.iter_mut().zip(rigids) {
             solid.place(rigid);
         }
     }
 
-    /// Whether the plane of two edges touches each solid at that edge: the arcs from normal to normal, of the first solid and of
-    /// the second one turned round, cross on the sphere of directions.
+    /// Returns whether the plane of two edges touches each solid at that edge: the arcs between the face normals of
+    /// the first solid and of the inverted second solid cross on the unit sphere.
     fn is_between(&self, [i, j]: [usize; 2]) -> bool {
         let [first, second] = &self.solids;
         let (u, v) = (&first.along[i], &second.along[j]);
@@ -128,7 +128,7 @@ impl Hulls {
         a * b < 0.0 && c * b > 0.0 && u.cross(v).norm_squared() > PARALLEL * PARALLEL
     }
 
-    /// Out of the first solid.
+    /// Returns the normal out of the first solid.
     fn out_at(&self, [i, j]: [usize; 2]) -> Vector3 {
         let [first, second] = &self.solids;
         let across = first.along[i].cross(&second.along[j]).normalize();
@@ -144,12 +144,12 @@ impl Hulls {
         match plane {
             Plane::Face { of, number } => self.behind(of, number).0,
             Plane::Edges(pair) if self.is_between(pair) => self.overlap(pair),
-            // No plane any more.
+            // The plane no longer exists.
             Plane::Edges(_) => f64::INFINITY,
         }
     }
 
-    /// The depth of a face, and that of the corner that is furthest behind it.
+    /// Returns the depth of a face, and that of the corner that is furthest behind it.
     fn behind(&self, of: usize, number: usize) -> (f64, f64) {
         let (solid, other) = (&self.solids[of], &self.solids[1 - of]);
         let (normal, offset) = (&solid.normals[number], solid.offsets[number]);
@@ -166,10 +166,11 @@ impl Hulls {
         }
     }
 
-    /// The edges of both that may cross where a face is overlapped by `deepest`, by a plane of no more depth than `least`.
+    /// Returns the edges of both solids that may cross near a face with overlap `deepest`, with a plane of depth at
+    /// most `least`.
     ///
-    /// Where the solids overlap by no plane less than by that of two edges, these cross where the solids overlap. So what is
-    /// further from that place than the depth is not looked at.
+    /// If two edges give the plane of least overlap, they cross inside the overlap region. Edges further from it than
+    /// the depth are therefore skipped.
     fn near(&self, of: usize, number: usize, deepest: f64, least: f64) -> [Near; 2] {
         let (normal, offset) = (
             &self.solids[of].normals[number],
@@ -192,14 +193,14 @@ impl Hulls {
         near
     }
 
-    /// How far two edges have passed each other.
+    /// Returns the overlap of two crossing edges.
     fn overlap(&self, pair: [usize; 2]) -> f64 {
         let [first, second] = &self.solids;
         let between = first.begin(pair[0]) - second.begin(pair[1]);
         self.out_at(pair).dot(&between)
     }
 
-    /// Midway between two edges where they are nearest to each other `[m]`.
+    /// Returns the midpoint between the closest points of two edges `[m]`.
     fn crossing(&self, [i, j]: [usize; 2]) -> Vector3 {
         let [first, second] = &self.solids;
         let (one, other) = (first.begin(i), second.begin(j));
@@ -217,7 +218,7 @@ impl Between for Hulls {
         let start = before.unwrap_or(Plane::Face { of: 0, number: 0 });
         let mut least = (start, self.depth(start));
         let mut look = |plane: Plane, depth: f64| {
-            // Of a plane that is none any more there is no part.
+            // A plane that no longer exists has infinite depth and no relative margin.
             let slack = if least.1.is_finite() {
                 PREFERENCE * least.1.abs()
             } else {

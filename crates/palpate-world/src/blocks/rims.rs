@@ -1,41 +1,43 @@
-//! A cylinder as it lies, and how its two rims lie behind a plane.
+//! A cylinder at its current pose, and the depths of its rims behind a plane.
 //!
-//! The rim's points share the law evenly, m of them for each rim. Behind a plane the rim's centre is at a depth c, and the points are
-//! at depths c + s cos(2 pi k/m), k from 0 to m - 1, where s is the radius times the sine of the tilt: one of them is the rim's deepest
-//! point. Where the whole rim is behind the plane, c >= s, the sum of their squares is m (c^2 + s^2/2), however they are turned about the
-//! axis. There they keep to the body, as the corners of a box do, so that friction holds a cylinder that is twisted as it
-//! stands. Elsewhere they turn with the deepest point, so that a cylinder rolls smoothly.
+//! The m points of each rim share the law evenly. Behind a plane the rim's centre is at a depth c, and its points are
+//! at depths c + s cos(2 pi k/m), k from 0 to m - 1. Here s is the radius times the sine of the tilt; point 0 is the
+//! rim's deepest point. If the whole rim is behind the plane, c >= s, the sum of the squared depths is m (c^2 +
+//! s^2/2) for any rotation of the points about the axis. The points are then fixed to the body like the corners of a
+//! box, so friction resists a twist of a standing cylinder. Otherwise the points rotate with the deepest point, so a
+//! cylinder rolls smoothly.
 
 use std::f64::consts::TAU;
 
 use super::Bound;
 use crate::rigid::{Rigid, Vector3};
 
-/// How the points of a rim are turned about the axis.
+/// Rotation of a rim's points about the axis.
 #[derive(Clone, Copy, Debug)]
 struct Turn {
-    /// Whether the points keep to the body: the first one at `steps` steps before the body's x axis. Else that many before the
-    /// deepest point.
+    /// Whether the points are fixed to the body: the first point is `steps` steps before the body's x axis. Otherwise
+    /// it is `steps` steps before the deepest point.
     is_held: bool,
     /// A whole number.
     steps: f64,
 }
 
-/// A cylinder in the world.
+/// A cylinder in the world's axes.
 #[derive(Clone, Debug)]
 pub(super) struct Cylinder {
     pub radius: f64,
     pub half_length: f64,
     pub centre: Vector3,
-    /// Its own x, y and z axis, the last of which is that of the cylinder.
+    /// Its x, y and z axis; z is the cylinder's axis.
     pub axes: [Vector3; 3],
-    /// Cosines of the angles of a rim's points from its deepest one: as many as share the law.
+    /// Cosines of the angles of a rim's points from its deepest point. Their number is the number of points that
+    /// share the law.
     cosines: Vec<f64>,
     turns: [Turn; 2],
 }
 
 impl Cylinder {
-    /// `share`: how many points a rim has.
+    /// Creates a cylinder with `share` points per rim.
     pub fn new(radius: f64, half_length: f64, share: usize) -> Self {
         let step = TAU / share as f64;
         Self {
@@ -65,7 +67,7 @@ impl Cylinder {
         self.turns = other.turns;
     }
 
-    /// The half-space beyond which a cap is.
+    /// Returns the half-space bounded by a cap.
     pub fn cap(&self, number: usize) -> Bound {
         let normal = self.axes[2] * end(number);
         Bound {
@@ -74,7 +76,7 @@ impl Cylinder {
         }
     }
 
-    /// The half-space that touches the side, and how it changes with the angle about the axis.
+    /// Returns the half-space tangent to the side, and its derivative with respect to the angle about the axis.
     pub fn tangent(&self, angle: f64) -> [Bound; 2] {
         let (sine, cosine) = angle.sin_cos();
         let [x, y, _] = self.axes;
@@ -92,7 +94,7 @@ impl Cylinder {
         ]
     }
 
-    /// How deep the centres of the rims are behind a plane, and s.
+    /// Returns the depths of the rim centres behind a plane, and s.
     fn depths(&self, bound: &Bound) -> ([f64; 2], f64) {
         let [x, y, z] = self.axes;
         let middle = bound.depth(&self.centre);
@@ -101,7 +103,8 @@ impl Cylinder {
         ([middle + along, middle - along], s)
     }
 
-    /// Depth of the deepest point of both rims `[m]`, and the sum of the squares of all depths above 0 `[m^2]`.
+    /// Returns the depth of the deepest point of both rims `[m]`, and the sum of the squares of all positive depths
+    /// `[m^2]`.
     pub fn behind(&self, bound: &Bound) -> (f64, f64) {
         let (centres, s) = self.depths(bound);
         let mut squares = 0.0;
@@ -117,14 +120,15 @@ impl Cylinder {
         (centres[0].max(centres[1]) + s, squares)
     }
 
-    /// The slope of that: of half the sum, or of the deepest point's depth where no depth is above 0. `rate`: how the plane changes.
+    /// Returns the derivative of half that sum, or of the deepest point's depth if no depth is positive. `rate`:
+    /// derivative of the plane.
     pub fn slope(&self, bound: &Bound, rate: &Bound) -> f64 {
         let (centres, s) = self.depths(bound);
         let axis = self.axes[2];
         let middle = rate.depth(&self.centre);
         let along = self.half_length * rate.normal.dot(&axis);
         let rates = [middle + along, middle - along];
-        // s^2 = r^2 (1 - (n a)^2), a unit normal that stays one.
+        // s^2 = r^2 (1 - (n a)^2) for a normal n of constant unit length.
         let product = -self.radius.powi(2) * bound.normal.dot(&axis) * rate.normal.dot(&axis);
         let s_rate = if s > 0.0 { product / s } else { 0.0 };
         if centres[0].max(centres[1]) + s <= 0.0 {
@@ -144,7 +148,7 @@ impl Cylinder {
         slope
     }
 
-    /// The place that is deepest behind a plane.
+    /// Returns the position that is deepest behind a plane.
     pub fn deepest(&self, bound: &Bound) -> Vector3 {
         let axis = self.axes[2];
         let along = bound.normal.dot(&axis);
@@ -153,7 +157,7 @@ impl Cylinder {
         self.centre - axis * self.half_length.copysign(along) - on_rim * self.radius
     }
 
-    /// How the rims' points are turned behind a plane now, and the angle of the first point of each.
+    /// Returns the current rotation of the rims' points behind a plane, and the angle of the first point of each.
     fn turned(&self, bound: &Bound) -> [(Turn, f64); 2] {
         let (centres, s) = self.depths(bound);
         let share = self.cosines.len();
@@ -164,7 +168,7 @@ impl Cylinder {
         [0, 1].map(|rim| {
             let before = self.turns[rim];
             let is_held = centres[rim] >= s;
-            // No point goes further than half a step where the rim begins or ends to be behind the plane as a whole.
+            // At a switch of the mode each point moves by at most half a step.
             let steps = match (before.is_held, is_held) {
                 (true, false) => before.steps + way,
                 (false, true) => before.steps - way,
@@ -176,12 +180,12 @@ impl Cylinder {
         })
     }
 
-    /// The points of the rims come to be turned as they are behind a plane.
+    /// Updates the rotation of the rims' points for a plane.
     pub fn turn(&mut self, bound: &Bound) {
         self.turns = self.turned(bound).map(|(turn, _)| turn);
     }
 
-    /// All points of the rims, as they lie behind a plane.
+    /// Returns all points of the rims, for the rotation behind a plane.
     pub fn places(&self, bound: &Bound) -> impl Iterator<Item = Vector3> {
         let share = self.cosines.len();
         let step = TAU / share as f64;
@@ -195,7 +199,7 @@ impl Cylinder {
     }
 }
 
-/// The side of a rim or cap along the axis.
+/// Returns the sign of a rim or cap along the axis.
 fn end(number: usize) -> f64 {
     if number == 0 { -1.0 } else { 1.0 }
 }

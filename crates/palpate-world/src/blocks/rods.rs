@@ -1,15 +1,16 @@
 //! A capsule and another convex solid, and the plane between them.
 //!
-//! A plane that has the other solid behind it is overlapped by the capsule's two ends at depths p1 and p2, and would store
-//! K/4 (p1^2 + p2^2), as a half-space does. The pair stores the least of that over all such planes. Outside of the
-//! other solid that least is what a sphere finds that goes along the capsule's segment: at the share s of the way it overlaps by
-//! p(s), and
+//! The capsule's two ends overlap a plane with the other solid behind it at depths p1 and p2. Such a plane would
+//! store K/4 (p1^2 + p2^2), as a half-space does. The pair stores the minimum over all such planes. Outside the other
+//! solid, the minimum can be found with a sphere that moves along the capsule's segment and overlaps by p(s) at the
+//! fraction s:
 //!
 //! E = K/2 max over s of p(s)^2/(2 ((1 - s)^2 + s^2)),
 //!
-//! by the duality of norms (R. T. Rockafellar, Convex Analysis, 1970, section 31): of all weights of the two ends, those of the
-//! least plane are largest. p is concave along the segment, because the distance from a convex solid is convex; so there is one
-//! such place, and it moves continuously. The ends overlap the plane by p1 = 2 c (1 - s) p and p2 = 2 c s p, c = 1/(2 ((1 - s)^2 + s^2)).
+//! This follows from the duality of norms (R. T. Rockafellar, Convex Analysis, 1970, section 31): the weights of the
+//! two ends at the minimum are the maximising ones. p is concave along the segment, because the distance from a
+//! convex solid is convex. The maximum is therefore unique and moves continuously. The ends overlap the plane by p1 =
+//! 2 c (1 - s) p and p2 = 2 c s p, with c = 1/(2 ((1 - s)^2 + s^2)).
 
 use std::sync::Arc;
 
@@ -20,46 +21,46 @@ use crate::mesh::nearest_of_triangle;
 use crate::rigid::{Rigid, Vector3};
 use crate::solid::{Nearest, Solid};
 
-/// A capsule's two ends share the law.
+/// Number of points of a capsule, which share the law.
 pub(super) const ENDS: usize = 2;
-/// Distances below this have no direction `[m]`.
+/// Distance below which the direction is undefined `[m]`.
 const NO_DIRECTION: f64 = 1e-12;
 
-/// What a capsule touches.
+/// The solid that a capsule touches.
 #[derive(Clone, Debug)]
 pub(super) enum Other {
     Round(Solid),
     Flat(Arc<Corners>),
 }
 
-/// A capsule and another solid, as they lie.
+/// A capsule and another solid at their current poses.
 #[derive(Clone, Debug)]
 pub(super) struct Rod {
-    /// Which of the two is the capsule.
+    /// Index of the capsule in the pair.
     side: usize,
     radius: f64,
     pub(super) half_length: f64,
     other: Other,
-    /// As of [`Between::least`] `[m]`.
+    /// Depth as in [`Between::least`] `[m]`.
     pub(super) depth: f64,
-    /// Out of the other solid.
+    /// Unit normal out of the other solid.
     pub(super) out: Vector3,
     found: [Found; ENDS],
 }
 
-/// Of a place on the segment.
+/// Overlap at a position on the segment.
 #[derive(Clone, Copy)]
 struct SegmentPoint {
-    /// How deep a sphere there overlaps the other solid `[m]`,
+    /// Overlap of a sphere there with the other solid `[m]`.
     overlap: f64,
-    /// and out of that solid.
+    /// Unit normal out of that solid.
     out: Vector3,
-    /// Below 0 where more of E lies further on.
+    /// Negative if E increases further along the segment.
     slope: f64,
 }
 
 impl Rod {
-    /// `side`: the capsule is the first (0) or second (1) of the two.
+    /// Creates the pair. `side`: the capsule is the first (0) or second (1) solid.
     pub fn new(side: usize, radius: f64, half_length: f64, other: Other) -> Self {
         Self {
             side,
@@ -85,7 +86,7 @@ impl Rod {
         }
     }
 
-    /// They lie so now.
+    /// Sets the current poses.
     pub fn place(&mut self, rigids: [&Rigid; 2]) {
         let (rod, other) = (rigids[self.side], rigids[1 - self.side]);
         let half = rod.orientation * Vector3::new(0.0, 0.0, self.half_length);
@@ -104,7 +105,7 @@ impl Rod {
             let penetration = if at.overlap > 0.0 && weight > 0.0 {
                 at.overlap * weight / square
             } else {
-                // It is above the plane through the nearest place.
+                // The end is above the plane through the nearest point.
                 at.overlap - at.out.dot(&(end - nearest))
             };
             *found = Found {
@@ -145,7 +146,7 @@ impl Rod {
         }
     }
 
-    /// The place on the segment that stores most, as a share of the way.
+    /// Returns the position of maximum energy on the segment, as a fraction of its length.
     fn most(&self, ends: &[Vector3; 2], other: &Rigid) -> (f64, SegmentPoint) {
         let look = |s: f64| self.look(ends, other, s);
         let (first, last) = (look(0.0), look(1.0));
@@ -186,12 +187,12 @@ impl Between for Rod {
 }
 
 impl Corners {
-    /// Largest distance of a corner from the origin of the axes `[m]`.
+    /// Returns the largest distance of a corner from the origin of the axes `[m]`.
     pub(crate) fn reach(&self) -> f64 {
         self.places.iter().map(Vector3::norm).fold(0.0, f64::max)
     }
 
-    /// The nearest point of the surface; of a point inside, that of least depth.
+    /// Returns the nearest point of the surface; for an interior point, the point of least depth.
     pub(crate) fn nearest(&self, point: &Vector3) -> Nearest {
         let height = |face: &crate::convex::Polygon| face.normal.dot(point) - face.offset;
         let mut highest = Nearest::exact(f64::NEG_INFINITY, Vector3::x());
@@ -204,7 +205,7 @@ impl Corners {
         if highest.distance <= NO_DIRECTION {
             return highest;
         }
-        // What is nearest lies on a face that the point is in front of.
+        // The nearest point lies on a face with the query point in front of it.
         let (mut least, mut way) = (f64::INFINITY, Vector3::zeros());
         for face in self.faces.iter().filter(|face| height(face) > 0.0) {
             let corner = |number: usize| &self.places[number];

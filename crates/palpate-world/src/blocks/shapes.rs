@@ -1,4 +1,4 @@
-//! Which pairs of shapes have a plane between them that is looked for.
+//! Pairs of shapes that are handled by a separating plane.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::hull::Corners;
 use crate::solid::Solid;
 
 impl Blocks {
-    /// Of two boxes or hulls, or of a capsule or cylinder and another solid; `None` of other shapes.
+    /// Creates a pair of two boxes or hulls, or of a capsule or cylinder and another solid; `None` for other shapes.
     pub fn between(shapes: [&Shape; 2], parts: [usize; 2], first_point: usize) -> Option<Self> {
         if let [
             Shape::Box { half_extents: a },
@@ -21,7 +21,7 @@ impl Blocks {
         ] = shapes
         {
             let solids = Solids::Boxes([a, b].map(|half| (*half).into()));
-            // One for each corner of either.
+            // One point per corner of either box.
             return Some(Self::new(parts, solids, first_point, ON_A_FACE, 8));
         }
         if let Some(rod) = capsule(shapes) {
@@ -42,7 +42,8 @@ impl Blocks {
     }
 }
 
-/// A capsule on another convex solid than a sphere: of two capsules the shorter one, of equals the first.
+/// Creates a pair of a capsule and a convex solid that is not a sphere. Of two capsules, the shorter is the capsule;
+/// ties go to the first.
 fn capsule(shapes: [&Shape; 2]) -> Option<Rod> {
     let capsule = |side: usize| match shapes[side] {
         &Shape::Capsule {
@@ -66,7 +67,7 @@ fn capsule(shapes: [&Shape; 2]) -> Option<Rod> {
     Some(Rod::new(side, radius, half_length, other))
 }
 
-/// The corners of a box or hull.
+/// Returns the corners of a box or hull.
 fn flat(shape: &Shape) -> Option<Arc<Corners>> {
     match shape {
         Shape::Hull(hull) => Some(hull.by_corners().clone()),
@@ -75,8 +76,8 @@ fn flat(shape: &Shape) -> Option<Arc<Corners>> {
     }
 }
 
-/// A cylinder on a half-space, a box, a hull or another cylinder, and how many points share the law: of two cylinders the shorter one, of
-/// equals the first.
+/// Creates a pair of a cylinder and a half-space, box, hull or cylinder, and returns the number of points that share
+/// the law. Of two cylinders, the shorter is the cylinder; ties go to the first.
 fn cylinders(shapes: [&Shape; 2]) -> Option<(Cylinders, usize)> {
     let cylinder = |side: usize| match *shapes[side] {
         Shape::Cylinder {
@@ -91,7 +92,7 @@ fn cylinders(shapes: [&Shape; 2]) -> Option<(Cylinders, usize)> {
         (None, _) => 1,
     };
     let (radius, half_length) = cylinder(side)?;
-    // As a box has four corners on a face, so that both give way alike.
+    // As many as the corners on a face of the other solid, so that both yield alike.
     let most = flat(shapes[1 - side]).map_or(0, |corners| corners.most_on_a_face());
     let share = ON_A_FACE.max(most);
     let rims = |radius, half_length| Cylinder::new(radius, half_length, share);

@@ -14,7 +14,7 @@ use crate::solid::Solid;
 
 const HALF: [[f64; 3]; 2] = [[0.5, 0.3, 0.4], [0.35, 0.6, 0.2]];
 
-/// Numbers from -1 to 1, the same ones in each run.
+/// Reproducible numbers from -1 to 1.
 struct Numbers(u64);
 
 impl Numbers {
@@ -52,11 +52,11 @@ fn moved(rigid: &Rigid, way: Vector3, turn: Vector3) -> Rigid {
     }
 }
 
-/// A pair of solids that are put somewhere, and how many points share its law.
+/// A pair of solids at given poses, and the number of points that share its law.
 trait Pair {
     fn placed(&self, first: &Rigid, second: &Rigid) -> impl Between;
     fn share(&self) -> usize;
-    /// How many points there are: one for each corner of either, or each end.
+    /// Returns the number of points: one per corner of either solid, or per end.
     fn points(&self) -> usize;
 }
 
@@ -76,9 +76,9 @@ impl Pair for Boxes {
     }
 }
 
-/// The forces at the points, K p over how many share the law, along the normal, are what the energy falls by over any motion of
-/// either solid. Tries so many places and counts in `seen` where they overlap by less than `most`: by faces of the first, of
-/// the second, and by edges.
+/// Asserts that the forces at the points (K p over the number that share the law, along the normal) are the negative
+/// gradient of the energy for any motion of either solid. Tries random poses, and counts in `seen` those with an
+/// overlap below `most`: by faces of the first, by faces of the second, and by edges.
 fn assert_gradient(
     pair: &impl Pair,
     numbers: &mut Numbers,
@@ -118,7 +118,7 @@ fn assert_gradient(
         });
         let changes = [of_second.0.zip(of_first.0), of_second.1.zip(of_first.1)];
         for (change, power) in changes.into_iter().zip(powers) {
-            // Another plane may be at least an ulp away only.
+            // Skip if another plane may be within an ulp.
             let Some((up, down)) = change else { continue };
             let slope = (up - down) / (2.0 * h);
             assert!((slope + power).abs() < 1e-7, "{plane:?} {slope} {power}");
@@ -130,9 +130,9 @@ fn assert_gradient(
     }
 }
 
-/// How often another plane takes over on straight ways of one solid through the other. No corner moves faster than the solid, so
-/// the depth changes by no more than that times `most_share`, the root of the corners per share; where the solids overlap by
-/// more than `within` nothing is asked.
+/// Returns the number of plane switches on straight paths of one solid through the other. No corner moves faster than
+/// the solid, so the depth changes by at most its displacement times `most_share`, the root of the corners per share.
+/// Overlaps above `within` are not checked.
 fn changes_without_a_jump(
     pair: &impl Pair,
     numbers: &mut Numbers,
@@ -183,7 +183,7 @@ fn the_energy_has_no_jump() {
     assert!(changes > 100, "{changes}");
 }
 
-/// Boxes that are apart have no energy, and ones with a common place have some.
+/// Separated boxes have no energy, and boxes with a common point have some.
 #[test]
 fn boxes_push_if_and_only_if_they_overlap() {
     let mut numbers = Numbers(11);
@@ -194,7 +194,7 @@ fn boxes_push_if_and_only_if_they_overlap() {
         let here = placed(&first, &second);
         let (plane, depth) = here.least(None);
         if depth < 0.0 {
-            // The plane is between all corners of the one and all of the other.
+            // The plane separates all corners of one box from all of the other.
             let normal = here.normal(plane);
             let ends = |of: usize| (0..8).map(move |number| (of, number));
             let along = |(of, number): (usize, usize)| {
@@ -207,7 +207,7 @@ fn boxes_push_if_and_only_if_they_overlap() {
         } else {
             together += 1;
         }
-        // From one box to the nearest place of the other and back: ends at a common place, if there is one.
+        // Alternating projection between the boxes converges to a common point, if there is one.
         let into = |of: usize, rigid: &Rigid, place: Vector3| {
             let own = rigid.orientation.inverse() * (place - rigid.position);
             let half = here.half[of];
@@ -221,7 +221,7 @@ fn boxes_push_if_and_only_if_they_overlap() {
             way = (place - one).norm();
         }
         let common = way < 1e-9;
-        // From place to place the way shortens slowly where the two overlap little.
+        // Convergence is slow for small overlaps.
         assert!(way < 1e-5 || depth < 0.01, "{plane:?} {depth} {way}");
         assert!(!common || depth > 0.0, "{plane:?} {depth}");
     }

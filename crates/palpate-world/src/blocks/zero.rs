@@ -1,13 +1,13 @@
-//! Where a slope passes through 0.
+//! Root search for a slope.
 
-/// Looks for the place, at most: each third look halves what is left.
+/// Maximum number of evaluations: every third one halves the interval.
 const MOST_LOOKS: usize = 96;
-/// Places that are no longer told apart, of a range of about 1.
+/// Interval width, relative to a range of about 1, below which the search ends.
 const SAME_PLACE: f64 = 1e-15;
 
-/// The place between two at which a function rises through 0: false position (Illinois), and halving where that is slow.
-/// `low` and `high`: a place and the function's value there, below 0 and above 0. The place that is returned is the last at which
-/// the function was asked.
+/// Returns the position between two at which a function rises through 0, by the Illinois method with bisection if
+/// that is slow. `low` and `high` are positions with a negative and a positive function value. The function was last
+/// evaluated at the returned position.
 pub(super) fn rising_zero(
     (mut low, mut of_low): (f64, f64),
     (mut high, mut of_high): (f64, f64),

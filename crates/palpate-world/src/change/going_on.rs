@@ -1,4 +1,4 @@
-//! How a state goes on in another world, and what a change from outside is booked as.
+//! Migration of a state to another world, and the ledger entries of external changes.
 
 use super::Succession;
 use crate::WorldRenderer;
@@ -6,11 +6,11 @@ use crate::method::Memory;
 use crate::rigid::Vector3;
 use crate::state::{Progress, WorldState, body_state, show_contacts};
 
-/// What is new to a state after a change.
+/// Elements that are new to a state after a change.
 pub(super) enum New<'a> {
-    /// What has no origin.
+    /// Elements without a predecessor.
     Since(&'a Succession),
-    /// What a body has to do with, which has been put elsewhere: its number among tools and bodies.
+    /// Elements that involve a displaced body, given by its index among tools and bodies.
     Body(usize),
 }
 
@@ -42,23 +42,23 @@ impl New<'_> {
     fn has_joint(&self, number: usize) -> bool {
         match self {
             Self::Since(from) => from.joints[number].is_none(),
-            // A joint answers to where its bodies are, so it may be looked at anew.
+            // A joint force depends only on the poses of its bodies, so re-evaluation is safe.
             Self::Body(_) => true,
         }
     }
 }
 
 impl WorldRenderer {
-    /// Puts `state` where the world of another renderer is, between two samples. This renderer has [started](Self::start) `state`;
-    /// `before` is the other renderer with its state, and `succession` is what [`succeed`](Self::succeed) found for the two
-    /// renderers. It allocates nothing.
+    /// Migrates `state` to the world of this renderer, between two samples. This renderer must have
+    /// [started](Self::start) `state`. `before` is the other renderer with its state. `succession` is the result of
+    /// [`succeed`](Self::succeed) for the two renderers. It allocates nothing.
     ///
-    /// - [`changed`](Self::changed) says which bodies, contacts and joints go on, and how their energy is booked.
-    /// - The method may be another one, or have other settings. It then takes the devices to be at rest where the last sample
-    ///   found them.
-    /// - The guard may be another one. It then begins with the energy that bodies, contacts and joints have now.
-    /// - Forces that are under way to the devices stay under way if period and actuators are the same in both loops.
-    /// - A new joint takes its point and axis from this world, and holds the bodies where they are now.
+    /// - [`changed`](Self::changed) defines which bodies, contacts and joints continue, and how their energy is
+    ///   recorded.
+    /// - The method may differ in kind or settings. It then starts with the devices at rest at the last sample.
+    /// - The guard may differ. It then starts with the current energy of bodies, contacts and joints.
+    /// - Forces in the actuation delay stay there if period and actuators are the same in both loops.
+    /// - A new joint takes its point and axis from this world, and holds the bodies at their current poses.
     pub fn go_on(
         &self,
         state: &mut WorldState,
@@ -93,7 +93,7 @@ impl WorldRenderer {
         }
         let touches = new.now.touches.iter_mut().zip(&succession.points);
         for ((touch, was), point) in touches.zip(&self.points) {
-            // Where the method itself says what a contact holds, another method knows nothing of it.
+            // If the method itself sets the contact force, another method has no state of the contact.
             if let Some(was) = was
                 && point.is_held == before.points[*was].is_held
                 && (is_same_method || !point.is_held)
@@ -115,7 +115,7 @@ impl WorldRenderer {
         books.gone = old.books.gone;
         books.devices.copy_from_slice(&old.books.devices);
         carry(&mut books.contacts, &old.books.contacts, &succession.points);
-        // What is new has all that it has from outside.
+        // All energy of new elements is external.
         carry(&mut books.joints, &old.books.joints, &succession.joints);
         carry(&mut books.bodies, &old.books.bodies, &succession.bodies);
         let stored = books.take_leave(
@@ -143,7 +143,7 @@ impl WorldRenderer {
             state.progress.tools.copy_from_slice(&past.progress.tools);
         } else if state.progress.tracking.in_progress {
             self.meet_devices(&mut state.progress, &mut state.memory);
-            // What that changes is from outside: no force that was held has made it.
+            // The resulting change is external, because no held force caused it.
             let contacts = state.progress.books.contacts.iter_mut();
             for (book, was) in contacts.zip(&succession.points) {
                 let before = was.map_or(0.0, |was| past.progress.books.contacts[was].observed);
@@ -162,7 +162,7 @@ impl WorldRenderer {
         }
     }
 
-    /// A method that knows nothing of the devices yet finds them where the last sample did, at rest.
+    /// Initialises a method without device state: the devices are at rest at the last sample.
     fn meet_devices(&self, progress: &mut Progress, memory: &mut Memory) {
         let observed = progress.books.observed();
         let positions = progress.tracking.take_trusted();
@@ -172,8 +172,8 @@ impl WorldRenderer {
         progress.guard.appeared(appeared);
     }
 
-    /// Looks at what is new after a change from outside, and books what it has changed. What is not new keeps the forces of
-    /// the last look, so that it goes on as it would have.
+    /// Evaluates the new elements after an external change, and records the change in energy. The other elements keep
+    /// the forces of their last evaluation, so their motion is unaffected.
     pub(super) fn settle(&self, state: &mut Progress, new: &New<'_>) {
         let Progress { now, room, .. } = state;
         now.begin();
@@ -185,7 +185,7 @@ impl WorldRenderer {
             part.torque = Vector3::zeros();
             part.twist = seen.twist;
         }
-        // Before the first sample nobody knows where the tools are, and after a refused one not either.
+        // The tool positions are unknown before the first sample and after a rejected one.
         if state.tracking.in_progress {
             for (number, surface) in now.surfaces.iter_mut().enumerate() {
                 if new.has_surface(number, surface.parts()) {
@@ -214,7 +214,7 @@ impl WorldRenderer {
             if new.has_joint(link.joint) {
                 *link = *seen;
             }
-            // By the springs that it has now.
+            // Use the current spring parameters.
             link.stored = seen.stored;
             link.load(&mut now.parts);
         }
@@ -261,7 +261,7 @@ impl WorldRenderer {
     }
 }
 
-/// The books of what goes on; those of what is new are empty.
+/// Copies the ledgers of continued elements. Those of new elements are empty.
 fn carry<Book: Copy + Default>(new: &mut [Book], old: &[Book], from: &[Option<usize>]) {
     for (book, was) in new.iter_mut().zip(from) {
         *book = was.map_or_else(Book::default, |was| old[was]);

@@ -1,4 +1,4 @@
-//! Changes of a world that runs: other bodies, contacts and joints, and bodies that are put elsewhere.
+//! Changes of a running world: different bodies, contacts and joints, and displaced bodies.
 
 mod going_on;
 mod succession;
@@ -13,30 +13,30 @@ use going_on::New;
 pub use succession::Succession;
 
 impl WorldRenderer {
-    /// The world that is rendered, its bodies as they were at the start or at the last change.
+    /// Returns the rendered world, with its bodies in their states at the start or at the last change.
     #[must_use]
     pub fn world(&self) -> &World {
         &self.world
     }
 
-    /// Goes on with another world: a renderer and a state for `world`, in which everything moves on that is there by its
-    /// name already. Loop, method and tools stay as they are, but for the shapes of the tools.
+    /// Continues with another world. Returns a renderer and a state for `world`; elements with an existing name
+    /// continue their motion. Loop, method and tools stay the same, except for the shapes of the tools.
     ///
-    /// - A body of a name that there was goes on from where it is, as it moves; what `world` says of its place and
-    ///   velocity is not looked at. Its shape, mass, force and whether it is fixed are those of `world`. With another mass
-    ///   or inertia it keeps its velocities.
-    /// - A body of a new name begins as `world` says.
-    /// - A pair of which both shapes stay keeps its bristle. Its law is that of `world`.
-    /// - A joint of the same bodies, kind, point, axis and span keeps its coordinate. Another one is new: its point and
-    ///   axis hold as the bodies stand now.
+    /// - A body with an existing name keeps its pose and velocity; those in `world` are ignored. Its shape, mass,
+    ///   force and whether it is fixed are taken from `world`. It keeps its velocities also if its mass or inertia
+    ///   changes.
+    /// - A body with a new name starts in its state in `world`.
+    /// - A pair keeps its bristle if both shapes are unchanged. Its law is taken from `world`.
+    /// - A joint with the same bodies, kind, point, axis and span keeps its coordinate. Any other joint is new: its
+    ///   point and axis apply to the current poses of the bodies.
     ///
-    /// What the devices are known to do and what is sent to them goes on. The energy that a change puts in or takes out is
-    /// booked as outside work, and the books of what is gone are summed up in [`Books::gone`](crate::Books::gone). The
-    /// force may step with the next sample. It allocates, as [`new`](Self::new) does; [`succeed`](Self::succeed) and
-    /// [`go_on`](Self::go_on) do the same in two steps, of which the second does not.
+    /// Device estimates and commanded forces continue. The energy added or removed by a change is recorded as outside
+    /// work. The ledgers of removed elements are summed in [`Books::gone`](crate::Books::gone). The force may step at
+    /// the next sample. This function allocates, like [`new`](Self::new). [`succeed`](Self::succeed) followed by
+    /// [`go_on`](Self::go_on) has the same effect, and `go_on` does not allocate.
     ///
     /// # Errors
-    /// Everything that is wrong with the new world, or another number, order, name or kind of tools.
+    /// All faults of the new world, or a changed number, order, name or kind of tools.
     pub fn changed(
         &self,
         state: &WorldState,
@@ -51,11 +51,12 @@ impl WorldRenderer {
         Ok((renderer, next))
     }
 
-    /// Puts a body elsewhere, or gives it another velocity, between two samples. The energy of it is booked as outside
-    /// work; the force may step with the next sample. It does not allocate.
+    /// Sets the pose and velocity of a body between two samples. The change in energy is recorded as outside work;
+    /// the force may step at the next sample. It does not allocate.
     ///
     /// # Errors
-    /// There is no such body, a number is not finite, the orientation is no unit quaternion, or a fixed body is to move.
+    /// The body does not exist, a number is not finite, the orientation is not a unit quaternion, or a fixed body is
+    /// given a velocity.
     pub fn place(
         &self,
         state: &mut WorldState,
@@ -90,7 +91,7 @@ impl WorldRenderer {
         Ok(())
     }
 
-    /// Whether a body can be there. Words are only made of what is wrong, since they allocate.
+    /// Checks whether the body can take this state. Messages are built only for faults, because they allocate.
     fn can_place(&self, body: usize, to: &BodyState) -> Result<(), WorldError> {
         let place = WorldPart::Body(body);
         let Some(described) = self.world.bodies.get(body) else {
@@ -128,7 +129,7 @@ impl WorldRenderer {
         faults.into_iter().next().map_or(Ok(()), Err)
     }
 
-    /// The tools are those that there were.
+    /// Checks that the tools are unchanged.
     fn check_tools(&self, world: &World) -> Result<(), Vec<WorldError>> {
         let before = &self.world.tools;
         if world.tools.len() != before.len() {
@@ -180,7 +181,7 @@ impl WorldRenderer {
         }
     }
 
-    /// `world` with the bodies that there were as they are now.
+    /// Returns `world` with the existing bodies in their current states.
     fn where_it_is(&self, state: &WorldState, world: &World) -> World {
         let mut now = world.clone();
         for body in &mut now.bodies {

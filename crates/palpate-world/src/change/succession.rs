@@ -1,29 +1,29 @@
-//! What of a world goes on in another one.
+//! Mapping between the elements of a world and those of its predecessor.
 
 use std::sync::Arc;
 
 use crate::{Joint, Shape, WorldError, WorldRenderer};
 
-/// What of a world goes on in another one, by the numbers that it has in both: what
-/// [`WorldRenderer::succeed`] finds, and [`WorldRenderer::go_on`] goes by.
+/// Index mapping from the elements of a world to those of its predecessor, created by [`WorldRenderer::succeed`] and
+/// used by [`WorldRenderer::go_on`].
 #[derive(Clone, Debug)]
 pub struct Succession {
-    /// Where each tool and body was among tools and bodies before,
+    /// Previous index of each tool and body, among tools and bodies.
     pub(super) parts: Vec<Option<usize>>,
-    /// each body among bodies,
+    /// Previous index of each body, among bodies.
     pub(super) bodies: Vec<Option<usize>>,
-    /// each point of contact,
+    /// Previous index of each contact point.
     pub(super) points: Vec<Option<usize>>,
-    /// the spheres on meshes,
+    /// Previous index of each sphere on a mesh.
     pub(super) surfaces: Vec<Option<usize>>,
-    /// the pairs of boxes, hulls and capsules,
+    /// Previous index of each pair of boxes, hulls and capsules.
     pub(super) blocks: Vec<Option<usize>>,
-    /// and each joint.
+    /// Previous index of each joint.
     pub(super) joints: Vec<Option<usize>>,
 }
 
 impl Succession {
-    /// Of the same world, where that before it never ran: `before` is what went on in that one. It allocates nothing.
+    /// Composes the mapping with `before`, the mapping of the predecessor, which never ran. It allocates nothing.
     pub fn skip(&mut self, before: &Self) {
         let each = [
             (&mut self.parts, &before.parts),
@@ -42,14 +42,15 @@ impl Succession {
 }
 
 impl WorldRenderer {
-    /// Makes ready to go on from the world of `before`, in any thread: joints that stay keep where they are borne. States are to
-    /// be [started](Self::start) after it. `is_kept` says of each body of this world whether one of its name goes on;
-    /// otherwise it begins as this world says. Those that it does not name go on.
+    /// Prepares to continue from the world of `before`; it may run in any thread. Joints that continue keep their
+    /// anchors. [Start](Self::start) states only afterwards. `is_kept` states for each body of this world whether a
+    /// body with its name continues; otherwise the body starts in its state in this world. Bodies beyond the end of
+    /// the list continue.
     ///
-    /// Which bodies, contacts and joints go on, [`changed`](Self::changed) says. It allocates.
+    /// [`changed`](Self::changed) defines which bodies, contacts and joints continue. It allocates.
     ///
     /// # Errors
-    /// Another number, order, name or kind of tools.
+    /// A different number, order, name or kind of tools.
     pub fn succeed(
         &mut self,
         before: &Self,
@@ -77,7 +78,7 @@ impl WorldRenderer {
         }
     }
 
-    /// Where everything was in `before`, but for what has to do with a body that is not kept.
+    /// Returns the previous indices of all elements, except elements with a body that is not kept.
     fn origins(&self, before: &Self, is_kept: &[bool]) -> Succession {
         let number = |name: &str| {
             let bodies = &before.world.bodies;
@@ -93,7 +94,7 @@ impl WorldRenderer {
                 number(self.name_and_shape(part).0).filter(|_| is_kept)
             })
             .collect();
-        // A part whose shape stays.
+        // Previous index of a part with an unchanged shape.
         let stays = |part: usize| {
             let was = parts[part]?;
             is_same_shape(self.name_and_shape(part).1, before.name_and_shape(was).1).then_some(was)
@@ -139,7 +140,7 @@ impl WorldRenderer {
     }
 }
 
-/// Whether two shapes are the same; the triangles of one mesh are not compared with themselves.
+/// Returns whether two shapes are equal. A shared mesh is not compared with itself.
 fn is_same_shape(one: &Shape, other: &Shape) -> bool {
     match (one, other) {
         (Shape::Mesh(one), Shape::Mesh(other)) => Arc::ptr_eq(one, other) || one == other,
@@ -148,7 +149,7 @@ fn is_same_shape(one: &Shape, other: &Shape) -> bool {
     }
 }
 
-/// Of each of `new`, the one of `old` of the same pair and the same place among those of the pair.
+/// Maps each of `new` to the element of `old` with the same pair and the same rank among the elements of that pair.
 fn in_order(
     new: &[[usize; 2]],
     old: &[[usize; 2]],
@@ -166,7 +167,7 @@ fn in_order(
         .collect()
 }
 
-/// Whether a joint is the same bearing as before, with any springs.
+/// Returns whether a joint has the same geometry as before; its springs may differ.
 fn is_same_bearing(joint: &Joint, before: &Joint) -> bool {
     let Joint {
         body,

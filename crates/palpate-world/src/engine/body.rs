@@ -1,4 +1,4 @@
-//! What is told of an engine's bodies: once, and at each of its steps.
+//! Bodies of another physics engine: their description, and their state at each step.
 
 use nalgebra::Vector6;
 
@@ -7,14 +7,14 @@ use crate::{
     WorldField, WorldPart,
 };
 
-/// A body of another engine that tools may touch.
+/// A body of another physics engine that tools may touch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EngineBody {
-    /// Its name, in messages.
+    /// Name of the body in messages.
     pub name: String,
-    /// What tools touch of it.
+    /// Shapes that tools can touch.
     pub shapes: Vec<PlacedShape>,
-    /// The law of its contacts with every tool.
+    /// Law of its contacts with every tool.
     pub law: ContactLaw,
 }
 
@@ -23,49 +23,49 @@ pub struct EngineBody {
 pub struct PlacedShape {
     /// The shape, in its own axes.
     pub shape: Shape,
-    /// Where the shape is, in the axes of the body, from the body's reference point `[m]`.
+    /// Position of the shape relative to the body's reference point, in the body's axes `[m]`.
     pub position: Vector,
-    /// How the shape's axes are turned against the body's.
+    /// Orientation of the shape's axes relative to the body's axes.
     pub orientation: Quaternion,
 }
 
-/// How an engine steps under a constant force. It decides where a body is after a step, against where the force would
-/// have brought it.
+/// The engine's position integrator for a constant force. It determines the position of a body after a step, compared
+/// with the motion under the continuous force.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Stepping {
-    /// x += h (v + v')/2: exact for a constant force, as Runge-Kutta's and the midpoint rule are.
+    /// x += h (v + v')/2: exact for a constant force, like Runge-Kutta and the midpoint rule.
     #[default]
     MeanVelocity,
-    /// x += h v', v' the velocity after the step: semi-implicit Euler, as most engines do.
+    /// x += h v', with the velocity v' after the step: semi-implicit Euler, used by most engines.
     EndVelocity,
-    /// The same in so many equal parts of the step, at least 1: engines that divide a step by themselves, as Rapier and
-    /// Box2D do.
+    /// [`EndVelocity`](Self::EndVelocity) in this number of equal parts of the step (at least 1), for engines that
+    /// sub-divide a step internally, such as Rapier and Box2D.
     Parts(u32),
 }
 
-/// A body of an engine at the beginning of a step. Everything is along the world's axes; its reference point is where
-/// the engine takes torques about, as a rule the centre of mass.
+/// State of an engine's body at the beginning of a step, along the world's axes. The engine takes torques about the
+/// body's reference point, usually the centre of mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyNow {
     /// Position of the reference point `[m]`.
     pub position: Vector,
-    /// How the body is turned.
+    /// Orientation of the body.
     pub orientation: Quaternion,
     /// Velocity of the reference point `[m/s]`.
     pub velocity: Vector,
     /// Angular velocity `[rad/s]`.
     pub angular_velocity: Vector,
-    /// Acceleration of the reference point by everything but the tools, over the step `[m/s^2]`.
+    /// Acceleration of the reference point over the step, without the tools `[m/s^2]`.
     pub acceleration: Vector,
-    /// Angular acceleration by everything but the tools `[rad/s^2]`.
+    /// Angular acceleration without the tools `[rad/s^2]`.
     pub angular_acceleration: Vector,
-    /// What a wrench does to these six: rows are accelerations, columns force `[N]` and torque about the reference
-    /// point `[N m]`. Of a body on a hinge it has rank 1; of a body that does not move it is zero.
+    /// Mobility: maps force `[N]` and torque about the reference point `[N m]` (columns) to the six accelerations
+    /// (rows). It has rank 1 for a body on a hinge and is zero for a fixed body.
     pub mobility: [[f64; 6]; 6],
 }
 
 impl BodyNow {
-    /// A body that is at rest at `position` `[m]`, not turned, and that nothing moves.
+    /// Returns a fixed body at `position` `[m]`, at rest and not rotated.
     #[must_use]
     pub fn fixed(position: Vector) -> Self {
         Self {
@@ -79,7 +79,7 @@ impl BodyNow {
         }
     }
 
-    /// Velocity `[m/s]` and angular velocity `[rad/s]`.
+    /// Returns velocity `[m/s]` and angular velocity `[rad/s]`.
     pub(super) fn twist(&self) -> Vector6<f64> {
         let [v, w] = [&self.velocity, &self.angular_velocity];
         Vector6::new(v[0], v[1], v[2], w[0], w[1], w[2])
@@ -100,7 +100,7 @@ impl BodyNow {
     }
 }
 
-/// A wrench on a body, along the world's axes, to be held over a step.
+/// A constant wrench on a body for one step, along the world's axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodyWrench {
     /// Force `[N]`.
@@ -110,7 +110,7 @@ pub struct BodyWrench {
 }
 
 impl EngineBody {
-    /// Everything that is wrong with the body of this number, by the rules of a [`World`].
+    /// Returns all faults of the body with this index, by the rules of a [`World`].
     pub(super) fn faults(&self, number: usize, tools: &[Tool]) -> Vec<WorldError> {
         let place = WorldPart::Body(number);
         let subject = format!("body {:?}", self.name);

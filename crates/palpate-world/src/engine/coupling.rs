@@ -1,4 +1,4 @@
-//! The devices' side of a period: what is known of each, where its avatar is, and what it is to be held by.
+//! The device side of a period: device estimates, proxy states and held forces.
 
 use palpate::Fault;
 
@@ -22,7 +22,7 @@ use crate::{
     WorldField, WorldGuard, WorldLoop, WorldPart,
 };
 
-/// Devices that are coupled to images of bodies, in one loop.
+/// Devices coupled to images of bodies, in one loop.
 #[derive(Clone, Debug)]
 pub(super) struct Coupling {
     pub in_loop: WorldLoop,
@@ -30,7 +30,8 @@ pub(super) struct Coupling {
 }
 
 impl Coupling {
-    /// Checks tools, loop and parameters. `faults` are those of the bodies; `bodies` says in a message whose they are.
+    /// Checks tools, loop and parameters. `faults` are the faults of the bodies; `bodies` names their owner in
+    /// messages.
     pub fn checked(
         tools: &[Tool],
         in_loop: WorldLoop,
@@ -59,7 +60,7 @@ impl Coupling {
         }
     }
 
-    /// A new state: nothing sampled, nothing touched, the books empty.
+    /// Creates a state before the first sample: no contact, empty energy ledger.
     pub fn start(&self, pairs: &[Pair], bodies: usize) -> EngineState {
         let tools = self.coupled.priors.len();
         let nowhere = Rigid {
@@ -115,8 +116,9 @@ impl Coupling {
         }
     }
 
-    /// Takes a sample of all devices: a period begins. A sample that cannot be used gives no contact in it, and
-    /// [`hold`](Self::hold) says why. Gives the time since the sample before `[s]`, where it ends a period.
+    /// Takes a sample of all devices and begins a period. After an unusable sample the period has no contact, and
+    /// [`hold`](Self::hold) reports the fault. Returns the time since the previous sample `[s]` if the sample ends a
+    /// period.
     pub fn sample(
         &self,
         pairs: &[Pair],
@@ -146,7 +148,7 @@ impl Coupling {
         }
     }
 
-    /// Says what was really sent to a tool for the last [`hold`](Self::hold) `[N]`.
+    /// Replaces the force of the last [`hold`](Self::hold) on a tool by the force that was actually sent `[N]`.
     pub fn report_sent(&self, state: &mut EngineState, tool: usize, mut force: Vector) {
         if let Some(axes) = self.coupled.axes.get(tool) {
             axes.keep(&mut force);
@@ -156,8 +158,8 @@ impl Coupling {
         }
     }
 
-    /// Avatars and images go on together for `h` `[s]`, from contacts that were looked at. `false` where what comes out is no
-    /// number, or a contact is so fast that its computed motion would grow: there is no contact then.
+    /// Advances proxies and images by `h` `[s]`, starting from evaluated contacts. Returns `false` and leaves no
+    /// contact if the result is not finite or if a contact is too fast for the integration to be stable.
     pub fn meet(&self, pairs: &[Pair], state: &mut EngineState, h: f64) -> bool {
         let EngineState {
             meeting, before, ..
@@ -175,16 +177,16 @@ impl Coupling {
             self.let_go(state);
             return false;
         }
-        // Work and dissipation are booked when the period ends.
+        // `hold` records work and dissipation when the period ends.
         state.book_stored(pairs, |book| &mut book.step_error);
         state.advanced += h;
         true
     }
 
-    /// Ends the period: the forces on the devices, to hold until the next. `with_bodies` is what was created at the ports of the
-    /// bodies `[J]`.
+    /// Ends the period and sets the forces to hold until the next one. `with_bodies` is the energy generated at the
+    /// ports of the bodies `[J]`.
     pub fn hold(&self, pairs: &[Pair], state: &mut EngineState, with_bodies: f64) {
-        // Before the work of the period that is planned now is booked.
+        // Close the ports before the work of the newly planned period is recorded.
         state.close_ports(pairs, with_bodies);
         if state.fault.is_none() && state.advanced > 0.0 {
             self.plan(pairs, state);
@@ -202,7 +204,7 @@ impl Coupling {
         self.publish(state);
     }
 
-    /// The interval that has ended, by what the sample tells.
+    /// Updates the device estimates, proxies and energy ledger for the interval that ended with this sample.
     fn observe(&self, pairs: &[Pair], state: &mut EngineState, sample: &Sample<'_>, elapsed: f64) {
         let is_in_progress = state.tracking.in_progress;
         for (tool, (device, priors)) in state
@@ -275,7 +277,7 @@ impl Coupling {
         }
     }
 
-    /// The avatars, where the period of the command to come begins.
+    /// Places the proxies at the start of the next command's period.
     fn place(&self, state: &mut EngineState) {
         let pieces = state.commands.look_ahead(self.in_loop.period);
         for (tool, device) in state.devices.iter_mut().enumerate() {
@@ -313,7 +315,7 @@ impl Coupling {
         state.meeting.begin();
     }
 
-    /// No contact from here on: what the contacts stored is given up.
+    /// Ends all contacts and discards the energy stored in them.
     pub fn let_go(&self, state: &mut EngineState) {
         state.tracking.in_progress = false;
         for (touch, book) in state
@@ -335,7 +337,7 @@ impl Coupling {
         }
     }
 
-    /// The forces to hold, once the avatars have gone through the period.
+    /// Sets the forces to hold, after the proxies have been advanced through the period.
     fn plan(&self, pairs: &[Pair], state: &mut EngineState) {
         let duration = state.advanced;
         for (tool, device) in state.devices.iter_mut().enumerate() {
@@ -360,7 +362,8 @@ impl Coupling {
             for axis in 0..3 {
                 let mobility = device.ahead[axis].mobility;
                 if touched && mobility > 0.0 {
-                    // What is owed at the beginning of the period that this force governs.
+                    // Impulse correction: removes the velocity offset at the start of the period that this force
+                    // governs.
                     held[axis] += device.avatar.velocity_offset[axis] / (mobility * duration);
                 }
             }
@@ -391,7 +394,7 @@ impl Coupling {
         }
     }
 
-    /// Writes what can be read from a state.
+    /// Copies the readable part of the state.
     fn publish(&self, state: &mut EngineState) {
         for (touch, contact) in state.meeting.touches.iter().zip(&mut state.contacts) {
             contact.mode = touch.mode;
@@ -419,10 +422,10 @@ impl Coupling {
 }
 
 impl TrackedDevice {
-    /// The offset of the avatar after `elapsed` `[s]` from sample to sample: avatar under the forces of the contacts, device
-    /// under what it was held by, with what is now known of the device. Where that time is not the period that was planned, the
-    /// contacts' mean force went on as long as what was held for it: else a tick that is late would leave the avatar with a
-    /// part of the hand's impulse that no contact has taken from it.
+    /// Updates the proxy offset over the `elapsed` time between samples `[s]`: the proxy moves under the contact
+    /// forces, the device under the held force, both with the updated device estimate. If `elapsed` differs from the
+    /// planned period, the mean contact force is extended or shortened with the held force. Otherwise a late tick
+    /// would leave the proxy with a part of the hand's impulse that no contact has absorbed.
     fn conclude(&mut self, period: &Period, elapsed: f64) {
         for axis in 0..3 {
             let known = self.observers[axis].motion;

@@ -1,34 +1,34 @@
-//! The image of an engine's body: what an avatar meets, over one step of the engine.
+//! Image of an engine's body, with which a proxy collides during one step of the engine.
 
 use nalgebra::{Matrix6, Quaternion, UnitQuaternion, Vector6};
 
 use super::body::{BodyNow, BodyWrench, Stepping};
 use crate::rigid::{Rigid, Rotation, Vector3};
 
-/// The image of a body in motion.
+/// Image of a body in motion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Image {
     pub position: Vector3,
     pub orientation: Rotation,
     /// Velocity of the reference point `[m/s]` and angular velocity `[rad/s]`.
     pub twist: Vector6<f64>,
-    /// The same as expected at the end of the sub-step: what the damping of contacts sees.
+    /// Twist expected at the end of the sub-step, used by contact dampers.
     pub ahead: Vector6<f64>,
-    /// Force `[N]` and torque about the reference point `[N m]` of the contacts.
+    /// Contact force `[N]` and torque about the reference point `[N m]`.
     pub load: Vector6<f64>,
-    /// The same of contacts that no tool is part of.
+    /// Force and torque of the contacts that involve no tool.
     pub other_load: Vector6<f64>,
     /// Impulse of `load` since the step began `[N s]`, `[N m s]`.
     pub impulse: Vector6<f64>,
-    /// How far it has moved and turned since the step began `[m]`, `[rad]`.
+    /// Translation and rotation since the step began `[m]`, `[rad]`.
     way: Vector6<f64>,
     gained: Vector6<f64>,
-    /// By everything but contacts.
+    /// Acceleration without contacts.
     pub acceleration: Vector6<f64>,
     pub mobility: Matrix6<f64>,
 }
 
-/// By how much an image is off its body: translation `[m]` and rotation vector `[rad]`.
+/// Offset of an image from its body: translation `[m]` and rotation vector `[rad]`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ImageOffset(pub Vector6<f64>);
 
@@ -53,7 +53,7 @@ pub(super) fn angular(six: &Vector6<f64>) -> Vector3 {
 }
 
 impl Image {
-    /// Of a body that is nowhere and that nothing moves.
+    /// Returns an image of a body at an undefined position, with no acceleration.
     pub fn nowhere() -> Self {
         let none = Vector6::zeros();
         Self {
@@ -71,7 +71,7 @@ impl Image {
         }
     }
 
-    /// Of a body at the beginning of a step.
+    /// Creates the image of a body at the beginning of a step.
     pub fn of(body: &BodyNow, offset: &ImageOffset) -> Self {
         let [w, x, y, z] = body.orientation;
         let turned = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
@@ -87,19 +87,19 @@ impl Image {
         }
     }
 
-    /// A step begins.
+    /// Begins a step.
     pub fn begin(&mut self) {
         self.impulse = Vector6::zeros();
         self.way = Vector6::zeros();
     }
 
-    /// A number if all of its state is numbers.
+    /// Returns a sum over the state that is finite only if the state is finite.
     pub fn sum(&self) -> f64 {
         let place = self.position.sum() + self.orientation.coords.sum();
         place + self.twist.sum() + self.impulse.sum()
     }
 
-    /// Stands still where it is; nowhere, if that is no number.
+    /// Stops the image at its position. A non-finite state is replaced by [`nowhere`](Self::nowhere).
     pub fn stop(&mut self) {
         *self = if self.sum().is_finite() {
             Self {
@@ -112,13 +112,13 @@ impl Image {
         };
     }
 
-    /// Where it is less where `other` is: translation `[m]` and rotation vector `[rad]`.
+    /// Returns the pose relative to `other`: translation `[m]` and rotation vector `[rad]`.
     pub fn apart_from(&self, other: &Self) -> Vector6<f64> {
         let turned = (self.orientation * other.orientation.inverse()).scaled_axis();
         six(&(self.position - other.position).into(), &turned.into())
     }
 
-    /// Is put elsewhere, by a translation `[m]` and a rotation vector `[rad]`.
+    /// Displaces the image by a translation `[m]` and a rotation vector `[rad]`.
     pub fn shift(&mut self, by: &Vector6<f64>) {
         self.position += linear(by);
         self.orientation = Rotation::from_scaled_axis(angular(by)) * self.orientation;
@@ -142,12 +142,12 @@ impl Image {
         linear(twist) + angular(twist).cross(&(place - self.position))
     }
 
-    /// Adds the force of a contact at `place`.
+    /// Adds a contact force at `place`.
     pub fn pushed_at(&mut self, force: &Vector3, place: &Vector3) {
         self.load += self.wrench_of(force, place);
     }
 
-    /// Adds the force of a contact that no tool is part of.
+    /// Adds the force of a contact that involves no tool.
     pub fn pushed_otherwise_at(&mut self, force: &Vector3, place: &Vector3) {
         self.other_load += self.wrench_of(force, place);
     }
@@ -157,14 +157,14 @@ impl Image {
         six(&(*force).into(), &torque.into())
     }
 
-    /// Acceleration along `direction` by a unit force along it at `place` `[1/kg]`.
+    /// Returns the acceleration along `direction` per unit force along it at `place` `[1/kg]`.
     pub fn mobility_at(&self, direction: &Vector3, place: &Vector3) -> f64 {
         let torque = (place - self.position).cross(direction);
         let wrench = six(&(*direction).into(), &torque.into());
         wrench.dot(&(self.mobility * wrench))
     }
 
-    /// Where a shape that is fixed to it is.
+    /// Returns the pose of a shape that is fixed to the image.
     pub fn place(&self, position: &Vector3, orientation: &Rotation) -> Rigid {
         Rigid {
             position: self.position + self.orientation * position,
@@ -174,7 +174,7 @@ impl Image {
         }
     }
 
-    /// The mean wrench over the step of `h` `[s]` that ends here.
+    /// Returns the mean wrench over the step of `h` `[s]` that ends now.
     pub fn wrench(&self, h: f64) -> BodyWrench {
         let mean = self.impulse / h;
         BodyWrench {
@@ -183,15 +183,15 @@ impl Image {
         }
     }
 
-    /// How much farther it has come in the step of `h` `[s]` than the body does that `stepping` moves under the mean
-    /// wrench.
+    /// Returns the displacement of the image over the step of `h` `[s]` minus that of a body that `stepping`
+    /// integrates under the mean wrench.
     pub fn ahead_of(&self, body: &BodyNow, stepping: Stepping, h: f64) -> Vector6<f64> {
         let before = body.twist();
         let gained = self.acceleration * h + self.mobility * self.impulse;
         let velocity = match stepping {
             Stepping::MeanVelocity => before + gained * 0.5,
             Stepping::EndVelocity => before + gained,
-            // Of n parts, part k ends with k/n of it.
+            // Part k of n ends with k/n of the velocity change.
             Stepping::Parts(parts) => before + gained * (0.5 + 0.5 / f64::from(parts.max(1))),
         };
         self.way - velocity * h

@@ -1,4 +1,4 @@
-//! Avatars and images in motion, over one step of an engine.
+//! Integration of proxies and images over one step of an engine.
 
 use super::image::Image;
 use super::pairs::{Pair, Toucher};
@@ -8,22 +8,22 @@ use crate::part::Part;
 use crate::rigid::Vector3;
 use crate::{Effort, MOST_POINTS, SubSteps};
 
-/// Avatars and images in motion.
+/// Proxies and images in motion.
 #[derive(Clone, Debug)]
 pub(super) struct Meeting {
     pub tools: Vec<Part>,
-    /// The way of each tool that the impulses since the period began have made, per mass `[N s^2]`.
+    /// Displacement of each tool due to the impulses since the period began, per mass `[N s^2]`.
     pub leads: Vec<Vector3>,
     /// Impulse on each tool since the period began `[N s]`.
     pub impulses: Vec<Vector3>,
     pub images: Vec<Image>,
     pub touches: Vec<Touch>,
-    /// Whether the dampers of contacts add to the velocity that they expect what the last sub-step missed.
+    /// Whether contact dampers add the prediction error of the last sub-step to the velocity that they expect.
     pub expects_the_missed: bool,
 }
 
 impl Meeting {
-    /// A period begins, with the avatars where they have been put.
+    /// Begins a period with the proxies at their assigned positions.
     pub fn begin(&mut self) {
         for touch in &mut self.touches {
             touch.begin();
@@ -35,7 +35,7 @@ impl Meeting {
         }
     }
 
-    /// Looks at the contacts anew, after avatars or images were put to other places.
+    /// Re-evaluates the contacts after proxies or images have been displaced.
     pub fn look(&mut self, pairs: &[Pair]) {
         for tool in &mut self.tools {
             tool.settle();
@@ -72,7 +72,8 @@ impl Meeting {
         }
     }
 
-    /// The contacts of where everything is now, half a sub-step after it began to move as it does, and their loads.
+    /// Evaluates the contacts and their loads at the current positions, which were reached by moving for `half` a
+    /// sub-step with the current velocities.
     fn meet(&mut self, pairs: &[Pair], half: f64) {
         for tool in &mut self.tools {
             tool.force = Vector3::zeros();
@@ -116,8 +117,8 @@ impl Meeting {
         }
     }
 
-    /// Integrates over `h` `[s]`, in so many sub-steps of a period as `h` is part of it, and in so many `times` the most of them
-    /// where its motion would grow. `before` is overwritten.
+    /// Integrates over `h` `[s]`. The number of sub-steps is the share of `h` in a period, and up to `times` the
+    /// maximum if the integration would be unstable. `before` is overwritten.
     pub fn advance(
         &mut self,
         before: &mut Self,
@@ -137,8 +138,9 @@ impl Meeting {
         integrate(self, before, pairs, fastest, &sub_steps, times, h)
     }
 
-    /// Bounds of what is fastest among the contacts that touch, or may within `h` `[s]`: over a contact's two sides, the sum of the
-    /// stiffness or damping times mobility of all contacts there, and the stiffest spring of a drive.
+    /// Returns bounds of the fastest modes among the contacts that touch or may touch within `h` `[s]`. The bound at
+    /// each side of a contact is the sum of stiffness or damping times mobility over all contacts there, plus the
+    /// stiffest drive spring.
     fn fastest(&self, pairs: &[Pair], h: f64) -> Fastest {
         let mut near = [None; MOST_POINTS];
         for (near, (touch, pair)) in near.iter_mut().zip(self.touches.iter().zip(pairs)) {
@@ -165,14 +167,14 @@ impl Meeting {
         }
     }
 
-    /// What a contact that touches, or may within `h` `[s]`, asks for at each of its two sides.
+    /// Returns the rates at both sides of a contact that touches or may touch within `h` `[s]`.
     fn rates(&self, touch: &Touch, pair: &Pair, h: f64) -> Option<[Rates; 2]> {
         let found = found(&self.tools, &self.images, pair)?;
         let (normal, gap) = (found.normal, -found.penetration);
-        // On the surface that is touched.
+        // Point on the touched surface.
         let place = found.centre - normal * (gap + pair.radius);
         let relative = relative(&self.tools, &self.images, pair, &place);
-        // Twice the way, for what pushes them meanwhile.
+        // The factor 2 allows for acceleration by forces during the step.
         if touch.is_apart() && gap > 2.0 * relative.norm() * h + RESTING_SPEED * h {
             return None;
         }
@@ -262,14 +264,14 @@ impl SubStepped for Meeting {
     }
 }
 
-/// A tool or a body, on one side of a contact.
+/// A tool or a body on one side of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Side {
     Tool(usize),
     Body(usize),
 }
 
-/// What a contact asks for at one of its sides: the square of its angular frequency `[rad^2/s^2]`, and the rate of its damper `[1/s]`.
+/// Rates of a contact at one side: squared angular frequency `[rad^2/s^2]` and damping rate `[1/s]`.
 #[derive(Clone, Copy, Debug)]
 struct Rates {
     side: Side,
@@ -277,25 +279,25 @@ struct Rates {
     damping: f64,
 }
 
-/// What is at rest may gain this much within a step `[m/s]`.
+/// Speed that a resting body may gain within a step `[m/s]`.
 const RESTING_SPEED: f64 = 0.1;
 
 fn axes() -> [Vector3; 3] {
     [Vector3::x(), Vector3::y(), Vector3::z()]
 }
 
-/// Where a pair would touch.
+/// Geometry of a possible contact.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
     pub centre: Vector3,
-    /// Midway between the two surfaces.
+    /// Midpoint between the two surfaces.
     pub place: Vector3,
     pub normal: Vector3,
-    /// How far they overlap, below 0 where they do not `[m]`.
+    /// Overlap, negative if apart `[m]`.
     pub penetration: f64,
 }
 
-/// Where a pair would touch; none of one that cannot.
+/// Returns the contact geometry of a pair, or `None` if the pair cannot touch.
 pub(super) fn found(tools: &[Part], images: &[Image], pair: &Pair) -> Option<Found> {
     let centre = match pair.toucher {
         Toucher::Tool(tool) => tools.get(tool)?.rigid.position,
@@ -327,12 +329,12 @@ pub(super) fn found(tools: &[Part], images: &[Image], pair: &Pair) -> Option<Fou
     })
 }
 
-/// How fast a pair gets deeper, as expected at the end of the sub-step `[m/s]`.
+/// Returns the penetration rate expected at the end of the sub-step `[m/s]`.
 pub(super) fn rate(tools: &[Part], images: &[Image], pair: &Pair, found: &Found) -> f64 {
     pair.rate_of(&found.normal, &ahead(tools, images, pair, &found.place))
 }
 
-/// Velocity of what touches against the image at `place`, as expected at the end of the sub-step `[m/s]`.
+/// Returns the velocity of the sphere relative to the image at `place`, expected at the end of the sub-step `[m/s]`.
 fn ahead(tools: &[Part], images: &[Image], pair: &Pair, place: &Vector3) -> Vector3 {
     let touching = match pair.toucher {
         Toucher::Tool(tool) => tools[tool].ahead.velocity,
@@ -342,7 +344,7 @@ fn ahead(tools: &[Part], images: &[Image], pair: &Pair, place: &Vector3) -> Vect
     touching - image.velocity_at(&image.ahead, place)
 }
 
-/// Velocity of what touches against the image at `place` `[m/s]`.
+/// Returns the velocity of the sphere relative to the image at `place` `[m/s]`.
 fn relative(tools: &[Part], images: &[Image], pair: &Pair, place: &Vector3) -> Vector3 {
     let touching = match pair.toucher {
         Toucher::Tool(tool) => tools[tool].rigid.velocity,

@@ -1,7 +1,7 @@
 //! Contact with bodies that another physics engine moves.
 //!
-//! The engine owns the bodies; the contacts of the tools with them are rendered here. Nothing but forces goes into the
-//! engine, and nothing but states comes out of it: no body is put anywhere. A period has three parts:
+//! The engine owns the bodies; this module renders their contacts with the tools. It passes only forces to the engine
+//! and reads only states: it never sets the pose of a body. A period has three parts:
 //!
 //! ```text
 //! sample    the devices' positions            where the avatars are when the period of the next command begins
@@ -10,14 +10,14 @@
 //! hold      the forces on the devices         the mean force of the contacts over the period, as `coupled` holds it
 //! ```
 //!
-//! So the engine is stepped through a period before its force is held, and the force is that of what the engine really
-//! did, with its other contacts, joints and robots. A body answers within a step by its mobility, as the engine tells
-//! it for the step's beginning.
+//! The engine is stepped through a period before the force of that period is held. The force therefore includes the
+//! effect of the engine's other contacts, joints and robots. Within a step a body responds with the mobility that the
+//! engine reports for the beginning of the step.
 //!
-//! Two things are held that stand for a changing force, and each moves what it is held on to another place than the
-//! force itself would have: the device over a period, and the body over a step. Both differences are known. The
-//! device's becomes the offset of its avatar, as in [`CoupledParams`](crate::CoupledParams). The body's becomes the
-//! offset of its image, which the avatar meets in place of the body.
+//! Two constant forces replace a varying force: one on the device over a period, one on the body over a step. Each
+//! leads to an end position that differs from that of the varying force by a known amount. The difference at the
+//! device becomes the offset of its proxy, as in [`CoupledParams`](crate::CoupledParams). The difference at the body
+//! becomes the offset of its image, with which the proxy collides instead of the body.
 
 mod body;
 mod coupling;

@@ -1,4 +1,4 @@
-//! Which tool may touch which shape of an engine's bodies.
+//! Pairs of a tool and a shape of an engine's body that may touch.
 
 use std::sync::Arc;
 
@@ -15,13 +15,13 @@ use crate::{MOST_POINTS, Mesh, Shape, Tool, WorldError, WorldField, WorldPart};
 pub(super) enum Outline {
     Solid(Solid),
     Convex(Arc<Mesh>),
-    /// A piece of a surface: through the origin of its own axes, with the normal z, and bent by this curvature `[1/m]`, above 0
-    /// where it is convex.
+    /// A surface patch through the origin of its own axes, with normal z and this curvature `[1/m]`, positive if
+    /// convex.
     Bent(f64),
 }
 
 impl Outline {
-    /// Of a shape; otherwise why it has none.
+    /// Returns the outline of a shape, or a message if the shape has none.
     fn of(shape: &Shape) -> Result<Self, String> {
         match shape {
             Shape::Hull(hull) => Ok(Self::Convex(hull.mesh().clone())),
@@ -37,8 +37,8 @@ impl Outline {
         }
     }
 
-    /// Of the surface, with the solid as `placed`, the point nearest to `point` `[m]`; of a point inside, that of least
-    /// depth.
+    /// Returns the surface point nearest to `point` `[m]`, with the solid as `placed`. For an interior point it is
+    /// the point of least depth.
     pub fn nearest(&self, placed: &Rigid, point: &Vector3) -> Nearest {
         match self {
             Self::Solid(solid) => solid.nearest(placed, point),
@@ -65,7 +65,7 @@ impl Outline {
     }
 }
 
-/// The nearest point of a bent piece of a surface, in its own axes.
+/// Returns the nearest point of a curved surface patch, in its own axes.
 fn bent(curvature: f64, point: &Vector3) -> Nearest {
     let flat = Nearest {
         distance: point.z,
@@ -91,21 +91,21 @@ fn bent(curvature: f64, point: &Vector3) -> Nearest {
     }
 }
 
-/// A surface that is bent less than this is taken for a plane `[1/m]`: over 0.1 m it is off by 50 nm, and a radius of 100 km is
-/// rounded by 0.01 nm.
+/// Curvature below which a surface is treated as a plane `[1/m]`. The error over 0.1 m is 50 nm; a radius of 100 km
+/// would have a rounding error of 0.01 nm.
 const LEAST_CURVATURE: f64 = 1e-5;
 
-/// What touches a surface: a sphere.
+/// The sphere that touches a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Toucher {
-    /// The tool of this number.
+    /// The tool of this index.
     Tool(usize),
-    /// A sphere of the body of this number, with its centre in the body's axes `[m]`.
+    /// A sphere of the body of this index, with its centre in the body's axes `[m]`.
     Body { body: usize, centre: Vector3 },
 }
 
 impl Toucher {
-    /// The number of the tool that it is.
+    /// Returns the index of the tool, if the sphere is a tool.
     pub fn tool(self) -> Option<usize> {
         match self {
             Self::Tool(tool) => Some(tool),
@@ -118,14 +118,14 @@ impl Toucher {
     }
 }
 
-/// By how much a contact is taken to be otherwise than its surface says, so that its force does not step.
+/// Temporary correction of a contact's geometry that keeps its force continuous.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shift {
     /// Added to the penetration `[m]`.
     pub depth: f64,
     /// Added to the normal.
     pub normal: Vector3,
-    /// Added to the rate at which it gets deeper `[m/s]`.
+    /// Added to the penetration rate `[m/s]`.
     pub rate: f64,
 }
 
@@ -133,29 +133,29 @@ pub(super) struct Shift {
 #[derive(Clone, Debug)]
 pub(super) struct Pair {
     pub toucher: Toucher,
-    /// Whether they can touch at all.
+    /// Whether the pair can touch.
     pub is_open: bool,
     pub body: usize,
-    /// Of the sphere `[m]`.
+    /// Radius of the sphere `[m]`.
     pub radius: f64,
     pub outline: Outline,
-    /// Where the shape is in the body's axes.
+    /// Position of the shape in the body's axes.
     pub position: Vector3,
     pub orientation: Rotation,
     pub law: PointLaw,
-    /// What the law comes to be: by its stiffness and damping the bounds of what is fastest reckon.
+    /// Final value of the fading law. Its stiffness and damping set the stability bounds.
     pub at_full_strength: PointLaw,
     pub shift: Option<Shift>,
 }
 
 impl Pair {
-    /// How fast it gets deeper where what touches moves with `relative` `[m/s]` against the body `[m/s]`.
+    /// Returns the penetration rate for a velocity `relative` of the sphere relative to the body `[m/s]`.
     pub fn rate_of(&self, normal: &Vector3, relative: &Vector3) -> f64 {
         self.shift.map_or(0.0, |shift| shift.rate) - normal.dot(relative)
     }
 }
 
-/// The radius of each tool, and what is wrong with them.
+/// Returns the radius of each tool, and the faults of the tools.
 pub(super) fn of_spheres(tools: &[Tool]) -> (Vec<f64>, Vec<WorldError>) {
     let alone = crate::World {
         joints: Vec::new(),
@@ -188,7 +188,7 @@ pub(super) fn of_spheres(tools: &[Tool]) -> (Vec<f64>, Vec<WorldError>) {
     (radii, faults)
 }
 
-/// Each tool with each shape of each body, and what is wrong with them.
+/// Returns the pairs of each tool with each shape of each body, and their faults.
 pub(super) fn pairs(tools: &[Tool], bodies: &[EngineBody]) -> (Vec<Pair>, Vec<WorldError>) {
     let (_, mut faults) = of_spheres(tools);
     let mut pairs = Vec::new();

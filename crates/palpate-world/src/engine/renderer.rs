@@ -9,8 +9,8 @@ use super::pairs::{Pair, pairs};
 use super::state::{BodyPortBook, EngineOutput, EngineState};
 use crate::{CoupledParams, Sample, Tool, Vector, WorldError, WorldLoop};
 
-/// Contacts of tools with the bodies of another engine, in one loop. Immutable: one renderer serves any number of
-/// [`EngineState`]s.
+/// Renderer for contacts of tools with the bodies of another engine, in one loop. It is immutable: one renderer
+/// serves any number of [`EngineState`]s.
 #[derive(Clone, Debug)]
 pub struct EngineRenderer {
     coupling: Coupling,
@@ -20,11 +20,11 @@ pub struct EngineRenderer {
 }
 
 impl EngineRenderer {
-    /// Checks everything once.
+    /// Checks all inputs and creates the renderer.
     ///
     /// # Errors
     ///
-    /// Everything that is wrong with tools and bodies, or else with the loop and the parameters: at least one fault.
+    /// Returns all faults of tools and bodies, or otherwise those of the loop and the parameters (at least one).
     pub fn new(
         tools: &[Tool],
         bodies: &[EngineBody],
@@ -41,26 +41,26 @@ impl EngineRenderer {
         })
     }
 
-    /// The loop it is rendered in.
+    /// Returns the loop parameters.
     #[must_use]
     pub fn in_loop(&self) -> &WorldLoop {
         &self.coupling.in_loop
     }
 
-    /// A new state: nothing sampled, nothing touched, the books empty.
+    /// Creates a state before the first sample: no contact, empty energy ledger.
     #[must_use]
     pub fn start(&self) -> EngineState {
         self.coupling.start(&self.pairs, self.bodies)
     }
 
-    /// Takes a sample of all devices: a period begins. A sample that cannot be used gives no contact in it, and
-    /// [`EngineRenderer::hold`] says why.
+    /// Takes a sample of all devices and begins a period. After an unusable sample the period has no contact, and
+    /// [`EngineRenderer::hold`] reports the fault.
     pub fn sample(&self, state: &mut EngineState, sample: &Sample<'_>) {
         self.coupling.sample(&self.pairs, state, sample);
     }
 
-    /// Steps avatars and contacts on by `h` `[s]` against the engine's bodies, in the order of their description, as
-    /// they are now. `wrenches` is what the engine is to hold on them over that step.
+    /// Advances proxies and contacts by `h` `[s]` against the current states of the engine's bodies, in the order of
+    /// their description. Writes to `wrenches` the wrenches that the engine must hold over this step.
     pub fn advance(
         &self,
         state: &mut EngineState,
@@ -110,15 +110,15 @@ impl EngineRenderer {
         }
     }
 
-    /// Ends the period: the forces on the devices, to hold until the next.
+    /// Ends the period and returns the forces to hold on the devices until the next one.
     pub fn hold<'s>(&self, state: &'s mut EngineState) -> EngineOutput<'s> {
         let with_bodies = BodyPortBook::created(&state.books.bodies);
         self.coupling.hold(&self.pairs, state, with_bodies);
         state.output()
     }
 
-    /// Says what was really sent to a tool for the last [`EngineRenderer::hold`] `[N]`, where it is not that force. A
-    /// force that is not finite is left as it is.
+    /// Replaces the force of the last [`EngineRenderer::hold`] on a tool by the force that was actually sent `[N]`.
+    /// Non-finite values are ignored.
     pub fn report_sent(&self, state: &mut EngineState, tool: usize, force: Vector) {
         self.coupling.report_sent(state, tool, force);
     }

@@ -1,4 +1,4 @@
-//! What is remembered from period to period, and what can be read from it.
+//! State between periods, and its readable part.
 
 use nalgebra::Vector6;
 use palpate::Fault;
@@ -15,23 +15,24 @@ use crate::rigid::Vector3;
 use crate::tracking::Tracking;
 use crate::{ContactBook, Effort, Limited, Mode, ToolState, Vector, WorldFault};
 
-/// Contacts with an engine's bodies at a sample: made by [`EngineRenderer::start`](super::EngineRenderer::start).
+/// State of the contacts with an engine's bodies at a sample, created by
+/// [`EngineRenderer::start`](super::EngineRenderer::start).
 #[derive(Clone, Debug)]
 pub struct EngineState {
     pub(super) meeting: Meeting,
-    /// Room for what a sub-step begins with.
+    /// Scratch buffer for the state at the start of a sub-step.
     pub(super) before: Meeting,
     pub(super) offsets: Vec<ImageOffset>,
     /// Whether a tool touched the body in the period.
     pub(super) is_body_touched: Vec<bool>,
-    /// Of each body, what the tools did to it in the engine's step that has not been seen to end.
+    /// Effect of the tools on each body in the engine's step whose end state is not yet known.
     pub(super) pushed: Vec<Option<Pushed>>,
     pub(super) devices: Vec<TrackedDevice>,
     pub(super) tracking: Tracking,
     pub(super) commands: Commands,
     pub(super) intended: Vec<Vector3>,
     pub(super) forces: Vec<Vector>,
-    /// How long the engine has been stepped since the sample `[s]`.
+    /// Time by which the engine has been stepped since the sample `[s]`.
     pub(super) advanced: f64,
     pub(super) fault: Option<WorldFault>,
     pub(super) limited: Limited,
@@ -42,30 +43,30 @@ pub struct EngineState {
     pub(super) at_ports: CreatedAtPorts,
 }
 
-/// What is known of a device and of its avatar.
+/// Estimated state of a device, and its proxy.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TrackedDevice {
-    /// Where the last sample has found it `[m]`.
+    /// Position at the last sample `[m]`.
     pub measured: Vector3,
     pub observers: [AxisObserver; 3],
-    /// The device where the period of the next command begins.
+    /// Device at the beginning of the next command's period.
     pub ahead: [AxisMotion; 3],
-    /// At the beginning of the period.
+    /// Proxy at the beginning of the period.
     pub avatar: Avatar,
     pub period: Option<Period>,
 }
 
-/// What a period was planned to be.
+/// Planned values of a period.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Period {
-    /// How long it was `[s]`.
+    /// Duration `[s]`.
     pub duration: f64,
-    /// Mean force of the contacts `[N]`, and by how much its impulse came early `[N s^2]`.
+    /// Mean contact force `[N]`. `lead` is the moment by which its impulse came early `[N s^2]`.
     pub mean: Vector3,
     pub lead: Vector3,
-    /// What the device was to be held by `[N]`.
+    /// Force to be held on the device `[N]`.
     pub held: Vector3,
-    /// Whether something touched the tool.
+    /// Whether the tool was touched.
     pub touched: bool,
 }
 
@@ -86,99 +87,100 @@ impl TrackedDevice {
     }
 }
 
-/// The answer to a sample.
+/// Result of a period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EngineOutput<'a> {
-    /// Force on each tool `[N]`: what its device is to give to the hand, and to hold until the next sample.
+    /// Force on each tool, which its device exerts on the hand until the next sample `[N]`.
     pub forces: &'a [Vector],
-    /// Limits that acted.
+    /// Active limits.
     pub limited: Limited,
-    /// What the period has cost, over all steps of the engine, and what did not fit in it.
+    /// Computing effort of the period over all steps of the engine, and sub-steps that exceeded the budget.
     pub effort: Effort,
-    /// Why there was no contact, if there was none: a sample or a state that cannot be used. All forces are then 0.
+    /// Reason for the absence of contact: an unusable sample or state. All forces are 0 then.
     pub fault: Option<WorldFault>,
 }
 
 /// A point at which a tool may touch a body, at the end of the last period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EngineContact {
-    /// Number of the tool.
+    /// Index of the tool.
     pub tool: usize,
-    /// Number of the body.
+    /// Index of the body.
     pub body: usize,
-    /// Whether they touch, and how.
+    /// Contact mode.
     pub mode: Mode,
-    /// Where the force acts `[m]`.
+    /// Point of application of the force `[m]`.
     pub point: Vector,
     /// Unit vector from the body to the tool.
     pub normal: Vector,
-    /// How far avatar and image overlap, 0 where they do not `[m]`.
+    /// Overlap of proxy and image, 0 if they are apart `[m]`.
     pub penetration: f64,
     /// Force on the tool `[N]`.
     pub force: Vector,
 }
 
-/// Energy at the port of a device, over all periods that have ended `[J]`; positive: to the hand.
+/// Energy at the port of a device, over all completed periods `[J]`; positive towards the hand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct PortBook {
-    /// Work of the force that was held on the device as it was measured.
+    /// Work of the held force on the measured device motion.
     pub port_work: f64,
-    /// Work of the mean force of its contacts on the device.
+    /// Work of the mean contact force on the device.
     pub held: f64,
-    /// The part of it along the axes that the device lacks ([`Tool::axes`](crate::Tool::axes)): its mechanism carries that force.
+    /// Part of `held` along the axes that the device lacks ([`Tool::axes`](crate::Tool::axes)): the mechanism carries
+    /// it.
     pub carried: f64,
 }
 
-/// Energy at the port between an image or copy of a body in the renderer and the body of an engine or host, up to the last state
-/// of the latter `[J]`.
+/// Energy at the port between a renderer's image or copy of a body and the body of the engine or host, up to the
+/// latest known state of the latter `[J]`.
 ///
-/// `host_work - work` is energy that was made (positive) or lost because the host's body was pushed by a mean wrench, and went
-/// another way than the renderer's.
+/// `host_work - work` is energy generated (positive) or lost because the mean wrench moves the host's body along a
+/// different path from the renderer's body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct BodyPortBook {
-    /// Work of the tools on the renderer's body; of a copy but for periods that the loop has missed.
+    /// Work of the tools on the renderer's body. For a copy, periods that the loop has missed are excluded.
     pub work: f64,
-    /// Work of their wrench on the host's body, from one time that it was seen to the next.
+    /// Work of the held wrench on the host's body between its known states.
     pub host_work: f64,
 }
 
 impl BodyPortBook {
-    /// Energy that was made at the ports of all bodies `[J]`.
+    /// Returns the energy generated at the ports of all bodies `[J]`.
     pub(super) fn created(books: &[Self]) -> f64 {
         books.iter().map(|book| book.host_work - book.work).sum()
     }
 }
 
-/// Effect of the tools on a body in an engine's step.
+/// Effect of the tools on a body during an engine's step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pushed {
-    /// Velocity `[m/s]` and angular velocity `[rad/s]` of the engine's body where the step began.
+    /// Velocity `[m/s]` and angular velocity `[rad/s]` of the engine's body at the start of the step.
     pub twist: Vector6<f64>,
     /// Impulse of the tools `[N s]`, `[N m s]`.
     pub impulse: Vector6<f64>,
-    /// Their work on the image `[J]`.
+    /// Work of the tools on the image `[J]`.
     pub work: f64,
 }
 
-/// The books of contacts with an engine's bodies.
+/// Energy ledger of the contacts with an engine's bodies.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct EngineBooks {
-    /// Of each point of contact, in the order of [`EngineState::contacts`]. `observed` is what the stored energy changed
-    /// by because a sample moved an avatar, or the engine a body, to another place than was expected.
+    /// Ledger of each contact point, in the order of [`EngineState::contacts`]. `observed` is the change in stored
+    /// energy when a sample moved a proxy, or the engine a body, away from the expected position.
     pub contacts: Vec<ContactBook>,
-    /// Of each device.
+    /// Ledger of each device.
     pub devices: Vec<PortBook>,
-    /// Of each body.
+    /// Ledger of each body.
     pub bodies: Vec<BodyPortBook>,
 }
 
 impl EngineBooks {
-    /// Energy that held forces have created since the start `[J]`: hands, contacts and the engine's bodies have gained it together.
-    /// Work that the engine's constraints and motors take from a body or do on it is not created. It fluctuates with the samples; a rising
-    /// sum is an instability.
+    /// Returns the energy that held forces have generated since the start `[J]`: the sum gained by hands, contacts
+    /// and the engine's bodies. Work of the engine's constraints and motors on a body is excluded. The value
+    /// fluctuates with the samples; a steady rise indicates instability.
     #[must_use]
     pub fn created(&self) -> f64 {
         let contacts = self.contacts.iter();
@@ -190,39 +192,39 @@ impl EngineBooks {
 }
 
 impl EngineState {
-    /// What is known of each tool at the last sample.
+    /// Returns the estimated state of each tool at the last sample.
     #[must_use]
     pub fn tools(&self) -> &[ToolState] {
         &self.tools
     }
 
-    /// Where each avatar is at the end of the period `[m]`: what an engine may show as the tool.
+    /// Returns the position of each proxy at the end of the period, for display `[m]`.
     #[must_use]
     pub fn avatars(&self) -> Vec<Vector> {
         let tools = self.meeting.tools.iter();
         tools.map(|tool| tool.rigid.position.into()).collect()
     }
 
-    /// Each point at which a tool may touch a body, whether it does or not.
+    /// Returns every point at which a tool may touch a body, also if it does not.
     #[must_use]
     pub fn contacts(&self) -> &[EngineContact] {
         &self.contacts
     }
 
-    /// Energy that forces created at the ports of the devices `[J]`: [`EngineBooks::created`], where a contact whose force reached
-    /// its device by a part, because a limit cut it, counts by that part.
+    /// Returns the energy generated at the ports of the devices `[J]`: [`EngineBooks::created`], weighted for each
+    /// contact by the fraction of its force that reached the device after limiting.
     #[must_use]
     pub fn created_at_ports(&self) -> f64 {
         self.at_ports.created()
     }
 
-    /// The books of energy.
+    /// Returns the energy ledger.
     #[must_use]
     pub fn books(&self) -> &EngineBooks {
         &self.books
     }
 
-    /// Takes account of the energy created at the ports of the devices, up to this sample, and at those of the bodies `[J]`.
+    /// Updates the ports with the energy generated at the devices, up to this sample, and at the bodies `[J]`.
     pub(super) fn close_ports(&mut self, pairs: &[Pair], with_bodies: f64) {
         let commands = &self.commands;
         let contacts = self.books.contacts.iter().zip(pairs).map(|(book, pair)| {
@@ -239,13 +241,14 @@ impl EngineState {
         self.at_ports.close(contacts, ports, (with_bodies, least));
     }
 
-    /// The engine's `bodies` are seen where a step ended: books what the tools did to each in it. The next step begins.
+    /// Records the work of the tools on each body over the engine's step that ended in the states `bodies`, and
+    /// begins the next step.
     pub(super) fn book_ports(&mut self, bodies: &[BodyNow]) {
         let pushed = self.pushed.iter_mut().zip(&mut self.books.bodies);
         for ((pushed, book), body) in pushed.zip(bodies) {
             let twist = body.twist();
             if let Some(pushed) = pushed {
-                // Kinetic energy that it has gained by them, however the engine integrates its position.
+                // Kinetic energy gained by the body, which does not depend on the engine's position integrator.
                 let work = pushed.impulse.dot(&(0.5 * (pushed.twist + twist)));
                 if work.is_finite() && pushed.work.is_finite() {
                     book.host_work += work;
@@ -260,7 +263,7 @@ impl EngineState {
         }
     }
 
-    /// Adds `times` the work that the tools' contacts have done on each image since the period began.
+    /// Adds `times` the work of the tools' contacts on each image since the period began.
     pub(super) fn add_work(&mut self, pairs: &[Pair], times: f64) {
         for (touch, pair) in self.meeting.touches.iter().zip(pairs) {
             let pushed = self.pushed.get_mut(pair.body).and_then(Option::as_mut);
@@ -270,13 +273,13 @@ impl EngineState {
         }
     }
 
-    /// Looks at the contacts anew, and books what their stored energy changed by.
+    /// Evaluates the contacts and records the change in their stored energy.
     pub(super) fn look(&mut self, pairs: &[Pair], entry: fn(&mut ContactBook) -> &mut f64) {
         self.meeting.look(pairs);
         self.book_stored(pairs, entry);
     }
 
-    /// Books what the stored energy of each contact of a tool has changed by, under one of its entries.
+    /// Records the change in the stored energy of each contact of a tool under the given ledger entry.
     pub(super) fn book_stored(&mut self, pairs: &[Pair], entry: fn(&mut ContactBook) -> &mut f64) {
         let touches = self.meeting.touches.iter().zip(pairs);
         for (book, (touch, pair)) in self.books.contacts.iter_mut().zip(touches) {

@@ -1,38 +1,38 @@
-//! A point of contact between an avatar and an image.
+//! A contact point between a proxy and an image.
 
 use crate::Mode;
 use crate::law::{PointLaw, carried};
 use crate::rigid::Vector3;
 use crate::touch::SAME_FACE;
 
-/// What a point of contact does, and has done since the period began.
+/// State of a contact point, and its sums since the period began.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Touch {
     pub mode: Mode,
     pub place: Vector3,
-    /// From the body to the tool.
+    /// Unit vector from the body to the tool.
     pub normal: Vector3,
     pub penetration: f64,
     pub bristle: Vector3,
     normal_force: f64,
-    /// Part of the friction force that is the bristle's damping `[N]`.
+    /// Part of the friction force from the bristle's damping `[N]`.
     by_rubbing: Vector3,
-    /// How fast the two were expected to approach at the sub-step's end `[m/s]`.
+    /// Approach speed expected at the end of the sub-step `[m/s]`.
     expected: f64,
-    /// By how much faster they did approach `[m/s]`. The next sub-step adds this to what it expects, if it is as long.
+    /// Actual minus expected approach speed `[m/s]`. The next sub-step of equal length adds it to its expectation.
     pub missed: f64,
-    /// On the tool `[N]`.
+    /// Force on the tool `[N]`.
     pub force: Vector3,
-    /// Velocity of the tool against the body there `[m/s]`.
+    /// Velocity of the tool relative to the body at the contact point `[m/s]`.
     pub relative: Vector3,
     slid: Vector3,
     /// Impulse on the tool since the period began `[N s]`.
     pub impulse: Vector3,
     /// Work on tool and body together since the period began `[J]`.
     pub work: f64,
-    /// Work on the avatar since the period began `[J]`.
+    /// Work on the proxy since the period began `[J]`.
     pub work_on_avatar: f64,
-    /// What damping and friction took since the period began `[J]`.
+    /// Energy dissipated by damping and friction since the period began `[J]`.
     pub dissipated: f64,
 }
 
@@ -63,12 +63,13 @@ impl Touch {
         self.mode == Mode::Free
     }
 
-    /// Whether its mode is another than in `other`, or it presses across an edge on another face.
+    /// Returns whether the mode differs from that of `other`, or a pressing contact has crossed an edge to another
+    /// face.
     pub fn changed_from(&self, other: &Self) -> bool {
         self.mode != other.mode || !self.is_apart() && self.normal.dot(&other.normal) < SAME_FACE
     }
 
-    /// A period begins.
+    /// Begins a period.
     pub fn begin(&mut self) {
         self.impulse = Vector3::zeros();
         self.work = 0.0;
@@ -80,8 +81,8 @@ impl Touch {
         law.stored(self.penetration, &self.bristle)
     }
 
-    /// The surfaces overlap by `penetration` `[m]` at a `rate` that is expected `[m/s]`, and slide by `way` `[m]` beyond what they
-    /// have, with a velocity that is `expected` at the sub-step's end `[m/s]`.
+    /// Updates the force for an overlap of `penetration` `[m]` with an expected `rate` `[m/s]`, an additional slip
+    /// `way` `[m]` and a slip velocity `expected` at the end of the sub-step `[m/s]`.
     pub fn press(
         &mut self,
         law: &PointLaw,
@@ -117,7 +118,7 @@ impl Touch {
         }
     }
 
-    /// The surfaces are apart: what the bristle stored is lost.
+    /// Separates the surfaces. The energy stored in the bristle is lost.
     pub fn part(&mut self, law: &PointLaw) {
         *self = Self {
             impulse: self.impulse,
@@ -128,8 +129,8 @@ impl Touch {
         };
     }
 
-    /// Half a sub-step under the force, at the end of which the tool moves with `relative` against the body; the
-    /// avatar's velocity is `avatar` in the mean.
+    /// Adds half a sub-step under the force to the sums. `relative` is the tool's velocity relative to the body at
+    /// its end; `avatar` is the mean velocity of the proxy.
     pub fn book(&mut self, law: &PointLaw, relative: &Vector3, avatar: &Vector3, half: f64) {
         let impulse = self.force * half;
         self.impulse += impulse;
@@ -142,12 +143,12 @@ impl Touch {
         }
     }
 
-    /// At the end of a sub-step the penetration grew at this `rate` `[m/s]`.
+    /// Stores the error of the expected approach speed, given the actual `rate` at the end of the sub-step `[m/s]`.
     pub fn miss(&mut self, rate: f64) {
         self.missed = rate - self.expected;
     }
 
-    /// The surfaces slide on for `half` of a sub-step.
+    /// Adds the slip of `half` a sub-step.
     pub fn slide(&mut self, relative: &Vector3, half: f64) {
         self.slid += (relative - self.normal * self.normal.dot(relative)) * half;
     }

@@ -1,4 +1,4 @@
-//! A mesh from its vertices and triangles, checked once.
+//! Mesh construction from vertices and triangles, with checks.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -12,11 +12,11 @@ use super::tree::{Bounds, Tree};
 use crate::Vector;
 use crate::rigid::Vector3;
 
-/// A surface of triangles, in the own axes of the body that has it.
+/// A triangle surface, in the axes of its body.
 ///
-/// Seen from outside, the corners of each triangle run counter-clockwise: its normal (b - a) x (c - a) points out of
-/// the solid. A mesh is *closed* if every edge has two triangles; an open one is solid on the back of its triangles,
-/// and only their front is touched.
+/// Seen from outside, the corners of each triangle are in counter-clockwise order: its normal (b - a) x (c - a)
+/// points out of the solid. A mesh is *closed* if every edge has two triangles. An open mesh is solid behind its
+/// triangles, and only their front can be touched.
 #[derive(Clone, PartialEq)]
 pub struct Mesh {
     pub(super) vertices: Vec<Vector3>,
@@ -31,59 +31,59 @@ pub struct Mesh {
     pub(super) shell: Option<PointShell>,
 }
 
-/// What is wrong with the triangles of a mesh. Triangles and vertices are counted from 0, as they were given.
+/// Fault of a mesh. Triangles and vertices are counted from 0 in the given order.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
-    /// There is nothing to touch.
+    /// No triangle with an area.
     #[error("the mesh has no triangle with an area; it needs at least one")]
     Empty,
-    /// More triangles than are taken.
+    /// Too many triangles.
     #[error("the mesh has {0} triangles, and at most {most} are taken; reduce it", most = Mesh::MOST_TRIANGLES)]
     TooMany(usize),
-    /// A corner that does not exist.
+    /// A corner index out of range.
     #[error(
         "triangle {triangle} has corner {corner}, and there are {vertices} vertices, counted from 0"
     )]
     NoSuchVertex {
-        /// Number of the triangle.
+        /// Index of the triangle.
         triangle: usize,
-        /// The number that it gives for a corner.
+        /// Given index of the corner.
         corner: u32,
-        /// How many vertices there are.
+        /// Number of vertices.
         vertices: usize,
     },
-    /// A vertex that is no place.
+    /// A vertex that is not finite or too large.
     #[error("vertex {0} of the mesh is not three finite numbers within 1e100 m of 0")]
     NotFinite(usize),
-    /// A surface that parts in three.
+    /// A surface that branches at an edge.
     #[error(
         "triangles {}, {} and {} share an edge, and as many of its triangles have to run along it one way as the other: solids may \
          touch there, but a sheet that stands on a surface has no inside; remove it, or give it a thickness",
         .0[0], .0[1], .0[2]
     )]
     SharedEdge([usize; 3]),
-    /// A sheet whose two sides are given, at the same place.
+    /// A sheet with coincident triangles on both sides.
     #[error(
         "triangles {} and {} are the two sides of one sheet, which has no inside; remove the triangles of one side (an open mesh is \
          touched from the front of its triangles), or give the sheet a thickness", .0[0], .0[1]
     )]
     TwoSided([usize; 2]),
-    /// Neighbours that face opposite ways.
+    /// Neighbours with opposite orientation.
     #[error(
         "triangles {} and {} share an edge and run along it the same way, so that one of them is inside out; turn the \
          corners of one of them round", .0[0], .0[1]
     )]
     Winding([usize; 2]),
-    /// A fan of more triangles than are looked at in a tick.
+    /// A vertex with too many triangles for one tick.
     #[error("{triangles} triangles meet at vertex {vertex} of the mesh, and at most {most} may", most = Mesh::MOST_AROUND)]
     Fan {
-        /// Number of the vertex, among those of different places.
+        /// Index of the vertex after merging.
         vertex: usize,
-        /// How many meet there.
+        /// Number of triangles that meet there.
         triangles: usize,
     },
-    /// A closed surface around nothing.
+    /// A closed surface without a volume.
     #[error(
         "the mesh is closed and encloses a volume of {0} m^3, and it has to enclose one above 0; of a sheet that is given from both \
          sides, remove the triangles of one side (an open mesh is touched from the front of its triangles), or give it a thickness"
@@ -103,31 +103,32 @@ impl fmt::Debug for Mesh {
     }
 }
 
-/// Twice the area of a triangle over the square of its longest side below which it is a line: it has no normal.
+/// Ratio of twice a triangle's area to the square of its longest side below which it counts as a line, without a
+/// normal.
 const FLAT: f64 = 1e-10;
-/// Vertices are one if they are nearer to each other than this share of half the longest side of the box around them: two units in
-/// the last place of single precision, in which such files are.
+/// Merge tolerance for vertices, as a fraction of half the longest side of their bounding box: two units in the last
+/// place of single precision, the precision of common mesh files.
 const SAME: f64 = 2.5e-7;
 
 impl Mesh {
-    /// Most triangles of a mesh.
+    /// Maximum number of triangles of a mesh.
     pub const MOST_TRIANGLES: usize = 1_000_000;
-    /// Most triangles that may meet at a vertex.
+    /// Maximum number of triangles that meet at a vertex.
     pub const MOST_AROUND: usize = 1000;
 
-    /// A mesh of `vertices` `[m]` and triangles, each by the numbers of its three corners from 0.
+    /// Creates a mesh from `vertices` `[m]` and triangles, each given by three vertex indices from 0.
     ///
-    /// Vertices nearer to each other than 2.5e-7 of half the longest side of the box around them are one. Triangles without an
-    /// area, and those that are there twice, are dropped: [`dropped`](Self::dropped). So are the triangles between closed parts that
-    /// touch face to face. Closed parts that are inside out are turned, but for cavities: [`turned`](Self::turned).
+    /// Vertices within 2.5e-7 of half the longest side of their bounding box are merged. Triangles without an area
+    /// and duplicates are dropped ([`dropped`](Self::dropped)), and so are triangles between closed parts that touch
+    /// face to face. Closed parts that are inside out are reversed, except cavities ([`turned`](Self::turned)).
     ///
     /// # Errors
-    /// The first thing that is wrong with it.
+    /// Returns the first fault.
     pub fn new(vertices: &[Vector], faces: &[[u32; 3]]) -> Result<Self, MeshError> {
         if faces.len() > Self::MOST_TRIANGLES {
             return Err(MeshError::TooMany(faces.len()));
         }
-        // Their differences and their squares have to be finite too.
+        // Differences and squares of the coordinates must also be finite.
         let is_place = |vertex: &Vector| vertex.iter().all(|x| x.abs() < 1e100);
         if let Some(vertex) = vertices.iter().position(|vertex| !is_place(vertex)) {
             return Err(MeshError::NotFinite(vertex));
@@ -177,7 +178,7 @@ impl Mesh {
         })
     }
 
-    /// A mesh of parts that are checked.
+    /// Creates a mesh from checked parts.
     pub(super) fn of_parts(
         vertices: Vec<Vector3>,
         faces: Vec<[u32; 3]>,
@@ -205,7 +206,7 @@ impl Mesh {
         }
     }
 
-    /// The same mesh with a grid of distances: the points of other shapes can touch it.
+    /// Adds a distance grid, so that the points of other shapes can touch the mesh.
     ///
     /// # Errors
     /// The grid was made from another mesh.
@@ -219,7 +220,7 @@ impl Mesh {
         })
     }
 
-    /// The same mesh with points by which it touches other shapes than spheres.
+    /// Adds the points by which the mesh touches shapes other than spheres.
     #[must_use]
     pub fn with_shell(self, shell: PointShell) -> Self {
         Self {
@@ -228,49 +229,49 @@ impl Mesh {
         }
     }
 
-    /// The grid of its distances, if it has one.
+    /// Returns the distance grid, if the mesh has one.
     #[must_use]
     pub fn grid(&self) -> Option<&Arc<DistanceGrid>> {
         self.grid.as_ref()
     }
 
-    /// The points by which it touches other shapes than spheres, if it has any.
+    /// Returns the points by which the mesh touches shapes other than spheres, if it has any.
     #[must_use]
     pub fn shell(&self) -> Option<&PointShell> {
         self.shell.as_ref()
     }
 
-    /// Its vertices `[m]`: each place once, but for edges at which several solids touch.
+    /// Returns the vertices `[m]`. Positions are unique, except at edges where several solids touch.
     #[must_use]
     pub fn vertices(&self) -> Vec<Vector> {
         self.vertices.iter().map(|&vertex| vertex.into()).collect()
     }
 
-    /// Its triangles, each by the numbers of its corners among the vertices.
+    /// Returns the triangles, each given by its vertex indices.
     #[must_use]
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
     }
 
-    /// Whether every edge has two triangles, so that there is an inside.
+    /// Returns whether every edge has two triangles, so that the mesh has an inside.
     #[must_use]
     pub fn is_closed(&self) -> bool {
         self.is_closed
     }
 
-    /// How many of the given triangles have no area or were there twice, and are not part of the mesh.
+    /// Returns the number of given triangles that were dropped as duplicates or for having no area.
     #[must_use]
     pub fn dropped(&self) -> usize {
         self.dropped
     }
 
-    /// How many of its closed parts were given inside out.
+    /// Returns the number of closed parts that were given inside out.
     #[must_use]
     pub fn turned(&self) -> usize {
         self.turned
     }
 
-    /// Volume that it encloses `[m^3]`; 0 for an open mesh.
+    /// Returns the enclosed volume `[m^3]`; 0 for an open mesh.
     #[must_use]
     pub fn volume(&self) -> f64 {
         if self.is_closed {
@@ -280,23 +281,23 @@ impl Mesh {
         }
     }
 
-    /// Its vertices.
+    /// Returns the vertices.
     pub(crate) fn places(&self) -> &[Vector3] {
         &self.vertices
     }
 
-    /// Largest distance of a vertex from the origin `[m]`.
+    /// Returns the largest distance of a vertex from the origin `[m]`.
     pub(crate) fn reach(&self) -> f64 {
         self.reach
     }
 
-    /// The corners of a triangle.
+    /// Returns the corners of a triangle.
     pub(super) fn corners(&self, triangle: u32) -> [&Vector3; 3] {
         self.faces[triangle as usize].map(|corner| &self.vertices[corner as usize])
     }
 }
 
-/// Signed volume of the cones from the first vertex over all triangles `[m^3]`.
+/// Returns the signed volume of the cones from the first vertex over all triangles `[m^3]`.
 fn volume(vertices: &[Vector3], faces: &[[u32; 3]]) -> f64 {
     let tip = vertices[0];
     let cones = faces.iter().map(|face| {
@@ -306,16 +307,16 @@ fn volume(vertices: &[Vector3], faces: &[[u32; 3]]) -> f64 {
     cones.sum()
 }
 
-/// Vertices, each place once.
+/// Merged vertices.
 struct Welded {
     places: Vec<Vector3>,
-    /// Vertices this near are one `[m]`.
+    /// Distance below which vertices are merged `[m]`.
     tolerance: f64,
-    /// The vertices in each cell of a grid.
+    /// Vertices in each cell of a grid.
     cells: HashMap<[i64; 3], Vec<u32>>,
 }
 
-/// Side of a cell of the grid over the tolerance: few places are so near to another cell that both are looked into.
+/// Cell size divided by the tolerance. With large cells few points need a lookup in a second cell.
 const CELL: f64 = 32.0;
 
 impl Welded {

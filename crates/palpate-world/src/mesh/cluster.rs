@@ -1,50 +1,51 @@
-//! Several faces that push a sphere, as few contacts.
+//! Reduction of the faces that push a sphere to few contacts.
 //!
-//! Faces whose normals differ by less than [`SHARP`] from one to the next are one bent surface, and so are those of a
-//! [hollow](super::hollow), also where it goes all around the sphere, as a conical hole does: the sphere is pushed along the
-//! shortest way out of all of them, as by a surface without facets. Where that way is longer than [`STEEP`] times the depth, or
-//! there is none, as in a tube that is too narrow, only those are one surface that differ by less than [`SHARP`] from the
-//! deepest. Surfaces push by themselves, each as a half-space does.
+//! Faces form one curved surface if their normals differ by less than [`SHARP`] from one to the next, or if they
+//! belong to one [hollow](super::hollow), which may surround the sphere, as in a conical hole. The sphere is pushed
+//! along the shortest way out of all faces of the surface, as by a smooth surface. If that way is longer than
+//! [`STEEP`] times the depth or does not exist, as in a narrow tube, only faces within [`SHARP`] of the deepest face
+//! form one surface. Each surface pushes independently, like a half-space.
 
 use super::hollow::Around;
 use super::topology::SHARP;
 use crate::rigid::Vector3;
 
-/// Longest way out of a bent surface over its largest depth: that of a cone whose side is 19.5 degrees from its axis.
+/// Maximum length of the way out of a curved surface, relative to its largest depth. The value is that of a cone
+/// whose side is 19.5 degrees from its axis.
 const STEEP: f64 = 3.0;
-/// Most faces that are looked at for one sphere: as many as a [`Chosen`] has bits.
+/// Maximum number of faces considered for one sphere: the number of bits of a [`Chosen`].
 const MOST_PUSHES: usize = 64;
-/// A sphere that is lifted out of a bent surface overlaps it by less than this share of its depth.
+/// Remaining overlap of a sphere that is lifted out of a curved surface, as a fraction of its depth.
 const LIFTED: f64 = 1e-11;
 
-/// A face that a sphere overlaps, as a half-space.
+/// A face that a sphere overlaps, treated as a half-space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Push {
-    /// Unit vector out of the solid.
+    /// Unit normal out of the solid.
     pub normal: Vector3,
-    /// By how much the sphere overlaps it `[m]`.
+    /// Overlap with the sphere `[m]`.
     pub depth: f64,
-    /// Its triangle.
+    /// Index of the triangle.
     pub triangle: u32,
-    /// Whether the sphere stands over it: it is no edge and no corner.
+    /// Whether the contact is on the face and not on an edge or a corner.
     pub is_face: bool,
 }
 
-/// Numbers of faces that push, as bits.
+/// Set of pushing faces, as bits.
 pub(super) type Chosen = u64;
 
-/// What pushes a sphere at a look.
+/// Faces that push a sphere at its current position.
 #[derive(Clone, Debug)]
 pub(super) struct Pushes {
     all: Box<[Push]>,
     count: usize,
-    /// Those that do not push any more.
+    /// Faces that have been removed.
     gone: Chosen,
-    /// How many there was no room for.
+    /// Number of faces beyond the capacity.
     pub left_out: u32,
 }
 
-/// The numbers that are in it.
+/// Iterates over the indices in the set.
 fn numbers(chosen: Chosen) -> impl Iterator<Item = usize> {
     let mut rest = chosen;
     std::iter::from_fn(move || {
@@ -70,14 +71,14 @@ impl Pushes {
         }
     }
 
-    /// Nothing pushes any more.
+    /// Removes all faces.
     pub fn clear(&mut self) {
         self.count = 0;
         self.gone = 0;
         self.left_out = 0;
     }
 
-    /// Takes one more; of too many, the deepest stay.
+    /// Adds a face. If the capacity is exceeded, the deepest faces are kept.
     pub fn add(&mut self, push: Push) {
         if let Some(free) = self.all.get_mut(self.count) {
             *free = push;
@@ -96,19 +97,19 @@ impl Pushes {
         }
     }
 
-    /// Those of the surface that the deepest belongs to.
+    /// Returns the faces of the surface that contains the deepest face.
     pub fn deepest_surface(&self, around: Option<&mut Around>) -> Chosen {
         let all = self.left();
         self.deepest(all)
             .map_or(0, |deepest| self.joined(all, deepest, around))
     }
 
-    /// Whether there is more than one that may be hidden by another.
+    /// Returns whether there is more than one face, so that one may hide another.
     pub fn are_several(&self) -> bool {
         self.count > 1
     }
 
-    /// Leaves out what a surface hides: what is not of it and is not seen.
+    /// Removes the faces outside `surface` that are not visible.
     pub fn hide(&mut self, surface: Chosen, is_seen: impl Fn(&Push) -> bool) {
         for number in numbers(self.left() & !surface) {
             if !is_seen(&self.all[number]) {
@@ -117,7 +118,7 @@ impl Pushes {
         }
     }
 
-    /// The surface that the deepest of what is left belongs to: its depth `[m]` and its normal. It pushes no more then.
+    /// Removes the surface that contains the deepest remaining face, and returns its depth `[m]` and normal.
     pub fn take_surface(&mut self, mut around: Option<&mut Around>) -> Option<(f64, Vector3)> {
         let all = self.left();
         let deepest = self.deepest(all)?;
@@ -145,8 +146,8 @@ impl Pushes {
         Some((depth, normal))
     }
 
-    /// The shortest way `[m]` out of a bent surface, of which one push is the deepest, to where the sphere overlaps nothing of it.
-    /// `None` if there is none or it is too long.
+    /// Returns the shortest way `[m]` out of a curved surface with a given deepest face, after which the sphere
+    /// overlaps none of it. Returns `None` if there is none or it is too long.
     fn way_out_of_all(
         &mut self,
         surface: Chosen,
@@ -184,14 +185,14 @@ impl Pushes {
         Some(way)
     }
 
-    /// The triangles of the faces among them.
+    /// Iterates over the triangles of those pushes that are faces.
     fn faces_of(&self, chosen: Chosen) -> impl Iterator<Item = u32> + Clone {
         self.of(chosen)
             .filter(|push| push.is_face)
             .map(|push| push.triangle)
     }
 
-    /// Whether anything pushes.
+    /// Returns whether any face remains.
     pub fn are_left(&self) -> bool {
         self.left() != 0
     }
@@ -216,7 +217,7 @@ impl Pushes {
         numbers(among).max_by(|&a, &b| self.all[a].depth.total_cmp(&self.all[b].depth))
     }
 
-    /// Those that are one bent surface with one of them.
+    /// Returns the faces that form one curved surface with a given one.
     #[inline]
     fn joined(&self, among: Chosen, one: usize, around: Option<&mut Around>) -> Chosen {
         if among.is_power_of_two() {
@@ -241,7 +242,7 @@ impl Pushes {
         self.alike(among, surface | linked)
     }
 
-    /// Those whose normals differ by less than [`SHARP`] from one to the next, beginning with some of them.
+    /// Returns the faces connected to `some` by normals that differ by less than [`SHARP`] from one to the next.
     fn alike(&self, among: Chosen, some: Chosen) -> Chosen {
         let mut surface = some;
         let mut border = surface;
@@ -259,14 +260,14 @@ impl Pushes {
     }
 }
 
-/// The shortest way out of all `pushes` `[m]`, of which one is the deepest: the least d with n . d >= depth for every one. `None`
-/// if there is none.
+/// Returns the shortest way out of all `pushes` `[m]`: the shortest d with n . d >= depth for each of them. `deepest`
+/// is one of them. Returns `None` if there is none.
 fn way_out<'a>(pushes: impl Iterator<Item = &'a Push> + Clone, deepest: &Push) -> Option<Vector3> {
     let slack = 1e-12 * deepest.depth.abs();
     let mut active = [*deepest; 4];
     let mut count = 1;
     let mut way = deepest.normal * deepest.depth;
-    // Each round makes the way longer, so none comes back; three surfaces hold a point.
+    // Each round lengthens the way, so no active set repeats. Three surfaces determine a point.
     for _ in 0..MOST_PUSHES {
         let short = |push: &Push| push.depth - push.normal.dot(&way);
         let next = pushes
@@ -290,7 +291,7 @@ fn way_out<'a>(pushes: impl Iterator<Item = &'a Push> + Clone, deepest: &Push) -
     None
 }
 
-/// The shortest way out of up to 4 surfaces, and which of them it touches, as bits. The last one is among those.
+/// Returns the shortest way out of up to 4 surfaces, and the touched surfaces as bits. These include the last one.
 fn least_among(pushes: &[Push], slack: f64) -> Option<(u8, Vector3)> {
     let last = pushes.len() - 1;
     let mut best: Option<(u8, Vector3)> = None;
@@ -311,7 +312,7 @@ fn least_among(pushes: &[Push], slack: f64) -> Option<(u8, Vector3)> {
     best
 }
 
-/// The way that ends on all surfaces of the subset and that each of them pushes along.
+/// Returns the way that ends on all surfaces of the subset, if each of them pushes along it.
 fn touching(pushes: &[Push], subset: u8) -> Option<Vector3> {
     let mut of = [pushes[0]; 3];
     let mut count = 0;
@@ -342,7 +343,7 @@ fn touching(pushes: &[Push], subset: u8) -> Option<Vector3> {
                 return None;
             }
             let way = (bc * a.depth + ca * b.depth + ab * c.depth) / volume;
-            // Shares of the normals in the way.
+            // Coefficients of the normals in the way.
             let shares = [bc, ca, ab].map(|across| across.dot(&way) / volume);
             shares.iter().all(|share| *share >= 0.0).then_some(way)
         }
@@ -362,7 +363,7 @@ mod tests {
         }
     }
 
-    /// The shortest way out of some, of which the first need not be the deepest.
+    /// Returns the shortest way out of some faces, of which the first need not be the deepest.
     fn shortest(pushes: &[Push]) -> Vector3 {
         let deepest = pushes.iter().max_by(|a, b| a.depth.total_cmp(&b.depth));
         way_out(pushes.iter(), deepest.unwrap()).unwrap()
@@ -375,7 +376,7 @@ mod tests {
         assert!((way - one.normal * 2e-4).norm() < 1e-18);
     }
 
-    /// Faces all around an axis, by how far they lean from it [rad], and the way out of them.
+    /// Returns faces all around an axis with an inclination `lean` [rad], and the depths for the way out of them.
     fn ring(count: u32, lean: f64, way: &Vector3) -> Pushes {
         let mut pushes = Pushes::none();
         for number in 0..count {
@@ -409,7 +410,7 @@ mod tests {
         }
     }
 
-    /// A cone whose tip is 3.4 times as far as its side, and a tube, push from several sides.
+    /// A cone whose tip is at 3.4 times the distance of its side, and a tube, push from several sides.
     #[test]
     fn what_is_too_narrow_is_several_surfaces() {
         let mut steep = ring(24, 0.3, &Vector3::new(0.0, 0.0, 1e-3));
@@ -442,7 +443,7 @@ mod tests {
         assert_eq!(pushes.take_surface(None).unwrap().0, 1e-4 + 69e-6);
     }
 
-    /// What is one surface with the deepest is not hidden by it; what is not seen does not push.
+    /// Faces of the deepest surface are not hidden by it; other faces push only if they are visible.
     #[test]
     fn what_is_not_seen_does_not_push() {
         let mut pushes = Pushes::none();
@@ -465,7 +466,7 @@ mod tests {
         assert!((way - Vector3::new(1e-4, 2e-4, 3e-4)).norm() < 1e-17);
     }
 
-    /// Out of all, and no shorter way is: by comparison with the way that Hildreth's iteration finds.
+    /// The result lies outside all faces and is the shortest way, in comparison with Hildreth's iteration.
     #[test]
     fn the_way_out_is_the_shortest() {
         for number in 0..300 {

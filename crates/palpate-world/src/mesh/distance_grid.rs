@@ -1,8 +1,8 @@
-//! Signed distances from a mesh at the nodes of a grid, and a smooth function through them.
+//! Signed distances from a mesh at the nodes of a grid, and their smooth interpolation.
 //!
-//! The function is the cubic spline through the distances at the nodes (tensor product of B-splines), so value,
-//! gradient and curvature are continuous: a point that slides over the grid is pushed without a jump. Where the distance
-//! itself has a bend, at an edge or half way between two walls, the spline rounds it over about one spacing.
+//! The interpolant is the cubic spline through the distances at the nodes (tensor product of B-splines). Value,
+//! gradient and curvature are continuous, so a point sliding over the grid feels no force jumps. The spline rounds
+//! the kinks of the distance, at edges or midway between two walls, over about one spacing.
 
 mod kept;
 mod spline;
@@ -19,35 +19,35 @@ pub use kept::GridBytesError;
 use kept::fingerprint;
 use spline::{through, weights};
 
-/// Spacings between the mesh and the border of the grid.
+/// Distance between the mesh and the border of the grid, in spacings.
 const MARGIN: f64 = 4.0;
-/// Spacings of the border that have no function: a spline needs a node on both sides of a cell.
+/// Width of the border without an interpolant, in spacings: a spline needs a node on both sides of a cell.
 const RIM: f64 = 1.0;
-/// A point in a cell whose first node is this many spacings from the surface, and more, is apart from it.
+/// Distance of a cell's first node from which points in the cell are apart from the surface, in spacings.
 const FAR: f64 = 4.0;
-/// By how many spacings the distance of a point may be less than the coefficient of its cell's first node: the diagonal of a
-/// cell, what a spline overshoots, and what its coefficients are off the distances.
+/// Largest excess of the coefficient of a cell's first node over the distance of a point in the cell, in spacings:
+/// the cell diagonal, the overshoot of the spline, and the deviation of its coefficients from the distances.
 const LESS: f64 = 3.0;
-/// Where the gradient is shorter than this, two parts of the surface are equally near, and the normal is any.
+/// Gradient length below which two parts of the surface are equally near and the normal is arbitrary.
 const NO_GRADIENT: f64 = 1e-6;
 
-/// A grid of signed distances, in the axes of the mesh that it is of.
+/// A grid of signed distances, in the axes of its mesh.
 ///
-/// Points touch it: see [`Mesh::with_grid`].
+/// Points can touch it: see [`Mesh::with_grid`].
 #[derive(Clone, PartialEq)]
 pub struct DistanceGrid {
     nodes: Arc<Nodes>,
-    /// Where the axes of the nodes begin in those of the mesh, and how they are turned there.
+    /// Origin and orientation of the node axes, in the axes of the mesh.
     origin: Vector3,
     axes: Rotation,
 }
 
 #[derive(PartialEq)]
 struct Nodes {
-    /// What the grid was made from: see [`fingerprint`].
+    /// Fingerprint of the source data: see [`fingerprint`].
     made_from: u64,
     spacing: f64,
-    /// Where the first node is `[m]`.
+    /// Position of the first node `[m]`.
     least: Vector3,
     counts: [usize; 3],
     /// Coefficients of the B-splines `[m]`, x fastest.
@@ -55,50 +55,50 @@ struct Nodes {
     error: GridError,
 }
 
-/// How far the surface of a grid is from that of its mesh, over all corners and middles of triangles.
+/// Distance between the surface of a grid and that of its mesh, over all corners and centroids of triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct GridError {
-    /// `[m]`
+    /// Largest distance `[m]`.
     pub largest: f64,
-    /// Root of the mean of the squares `[m]`.
+    /// Root mean square `[m]`.
     pub root_mean_square: f64,
 }
 
-/// Why there is no grid of a mesh.
+/// Reason for rejecting a distance grid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InvalidGrid {
-    /// No inside.
+    /// The mesh has no inside.
     #[error("the mesh has open edges, so there is no inside and no signed distance; close it")]
     Open,
-    /// A spacing that is no length.
+    /// The spacing is not a positive length.
     #[error("the spacing is {0} m, and has to be above 0 m")]
     Spacing(f64),
-    /// Too coarse to hold the mesh.
+    /// The spacing is too large for the mesh.
     #[error(
         "the spacing is {spacing} m, and the shortest side of the mesh is {side} m: it has to be four spacings or more"
     )]
     Coarse {
-        /// The spacing `[m]`.
+        /// Spacing `[m]`.
         spacing: f64,
-        /// The shortest side of the box along the axes around the mesh `[m]`.
+        /// Shortest side of the mesh's axis-aligned bounding box `[m]`.
         side: f64,
     },
-    /// Too fine for the memory.
+    /// The grid would need too much memory.
     #[error(
         "a spacing of {spacing} m makes {nodes:.3e} nodes, and at most {most} are taken; the least spacing for this mesh \
          is about {least:.3e} m", most = DistanceGrid::MOST_NODES
     )]
     Fine {
-        /// The spacing `[m]`.
+        /// Spacing `[m]`.
         spacing: f64,
-        /// How many nodes it would take.
+        /// Number of nodes required.
         nodes: f64,
-        /// About the least that fits `[m]`.
+        /// Approximate smallest allowed spacing `[m]`.
         least: f64,
     },
-    /// The grid is of another mesh or spacing.
+    /// The grid belongs to another mesh or spacing.
     #[error("the distance grid was made from another mesh")]
     OfAnother,
 }
@@ -114,13 +114,13 @@ impl std::fmt::Debug for DistanceGrid {
 }
 
 impl DistanceGrid {
-    /// Most nodes of a grid: 32 MiB.
+    /// Maximum number of nodes of a grid: 32 MiB.
     pub const MOST_NODES: usize = 8 << 20;
 
-    /// The distances from a closed mesh at nodes with a `spacing` `[m]`. Takes about a microsecond for each node.
+    /// Computes the distances from a closed mesh at nodes with a `spacing` `[m]`. Takes about a microsecond per node.
     ///
     /// # Errors
-    /// An open mesh, a spacing that is no length or does not fit the mesh.
+    /// The mesh is open, or the spacing is not a positive length or does not fit the mesh.
     pub fn of(mesh: &Mesh, spacing: f64) -> Result<Self, InvalidGrid> {
         let (least, counts) = laid_out(mesh, spacing)?;
         let mut coefficients = distances(mesh, &least, counts, spacing);
@@ -154,25 +154,25 @@ impl DistanceGrid {
         }
     }
 
-    /// Distance from node to node `[m]`.
+    /// Returns the distance between nodes `[m]`.
     #[must_use]
     pub fn spacing(&self) -> f64 {
         self.nodes.spacing
     }
 
-    /// How many nodes there are along each axis.
+    /// Returns the number of nodes along each axis.
     #[must_use]
     pub fn counts(&self) -> [usize; 3] {
         self.nodes.counts
     }
 
-    /// How far its surface is from that of the mesh.
+    /// Returns the distance between its surface and that of the mesh.
     #[must_use]
     pub fn error(&self) -> GridError {
         self.nodes.error
     }
 
-    /// Where the first node is, and how the axes of the nodes are turned, in the axes of the mesh `[m]`.
+    /// Returns the position of the first node and the orientation of the node axes, in the axes of the mesh `[m]`.
     #[must_use]
     pub fn placed(&self) -> (Vector, crate::Quaternion) {
         let first = self.origin + self.axes * self.nodes.least;
@@ -180,14 +180,15 @@ impl DistanceGrid {
         (first.into(), [w, x, y, z])
     }
 
-    /// Coefficients of the cubic B-splines, one for each node, those along x fastest `[m]`: the function at a node is
-    /// a sixth of both neighbours' and four sixths of its own, along each axis.
+    /// Returns the coefficients of the cubic B-splines, one per node, x fastest `[m]`. Along each axis, the value at
+    /// a node is one sixth of both neighbours' coefficients plus four sixths of its own.
     #[must_use]
     pub fn coefficients(&self) -> &[f32] {
         &self.nodes.coefficients
     }
 
-    /// Signed distance of `place`, in the mesh's axes, below 0 inside, and its gradient; `None` where the grid ends `[m]`.
+    /// Returns the signed distance of `place` in the mesh's axes, negative inside, and its gradient; `None` outside
+    /// the grid `[m]`.
     #[must_use]
     pub fn distance(&self, place: Vector) -> Option<(f64, Vector)> {
         let own = self.own(&place.into());
@@ -199,12 +200,13 @@ impl DistanceGrid {
         self.axes.inverse_transform_vector(&(place - self.origin))
     }
 
-    /// The surface as a point at `place` meets it, in the mesh's axes. Beyond the grid it is at least so far.
+    /// Returns the surface point nearest to `place`, in the mesh's axes. Outside the grid the distance is a lower
+    /// bound.
     pub(crate) fn nearest(&self, place: &Vector3) -> Nearest {
         self.nearest_at(&self.own(place))
     }
 
-    /// The same, at a place in the axes of the nodes.
+    /// Returns the surface point nearest to a position in the node axes.
     fn nearest_at(&self, own: &Vector3) -> Nearest {
         let nearest = match self.nodes.at(own) {
             Some((distance, gradient)) => {
@@ -227,7 +229,8 @@ impl DistanceGrid {
         }
     }
 
-    /// The same, or where the surface is certainly further than `reach`, that it is at least so far `[m]`.
+    /// Returns the nearest surface point, or a lower bound of the distance if the surface is certainly beyond `reach`
+    /// `[m]`.
     pub(crate) fn nearest_within(&self, place: &Vector3, reach: f64) -> Nearest {
         let own = self.own(place);
         let least = self.nodes.at_least(&own);
@@ -238,7 +241,7 @@ impl DistanceGrid {
         }
     }
 
-    /// The same grid in axes that begin at `centre` `[m]` and are turned by `orientation`.
+    /// Returns the grid in axes with origin `centre` `[m]` and orientation `orientation`.
     pub(super) fn seen_from(&self, centre: &Vector3, orientation: &Rotation) -> Self {
         Self {
             nodes: self.nodes.clone(),
@@ -247,13 +250,13 @@ impl DistanceGrid {
         }
     }
 
-    /// Whether it was made from this mesh, as it was given.
+    /// Returns whether the grid was made from this mesh, as it was given.
     pub(super) fn is_of(&self, mesh: &Mesh) -> bool {
         self.nodes.made_from == fingerprint(mesh, self.nodes.spacing)
     }
 }
 
-/// Where the first node is, and how many there are along each axis.
+/// Returns the position of the first node, and the number of nodes along each axis.
 fn laid_out(mesh: &Mesh, spacing: f64) -> Result<(Vector3, [usize; 3]), InvalidGrid> {
     if !mesh.is_closed() {
         return Err(InvalidGrid::Open);
@@ -287,7 +290,7 @@ fn laid_out(mesh: &Mesh, spacing: f64) -> Result<(Vector3, [usize; 3]), InvalidG
     Ok(((low + high - covered) * 0.5, counts))
 }
 
-/// The distance at each node.
+/// Computes the distance at each node.
 fn distances(mesh: &Mesh, least: &Vector3, counts: [usize; 3], spacing: f64) -> Vec<f64> {
     let [nx, ny, nz] = counts;
     let mut distances = Vec::with_capacity(nx * ny * nz);
@@ -303,7 +306,7 @@ fn distances(mesh: &Mesh, least: &Vector3, counts: [usize; 3], spacing: f64) -> 
 }
 
 impl Mesh {
-    /// Of a closed mesh: distance of a place from its surface, below 0 inside `[m]`.
+    /// Returns the distance of a position from the surface of a closed mesh, negative inside `[m]`.
     fn signed_distance(&self, place: &Vector3) -> f64 {
         let Some((distance, triangle)) = nearest_of(self, place) else {
             return f64::INFINITY;
@@ -314,7 +317,7 @@ impl Mesh {
         if is_outside { distance } else { -distance }
     }
 
-    /// The box along the axes that just holds it `[m]`.
+    /// Returns the axis-aligned bounding box `[m]`.
     fn bounds(&self) -> (Vector3, Vector3) {
         let places = self.places();
         let all = |pick: fn(&Vector3, &Vector3) -> Vector3| {
@@ -326,12 +329,12 @@ impl Mesh {
 }
 
 impl Nodes {
-    /// Spacings from the first node along each axis.
+    /// Returns the position relative to the first node, in spacings.
     fn steps_to(&self, own: &Vector3) -> Vector3 {
         (own - self.least) / self.spacing
     }
 
-    /// The node before a place along each axis, where there is a function.
+    /// Returns the cell that contains a position, if it has an interpolant.
     fn cell(&self, steps: &Vector3) -> Option<[usize; 3]> {
         let mut cell = [0; 3];
         for (axis, cell) in cell.iter_mut().enumerate() {
@@ -345,7 +348,7 @@ impl Nodes {
                 reason = "it lies between two numbers of nodes"
             )]
             let before = steps[axis] as usize;
-            // The last place is the end of the last cell.
+            // The end of the range belongs to the last cell.
             *cell = before.min(self.counts[axis] - 3);
         }
         Some(cell)
@@ -355,7 +358,7 @@ impl Nodes {
         x + self.counts[0] * (y + self.counts[1] * z)
     }
 
-    /// Value and gradient of the spline.
+    /// Returns value and gradient of the spline.
     fn at(&self, own: &Vector3) -> Option<(f64, Vector3)> {
         let steps = self.steps_to(own);
         let cell = self.cell(&steps)?;
@@ -384,7 +387,7 @@ impl Nodes {
         Some((value, slopes / self.spacing))
     }
 
-    /// How far the surface is at least, below 0 where that is not known `[m]`.
+    /// Returns a lower bound of the distance, negative if unknown `[m]`.
     fn at_least(&self, own: &Vector3) -> f64 {
         let steps = self.steps_to(own);
         match self.cell(&steps) {
@@ -400,8 +403,8 @@ impl Nodes {
         }
     }
 
-    /// Beyond the grid, the surface is at least as far as the box of those places that have a function, and what lies
-    /// between that box and the mesh.
+    /// Returns a lower bound of the distance outside the grid: the distance to the box with an interpolant, plus the
+    /// margin between that box and the mesh.
     fn beyond_the_grid(&self, own: &Vector3) -> Nearest {
         let rim = RIM * self.spacing;
         let (mut off, mut far) = (Vector3::zeros(), f64::NEG_INFINITY);
@@ -446,7 +449,7 @@ impl Nodes {
 mod tests {
     use super::*;
 
-    /// A block of 20 x 14 x 12 mm with a groove of 6 mm along x in its top: a solid with hollow edges.
+    /// Returns a block of 20 x 14 x 12 mm with a groove of 6 mm along x in its top: a solid with concave edges.
     fn grooved() -> Mesh {
         let outline = [
             [0.0, 0.0],
@@ -461,7 +464,7 @@ mod tests {
         let count = u32::try_from(outline.len()).unwrap();
         let at = |x: f64| outline.map(|[y, z]| [1e-3 * x, 1e-3 * y, 1e-3 * z]);
         let vertices: Vec<Vector> = at(0.0).into_iter().chain(at(20.0)).collect();
-        // Three rectangles of the outline, by its corners.
+        // The outline as three rectangles, by its corners.
         let parts = [[0, 1, 4, 5], [1, 2, 3, 4], [0, 5, 6, 7]];
         let mut faces = Vec::new();
         for [a, b, c, d] in parts {
@@ -482,7 +485,7 @@ mod tests {
         Vector3::new(part(0.754_877), part(0.569_840), part(0.430_160))
     }
 
-    /// Places in and about the block.
+    /// Positions in and around the block.
     fn places() -> impl Iterator<Item = Vector3> {
         (1..3000).map(|number| {
             let low = Vector3::repeat(-1.2e-3);
@@ -526,7 +529,7 @@ mod tests {
         }
     }
 
-    /// What is left out because it is far really is: inside, near, and beyond the grid.
+    /// Points classified as far are far: inside the block, near it and outside the grid.
     #[test]
     fn nothing_within_reach_is_called_far() {
         let mesh = grooved();

@@ -1,4 +1,4 @@
-//! The triangles about a place, kept while a sphere stays near it.
+//! Cache of the triangles near a sphere.
 
 use super::build::Mesh;
 use super::spared::Spared;
@@ -7,80 +7,81 @@ use super::tree::size;
 use super::triangle;
 use crate::rigid::Vector3;
 
-/// Most triangles that are looked at in a sub-step.
+/// Maximum number of triangles considered in a sub-step.
 pub(super) const MOST_TRIANGLES: usize = 256;
 
-/// A triangle, and how far it was from the place at which it was gathered `[m]`.
+/// A triangle, and its distance from the cache centre `[m]`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Near {
     pub triangle: u32,
     pub distance: f64,
 }
 
-/// The triangles that a sphere can touch while its centre stays within a way of a place. What they are does not depend
-/// on when they were gathered, so a tick has the same forces with any.
+/// The triangles that a sphere can touch while its centre stays within a distance of the cache centre. Results do not
+/// depend on when they were gathered, so the forces of a tick are independent of the cache state.
 #[derive(Clone, Debug)]
 pub(super) struct Gathered {
     near: Box<[Near]>,
     count: usize,
-    /// Least distance of them all `[m]`.
+    /// Smallest distance `[m]`.
     least: f64,
-    /// Whether one of them goes on over a hollow edge.
+    /// Whether one of the triangles continues over a concave edge.
     is_hollow: bool,
-    /// Which number each triangle of the mesh has, if it is one of them.
+    /// Index in the cache of each triangle of the mesh, if present.
     numbers: Box<[u16]>,
     place: Vector3,
-    /// How far the centre may be from the place; below 0 before anything was gathered `[m]`.
+    /// Validity radius: allowed distance of the sphere's centre from the cache centre; negative before the first use
+    /// `[m]`.
     way: f64,
-    /// How many times the least way is tried next: fewer where there are many triangles.
+    /// Factor on the default validity radius for the next attempt; smaller where triangles are dense.
     times: f64,
-    /// When to look at each again for a minimum of the distance.
+    /// Schedule of the search for minima of the distance.
     by_minimum: Spared,
-    /// When to look at each again for a face over which the sphere stands.
+    /// Schedule of the search for faces below the sphere.
     by_face: Spared,
     left_out: u32,
 }
 
-/// What [`Gathered::about`] finds.
+/// Result of [`Gathered::about`].
 #[derive(Debug)]
 pub(super) struct About<'a> {
     pub near: &'a [Near],
-    /// Least distance of them all from the place `[m]`.
+    /// Smallest distance from the cache centre `[m]`.
     pub least: f64,
     pub off: f64,
     pub reach: f64,
-    /// Where they were gathered.
+    /// Cache centre.
     pub place: Vector3,
     numbers: &'a [u16],
-    /// When to look at each again for a minimum of the distance within the radius.
+    /// Schedule of the search for minima of the distance within the radius.
     pub by_minimum: &'a mut Spared,
-    /// When to look at each again for a face over which the sphere comes to stand.
+    /// Schedule of the search for faces that come below the sphere.
     pub by_face: &'a mut Spared,
-    /// Triangles within the sphere that did not fit, the furthest ones.
+    /// Number of triangles within the sphere beyond the capacity (the most distant ones).
     pub left_out: u32,
 }
 
 impl About<'_> {
-    /// Which of them a triangle is.
+    /// Returns the cache index of a triangle.
     pub fn number(&self, triangle: u32) -> Option<usize> {
         let number = usize::from(self.numbers[triangle as usize]);
-        // Of other triangles the number may be from an earlier time.
+        // The stored index of other triangles may be out of date.
         (self.near.get(number)?.triangle == triangle).then_some(number)
     }
 }
 
-/// How far a centre may go before triangles are gathered anew: this, and a share of the radius `[m]`,
+/// Default validity radius: this value plus a fraction of the sphere's radius `[m]`.
 const WAY: f64 = 2e-4;
 const SHARE_OF_RADIUS: f64 = 0.02;
-/// so many times as far where there are few triangles,
+/// Maximum factor on the default validity radius, where triangles are sparse.
 const MOST_TIMES: f64 = 2.0;
-/// and at least this share of it where there are many.
+/// Minimum fraction of the default validity radius, where triangles are dense.
 const LEAST_SHARE: f64 = 0.2;
-/// Most triangles that the search for the nearest ones keeps.
+/// Maximum number of triangles in the search for the nearest ones.
 const MOST_SEEN: usize = 1024;
 
 impl Gathered {
-    /// Of a mesh of so many triangles.
+    /// Creates an empty cache for a mesh with this number of triangles.
     pub fn none(triangles: usize) -> Self {
         let nothing = Near {
             triangle: 0,
@@ -101,13 +102,13 @@ impl Gathered {
         }
     }
 
-    /// The triangles that a sphere of `radius` `[m]` about `centre` may touch, and how far the centre is from where
-    /// they were gathered `[m]`: none of them is nearer than its distance there less that. Nothing else is nearer to that
-    /// place than `reach` `[m]`.
+    /// Returns the triangles that a sphere of `radius` `[m]` at `centre` may touch, and the distance `off` of the
+    /// centre from the cache centre `[m]`. The distance of a triangle is at least its cached distance minus `off`.
+    /// All other triangles are at least `reach` from the cache centre `[m]`.
     #[inline]
     pub fn about(&mut self, mesh: &Mesh, centre: &Vector3, radius: f64) -> About<'_> {
         let mut off = (centre - self.place).norm();
-        // A centre that is no number finds nothing.
+        // A NaN centre finds no triangle.
         if off > self.way || off.is_nan() {
             self.gather(mesh, centre, radius);
             off = 0.0;
@@ -115,7 +116,7 @@ impl Gathered {
         self.at(off, radius)
     }
 
-    /// What was gathered, for a centre that is so far from where it was `[m]`.
+    /// Returns the cached triangles for a centre at a distance `off` from the cache centre `[m]`.
     #[inline]
     pub fn at(&mut self, off: f64, radius: f64) -> About<'_> {
         About {
@@ -131,14 +132,14 @@ impl Gathered {
         }
     }
 
-    /// How far a centre is from where they were gathered `[m]`, if these are the triangles that a sphere there may touch, and all that
-    /// are `more` further away `[m]`.
+    /// Returns the distance of a centre from the cache centre `[m]`, if the cache contains all triangles that a
+    /// sphere there may touch, enlarged by `more` `[m]`.
     pub fn held(&self, centre: &Vector3, more: f64) -> Option<f64> {
         let off = (centre - self.place).norm();
         (off + more <= self.way).then_some(off)
     }
 
-    /// Whether one of the triangles about the place goes on over a hollow edge.
+    /// Returns whether one of the cached triangles continues over a concave edge.
     pub fn is_hollow(&self) -> bool {
         self.is_hollow
     }
@@ -171,7 +172,7 @@ impl Gathered {
         if count > MOST_TRIANGLES {
             let found = &mut self.near[..count];
             let (_, first_out, out) = found.select_nth_unstable_by(MOST_TRIANGLES, by_distance);
-            // All that are nearer than the first that does not fit are there.
+            // The cache contains all triangles nearer than the first one that does not fit.
             self.way = (first_out.distance - radius).clamp(least_way, most);
             let within = radius + self.way;
             let is_within = |it: &&Near| it.distance < within;
@@ -194,8 +195,8 @@ impl Gathered {
         }
     }
 
-    /// Puts the triangles that are within `reach` of a place `[m]` into `near`: all, or the nearest ones where there is no room.
-    /// Counts the visited triangles within `least` `[m]` that found no room.
+    /// Fills `near` with the triangles within `reach` of a position `[m]`, or with the nearest ones if the capacity
+    /// is exceeded. Counts the visited triangles within `least` `[m]` that did not fit.
     fn see(&mut self, mesh: &Mesh, place: &Vector3, reach: f64, least: f64) -> Seen {
         let near = &mut self.near;
         let mut reach = reach;
@@ -208,7 +209,7 @@ impl Gathered {
             let (nearest, _) = triangle::nearest(mesh.corners(number), place);
             let distance = (place - nearest).norm();
             if distance <= reach && seen.count == near.len() {
-                // From here on the search takes only nearer ones.
+                // From here on the search accepts only nearer triangles.
                 let (_, furthest, out) = near.select_nth_unstable_by(MOST_TRIANGLES, by_distance);
                 reach = furthest.distance;
                 let is_counted = |it: &&Near| it.distance < least;
@@ -230,12 +231,12 @@ impl Gathered {
     }
 }
 
-/// What [`Gathered::see`] has found.
+/// Result of [`Gathered::see`].
 struct Seen {
     count: usize,
-    /// Whether all had room.
+    /// Whether all triangles fitted.
     had_room: bool,
-    /// Those without room that were near.
+    /// Number of near triangles that did not fit.
     too_many: u32,
 }
 
@@ -243,8 +244,9 @@ fn by_distance(a: &Near, b: &Near) -> std::cmp::Ordering {
     a.distance.total_cmp(&b.distance)
 }
 
-/// How far a centre has to go at least until its distance may have a minimum inside of a triangle, on one of its edges or at one of
-/// its corners `[m]`. Of the many triangles below a large sphere few are near to that, and only these are looked at in a sub-step.
+/// Returns a lower bound of the distance that a centre must travel until its distance may have a minimum inside a
+/// triangle, on one of its edges or at one of its corners `[m]`. For a large sphere few of the many triangles are
+/// close to that, and only these are evaluated in a sub-step.
 pub(super) fn way_to_push(mesh: &Mesh, triangle: u32, centre: &Vector3) -> f64 {
     let corners = mesh.corners(triangle);
     let normals = &mesh.topology.normals;
@@ -256,7 +258,7 @@ pub(super) fn way_to_push(mesh: &Mesh, triangle: u32, centre: &Vector3) -> f64 {
         centre - corners[2],
     ];
     let lengths = [along[0].norm(), along[1].norm(), along[2].norm()];
-    // How far the centre is inside of each edge, beyond its begin and beyond its end.
+    // Signed distances of the centre from each edge line, and beyond its two ends.
     let inside = triangle::inside_of(&along, &lengths, own, &off);
     let begin = |k: usize| -along[k].dot(&off[k]) / lengths[k];
     let before = [begin(0), begin(1), begin(2)];
@@ -264,7 +266,7 @@ pub(super) fn way_to_push(mesh: &Mesh, triangle: u32, centre: &Vector3) -> f64 {
     let after = [end(0), end(1), end(2)];
     let mut least = triangle::outside(&inside);
     for k in 0..3 {
-        // A minimum on an edge is that of the first of its triangles.
+        // A minimum on an edge is attributed to the first of its triangles.
         let of_edge = inside[k].max(before[k]).max(after[k]).max(0.0);
         if of_edge < least {
             let beyond = match mesh.topology.neighbours[triangle as usize][k] {
@@ -274,7 +276,7 @@ pub(super) fn way_to_push(mesh: &Mesh, triangle: u32, centre: &Vector3) -> f64 {
             };
             least = of_edge.max(beyond).min(least);
         }
-        // Beyond a corner, against both edges that end there.
+        // Distance beyond a corner, with respect to both edges that end there.
         let of_two = (-before[k]).max(-after[(k + 2) % 3]);
         if of_two < least {
             least = way_beyond_all(mesh, triangle, k, &off[k], least);
@@ -283,8 +285,9 @@ pub(super) fn way_to_push(mesh: &Mesh, triangle: u32, centre: &Vector3) -> f64 {
     least
 }
 
-/// How far a place that is `off` a triangle's corner has to go at least to be beyond the end of all edges there `[m]`, if it is less
-/// than `most` `[m]`, and if a minimum at this corner is that of this triangle.
+/// Returns a lower bound of the distance that a position at `off` from a triangle's corner must travel to be beyond
+/// the end of all edges there `[m]`, if it is less than `most` `[m]` and a minimum at this corner is attributed to
+/// this triangle.
 fn way_beyond_all(mesh: &Mesh, triangle: u32, corner: usize, off: &Vector3, most: f64) -> f64 {
     let vertex = mesh.faces[triangle as usize][corner];
     let around = mesh.topology.around(vertex);
@@ -316,7 +319,7 @@ mod tests {
     use super::*;
     use crate::rigid::{Rigid, Rotation};
 
-    /// Bumps and hollows with edges of about a tenth of a size.
+    /// Returns bumps and hollows with edges of about a tenth of a size.
     fn bumps(size: f64) -> Mesh {
         let row = 21_u32;
         let at = |k: u32| 0.1 * f64::from(k) - 1.0;
@@ -333,7 +336,7 @@ mod tests {
         Mesh::new(&vertices, &faces).unwrap()
     }
 
-    /// Every triangle on which a centre within the way has a minimum is among those that may push; most others are not.
+    /// All triangles with a minimum for a centre within the validity radius are scheduled; most others are not.
     #[test]
     fn no_triangle_that_pushes_is_left_out() {
         let mesh = bumps(1.0);
@@ -366,8 +369,8 @@ mod tests {
         );
     }
 
-    /// On a way that goes to and fro over bumps and hollows, in long steps and short ones, each look finds what it would if no
-    /// triangle was known from the looks before.
+    /// Along a path to and fro over bumps and hollows, in long and short steps, each evaluation gives the same result
+    /// as with an empty cache.
     #[test]
     fn what_is_left_alone_for_a_while_does_not_push() {
         let size = 0.01;
@@ -382,7 +385,7 @@ mod tests {
         for (radius, above) in [(0.04, 0.02), (0.3, 0.25), (0.6, 0.5)] {
             let new = || Surface::new(mesh.clone(), [0, 1], Vector3::zeros(), size * radius);
             let mut surface = new();
-            // It is elsewhere, and the two exchange what they gather.
+            // The second surface is at another position, and both exchange their caches.
             let mut other = new();
             let mut look = |time: f64| {
                 let (x, y) = (0.6 * (1.1 * time).sin(), 0.6 * (1.7 * time).cos());
@@ -412,8 +415,8 @@ mod tests {
         assert!(touched > 5000 && several > 500, "{touched} {several}");
     }
 
-    /// Where more triangles lie within the longest way than are looked at, they are gathered within a shorter one, and none of those
-    /// that the sphere touches is left out.
+    /// If more triangles lie within the maximum validity radius than the capacity, the radius is reduced, and no
+    /// touched triangle is omitted.
     #[test]
     fn among_many_triangles_the_way_is_shorter() {
         let (row, cell) = (61_u32, 5.8e-5);
@@ -452,7 +455,8 @@ mod tests {
         assert!(touched > 100, "{touched}");
     }
 
-    /// At the pole of a ball of meridians more triangles are in reach than there is room for: the nearest ones are kept.
+    /// At the pole of a latitude-longitude sphere more triangles are in reach than the capacity: the nearest ones are
+    /// kept.
     #[test]
     fn of_too_many_triangles_the_nearest_are_kept() {
         let (rings, radius) = (200_u32, 0.04);

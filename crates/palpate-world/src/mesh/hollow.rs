@@ -1,10 +1,11 @@
-//! What is one bent surface all around a sphere, and what a sphere would meet on its way out of it.
+//! Concave curved surfaces that surround a sphere, and obstacles on the sphere's way out of them.
 //!
-//! A sphere in a conical hole does not stand over all the faces that it overlaps, and on its way out of one it may run into
-//! another. So the faces that count are not those below it only. It is lifted along its way out; where it overlaps a
-//! face there over which it then stands, that face pushes, too. Both places are of one surface if one comes from face to face over
-//! edges that do not stand out and bend by less than 30 degrees, through nothing but faces that the sphere overlaps. So a face
-//! begins to push where the lifted sphere begins to touch it, and the force has no jump.
+//! A sphere in a conical hole is not above every face that it overlaps, and on its way out of one face it may hit
+//! another. The faces directly below it are therefore not sufficient. The sphere is lifted along its way out. A face
+//! also pushes if the lifted sphere is above it and overlaps it, and if both positions belong to one surface. They do
+//! if a path leads from face to face over edges that are not convex and bend by less than 30 degrees, through faces
+//! that the sphere overlaps. A face thus begins to push when the lifted sphere begins to touch it, and the force has
+//! no jump.
 
 use super::build::Mesh;
 use super::cluster::Push;
@@ -12,24 +13,24 @@ use super::gather::{About, Gathered, MOST_TRIANGLES};
 use super::triangle::{Region, inside, nearest, outside};
 use crate::rigid::Vector3;
 
-/// One bent surface goes on through faces that a sphere of so many times the radius overlaps. Faces that bend by 30 degrees reach
+/// Radius factor of the sphere that connects the faces of one curved surface. Faces that bend by 30 degrees extend
 /// beyond a sphere that touches all of them by 4 % of its radius.
 const WIDE: f64 = 1.05;
 
-/// A sphere and the triangles about it.
+/// A sphere and the triangles near it.
 pub(super) struct Around<'a> {
     pub mesh: &'a Mesh,
     pub gathered: &'a mut Gathered,
-    /// Those about it where it is lifted, if they are others.
+    /// Triangles near the lifted sphere, if they differ.
     pub lifted: &'a mut Gathered,
-    /// In the mesh's axes, and in front of the surface `[m]`.
+    /// Centre in the mesh's axes, in front of the surface `[m]`.
     pub centre: &'a Vector3,
     pub radius: f64,
-    /// Largest number of triangles about it that did not fit.
+    /// Largest number of near triangles beyond the capacity.
     pub left_out: &'a mut u32,
 }
 
-/// Numbers of triangles about a sphere, as bits.
+/// Set of triangles near a sphere, as bits.
 #[derive(Clone, Copy, Default)]
 struct Numbers([u64; MOST_TRIANGLES / 64]);
 
@@ -51,17 +52,18 @@ impl Numbers {
 }
 
 impl Around<'_> {
-    /// Whether a triangle about the sphere goes on over a hollow edge: if not, there is no bent surface here.
+    /// Returns whether a near triangle continues over a concave edge. Otherwise there is no concave curved surface
+    /// here.
     pub fn is_hollow(&self) -> bool {
         self.gathered.is_hollow()
     }
 
-    /// The triangles about the sphere.
+    /// Returns the triangles near the sphere.
     pub fn about(&mut self) -> About<'_> {
         self.gathered.about(self.mesh, self.centre, self.radius)
     }
 
-    /// The triangles about the sphere where its centre is `place`, as far as one bent surface may go on.
+    /// Returns the triangles near the sphere at centre `place`, within the extent of one curved surface.
     fn about_wide(&mut self, place: &Vector3) -> About<'_> {
         let wider = (WIDE - 1.0) * self.radius;
         let about = match self.gathered.held(place, wider) {
@@ -72,7 +74,7 @@ impl Around<'_> {
         about
     }
 
-    /// Says of a triangle whether it is one bent surface with some of them.
+    /// Returns a predicate: whether a triangle forms one curved surface with one of the given triangles.
     pub fn reached(&mut self, from: impl Iterator<Item = u32>) -> impl Fn(u32) -> bool {
         let (mesh, centre, radius) = (self.mesh, self.centre, self.radius);
         let about = self.about_wide(centre);
@@ -84,8 +86,9 @@ impl Around<'_> {
         }
     }
 
-    /// The face that the sphere, lifted along a way `[m]`, overlaps most, by more than `slack` `[m]`: of those over which it then stands
-    /// and that are one bent surface with some triangles. Its depth is that before the sphere is lifted.
+    /// Returns the face with the largest overlap above `slack` with the sphere lifted along `way` `[m]`, among faces
+    /// below the lifted sphere that form one curved surface with the given triangles. Its depth is that before
+    /// lifting.
     pub fn in_the_way(
         &mut self,
         from: impl Iterator<Item = u32> + Clone,
@@ -95,7 +98,7 @@ impl Around<'_> {
         let (mesh, radius) = (self.mesh, self.radius);
         let goes_on = |triangle: u32| mesh.topology.bends[triangle as usize].goes_on_at_all();
         if !from.clone().any(goes_on) {
-            return None; // where all edges stand out, nothing is one bent surface with them
+            return None; // if all edges are convex, no curved surface continues
         }
         let lifted = self.centre + way;
         let about = self.about_wide(&lifted);
@@ -107,7 +110,7 @@ impl Around<'_> {
         while let Some(number) = about.by_face.next(&mut seen) {
             let found = about.near[number];
             if from.clone().any(|triangle| triangle == found.triangle) {
-                continue; // it is out of this one but for round-off
+                continue; // already resolved up to rounding
             }
             let normal = &mesh.topology.normals[found.triangle as usize];
             let corners = mesh.corners(found.triangle);
@@ -141,8 +144,8 @@ impl Around<'_> {
     }
 }
 
-/// The triangles about a sphere that one reaches from some of them over edges where the surface goes on, through those that the sphere
-/// overlaps where its centre is `place`.
+/// Returns the near triangles that are connected to the given ones over continuing edges, through triangles that the
+/// sphere at centre `place` overlaps.
 fn reached(
     mesh: &Mesh,
     about: &About,
@@ -196,8 +199,8 @@ mod tests {
 
     const RADIUS: f64 = 0.003;
 
-    /// A conical hole of `count` sides that lean by `lean` degrees from its axis, z. Its tip is at 0, or it goes on as a bore from
-    /// `bore` upwards [m].
+    /// Returns a conical hole with `count` sides at `lean` degrees to its axis, z. Its tip is at 0, or it continues
+    /// as a bore above `bore` [m].
     fn hole(count: u32, lean: f64, bore: f64) -> Arc<Mesh> {
         let ring = |from_tip: f64, z: f64| {
             let from_axis = from_tip * lean.to_radians().tan();
@@ -227,7 +230,7 @@ mod tests {
         Arc::new(Mesh::new(&vertices, &faces).unwrap())
     }
 
-    /// The sum of the ways by which the surface pushes a sphere [m], at each place of a way.
+    /// Returns the sum of the surface's pushes on a sphere [m], at each position of a path.
     fn along(mesh: &Arc<Mesh>, way: impl Iterator<Item = Vector3>) -> Vec<(Vector3, Vector3)> {
         let at = |position| Rigid {
             position,
@@ -247,9 +250,9 @@ mod tests {
         .collect()
     }
 
-    /// The way out of a convex hollow changes by no more than the place does, and a closed path takes no work.
+    /// The way out of a convex hollow changes by at most the displacement, and the work over a closed path is zero.
     #[test]
-    #[allow(clippy::print_stdout)] // what was measured
+    #[allow(clippy::print_stdout)] // prints the measured values
     fn the_force_in_a_conical_hole_has_no_jump() {
         let holes = [12, 13, 24, 64].into_iter().flat_map(|count| {
             let leans = [
@@ -303,7 +306,8 @@ mod tests {
         }
     }
 
-    /// More small triangles than fit lie within reach of the wider sphere about the lifted one, and out of reach of the sphere itself.
+    /// More small triangles than the capacity are in reach of the lifted, enlarged sphere, but not of the sphere
+    /// itself.
     #[test]
     fn triangles_about_a_lifted_sphere_that_do_not_fit_are_said() {
         const SIDES: u32 = 24;

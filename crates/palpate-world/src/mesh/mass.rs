@@ -1,4 +1,4 @@
-//! Centre and moments of inertia of what a closed mesh encloses.
+//! Centre of mass and moments of inertia of the solid enclosed by a mesh.
 
 use std::sync::Arc;
 
@@ -8,29 +8,29 @@ use super::build::Mesh;
 use crate::rigid::{Rotation, Vector3};
 use crate::{Quaternion, Vector};
 
-/// How the mass of an evenly filled solid is spread.
+/// Mass distribution of a homogeneous solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MassProperties {
-    /// Centre of mass, in the axes in which the solid was given `[m]`.
+    /// Centre of mass, in the solid's given axes `[m]`.
     pub centre: Vector,
-    /// Turns the principal axes of inertia into those axes.
+    /// Orientation of the principal axes of inertia in the given axes.
     pub orientation: Quaternion,
     /// Moments of inertia about the centre along the principal axes `[kg m^2]`.
     pub moments: Vector,
 }
 
-/// Products of inertia and ways of the centre below this share of the solid's own are round-off.
+/// Rounding threshold for products of inertia and centre displacements, relative to the solid's own.
 const ROUND_OFF: f64 = 1e-9;
 
 impl Mesh {
-    /// Centre, principal axes and moments of inertia of a body of `mass` `[kg]` that fills a closed mesh evenly; `None` for
-    /// an open one. Axes that are principal already stay as they are.
+    /// Returns centre of mass, principal axes and moments of inertia of a homogeneous body of `mass` `[kg]` inside a
+    /// closed mesh; `None` for an open mesh. Axes that are already principal are kept.
     #[must_use]
     pub fn mass_properties(&self, mass: f64) -> Option<MassProperties> {
         if !self.is_closed() {
             return None;
         }
-        // Cones from one of its vertices over all triangles: from a place that is far away, round-off is larger.
+        // Sum cones from a vertex of the mesh: a distant apex would increase rounding errors.
         let tip = self.vertices[0];
         let (mut volume, mut first) = (0.0, Vector3::zeros());
         let mut second = Matrix3::zeros();
@@ -57,7 +57,7 @@ impl Mesh {
         })
     }
 
-    /// The same surface in axes that begin at `centre` `[m]` and are turned by `orientation`.
+    /// Returns the same surface in axes with origin `centre` `[m]` and orientation `orientation`.
     pub(crate) fn seen_from(&self, centre: &Vector3, orientation: &Rotation) -> Arc<Self> {
         let vertices: Vec<_> = self
             .vertices
@@ -76,7 +76,7 @@ impl Mesh {
     }
 }
 
-/// Principal axes and the moments along them.
+/// Returns the principal axes and the moments along them.
 fn principal(inertia: &Matrix3<f64>) -> (Rotation, Vector3) {
     let products = [inertia.m12, inertia.m13, inertia.m23];
     let most = products

@@ -1,4 +1,4 @@
-//! Triangle meshes: checked once, then asked for what a sphere touches.
+//! Triangle meshes: construction with checks, and contact queries for spheres.
 
 mod build;
 mod cluster;

@@ -1,4 +1,4 @@
-//! The point of a mesh's whole surface that is nearest to a place.
+//! Nearest point over the whole surface of a mesh.
 
 use super::build::Mesh;
 use super::topology::NONE;
@@ -6,16 +6,16 @@ use super::triangle::{Region, nearest};
 use crate::rigid::Vector3;
 use crate::solid::{NO_DIRECTION, Nearest};
 
-/// A corner that is further beyond a face than this share of the mesh's reach is outside of it.
+/// Distance beyond a face, relative to the mesh's reach, above which a corner counts as outside.
 const FLAT: f64 = 1e-6;
 
 impl Mesh {
-    /// Most triangles of a mesh that is looked at for being convex: each corner is held against each of them. A closed
-    /// surface without holes has twice as many triangles as corners, less four.
+    /// Maximum number of triangles for a convexity test, which compares every corner with every triangle. A closed
+    /// surface without holes has twice as many triangles as corners, minus four.
     pub(crate) const MOST_OF_CONVEX: usize = 2 * Self::MOST_CONVEX_CORNERS - 4;
 
-    /// Whether it is closed, has at most [`MOST_OF_CONVEX`](Self::MOST_OF_CONVEX) triangles, and no corner lies beyond the
-    /// plane of a face.
+    /// Returns whether the mesh is closed, has at most [`MOST_OF_CONVEX`](Self::MOST_OF_CONVEX) triangles, and has no
+    /// corner beyond the plane of a face.
     pub(crate) fn is_convex(&self) -> bool {
         let most = FLAT * self.reach();
         let no_corner_beyond = |(triangle, normal): (u32, &Vector3)| {
@@ -28,8 +28,8 @@ impl Mesh {
             && (0..).zip(&self.topology.normals).all(no_corner_beyond)
     }
 
-    /// Of a convex mesh: the point of its surface that is nearest to `place` `[m]`, in the mesh's axes. Of a place inside
-    /// it is that of least depth.
+    /// Returns the surface point of a convex mesh that is nearest to `place` `[m]`, in the mesh's axes. For an
+    /// interior position it is the point of least depth.
     pub(crate) fn nearest_of_convex(&self, place: &Vector3) -> Nearest {
         let Some((distance, triangle)) = nearest_of(self, place) else {
             return Nearest::far();
@@ -47,7 +47,7 @@ impl Mesh {
     }
 }
 
-/// Distance of the surface `[m]`, and the triangle there; `None` from what is no place.
+/// Returns the distance of the surface `[m]` and the nearest triangle; `None` for a non-finite position.
 pub(super) fn nearest_of(mesh: &Mesh, centre: &Vector3) -> Option<(f64, u32)> {
     let mut best: Option<(f64, u32)> = None;
     mesh.tree.nearest(centre, |number| {
@@ -62,8 +62,8 @@ pub(super) fn nearest_of(mesh: &Mesh, centre: &Vector3) -> Option<(f64, u32)> {
         .map(|(square, triangle)| (square.sqrt(), triangle))
 }
 
-/// Above 0 in front of the surface, where `off` leads from its nearest point to the centre. `None` beyond the border of an
-/// open mesh.
+/// Returns a positive value in front of the surface, where `off` leads from its nearest point to the centre. Returns
+/// `None` beyond the border of an open mesh.
 pub(super) fn side(mesh: &Mesh, triangle: u32, region: Region, off: &Vector3) -> Option<f64> {
     let normals = &mesh.topology.normals;
     let own = normals[triangle as usize];

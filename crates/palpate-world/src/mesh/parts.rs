@@ -1,4 +1,4 @@
-//! Parts of a mesh: triangles that are connected by edges.
+//! Parts of a mesh: sets of triangles that are connected by edges.
 
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
@@ -8,30 +8,30 @@ use super::topology::NONE;
 use super::tree::size;
 use crate::rigid::Vector3;
 
-/// Most triangles at an edge among which pairs are formed.
+/// Maximum number of triangles at an edge for pairing.
 const MOST_AT_EDGE: usize = 64;
-/// Two faces at an edge lie on each other if the angle between them is below this `[rad]`.
+/// Angle below which two faces at an edge coincide `[rad]`.
 const SAME_ANGLE: f64 = 1e-6;
-/// Volume over the area to the power of 3/2 up to which a closed part is a sheet.
+/// Ratio of volume to area^(3/2) up to which a closed part is a sheet.
 const EMPTY: f64 = 1e-9;
 
-/// Triangles by their corners' numbers, and the vertices.
+/// Triangles by vertex indices, and their vertices.
 pub(super) struct Triangles {
     pub vertices: Vec<Vector3>,
     pub faces: Vec<[u32; 3]>,
-    /// Numbers of the triangles as they were given, for messages.
+    /// Given indices of the triangles, for messages.
     pub given: Vec<usize>,
-    /// How many closed parts were inside out and are turned.
+    /// Number of closed parts that were inside out and have been reversed.
     pub turned: usize,
 }
 
-/// Which triangles are connected.
+/// Connectivity of the triangles.
 struct Parts {
-    /// The triangle across each edge, or [`NONE`].
+    /// Triangle across each edge, or [`NONE`].
     neighbours: Vec<[u32; 3]>,
     /// Whether an edge has more than two triangles.
     has_shared_edges: bool,
-    /// The part of each triangle.
+    /// Part of each triangle.
     part: Vec<usize>,
     each: Vec<Part>,
 }
@@ -39,28 +39,28 @@ struct Parts {
 struct Part {
     is_closed: bool,
     triangles: usize,
-    /// Twice its area `[m^2]`.
+    /// Twice the area `[m^2]`.
     area: f64,
-    /// Signed volume of a closed part, below 0 if it is inside out or a cavity `[m^3]`.
+    /// Signed volume of a closed part, negative if it is inside out or a cavity `[m^3]`.
     volume: f64,
 }
 
-/// The side of a triangle at an edge between two vertices.
+/// Side of a triangle at an edge between two vertices.
 #[derive(Clone, Copy)]
 struct Side {
     ends: [u32; 2],
     triangle: u32,
     k: usize,
-    /// Whether the triangle runs from the lower number to the higher one.
+    /// Whether the triangle's direction is from the lower vertex index to the higher one.
     is_up: bool,
 }
 
 impl Triangles {
-    /// Parts that touch along edges or faces become surfaces of their own, or one, and closed parts that are inside out are
-    /// turned: at most two triangles share an edge then.
+    /// Separates or merges parts that touch along edges or faces, and reverses closed parts that are inside out.
+    /// Afterwards at most two triangles share an edge.
     ///
     /// # Errors
-    /// An edge whose triangles bound no solids, a sheet that is given from both sides, a closed mesh without a volume.
+    /// An edge whose triangles bound no solids, a sheet with both sides given, a closed mesh without a volume.
     pub fn into_parts(mut self) -> Result<Self, MeshError> {
         let mut parts = self.parts()?;
         if parts.has_shared_edges {
@@ -73,7 +73,7 @@ impl Triangles {
         self.drop_empty_parts(&mut parts)?;
         self.orient(&parts);
         if parts.has_shared_edges {
-            // The pairs stay the same where parts are turned.
+            // Reversing a part does not change the pairs.
             self.split_vertices(&self.parts()?);
         }
         Ok(self)
@@ -122,7 +122,7 @@ impl Triangles {
         })
     }
 
-    /// The pairs of triangles at an edge between which a solid lies.
+    /// Returns the pairs of triangles at an edge that enclose a solid.
     fn solids_at(&self, sides: &[Side]) -> Result<Vec<(Side, Side)>, MeshError> {
         let (ups, downs): (Vec<Side>, Vec<Side>) = sides.iter().partition(|side| side.is_up);
         if ups.len() != downs.len() || sides.len() > MOST_AT_EDGE {
@@ -142,7 +142,7 @@ impl Triangles {
             let off = third(side);
             quarter.dot(&off).atan2(zero.dot(&off))
         };
-        // The solid is behind a face: one that runs up has it at lower angles, one that runs down at higher ones.
+        // The solid is behind a face: at lower angles for an upward direction, at higher angles for a downward one.
         let mut between = Vec::with_capacity(ups.len() * downs.len());
         for (one, up) in ups.iter().enumerate() {
             for (other, down) in downs.iter().enumerate() {
@@ -163,7 +163,7 @@ impl Triangles {
         Ok(pairs)
     }
 
-    /// The part of each triangle, and the parts.
+    /// Returns the part of each triangle, and the parts.
     fn connected(&self, neighbours: &[[u32; 3]]) -> (Vec<usize>, Vec<Part>) {
         let mut part = vec![usize::MAX; self.faces.len()];
         let mut each = Vec::new();
@@ -201,8 +201,8 @@ impl Triangles {
         (part, each)
     }
 
-    /// Which triangles are no part of the surface: both where two solids touch face to face, and the inner ones of a solid whose
-    /// triangles are all given from both sides.
+    /// Returns the triangles that are not on the surface: both triangles where two solids touch face to face, and the
+    /// inner ones of a solid whose triangles are all given from both sides.
     fn inner_walls(&self, parts: &Parts) -> Result<Vec<bool>, MeshError> {
         let mut at: HashMap<[u32; 3], usize> = HashMap::with_capacity(self.faces.len());
         let mut twins = Vec::new();
@@ -213,7 +213,7 @@ impl Triangles {
                 twins.push([other, triangle]);
             }
         }
-        // How many twins each two parts have.
+        // Number of coincident triangles for each pair of parts.
         let mut shared: HashMap<[usize; 2], usize> = HashMap::new();
         let parts_of = |twin: &[usize; 2]| {
             let mut both = twin.map(|triangle| parts.part[triangle]);
@@ -250,7 +250,7 @@ impl Triangles {
         Ok(is_inner)
     }
 
-    /// Leaves closed parts without a volume out.
+    /// Drops closed parts without a volume.
     fn drop_empty_parts(&mut self, parts: &mut Parts) -> Result<(), MeshError> {
         let is_empty = |part: &Part| {
             let smallest = EMPTY * part.area * part.area.sqrt();
@@ -277,7 +277,7 @@ impl Triangles {
         self.given = kept.iter().map(|&triangle| self.given[triangle]).collect();
     }
 
-    /// Turns closed parts that are inside out: those of a negative volume, except cavities of other parts.
+    /// Reverses closed parts that are inside out: those with negative volume, except cavities of other parts.
     fn orient(&mut self, parts: &Parts) {
         let closed: Vec<usize> = (0..parts.each.len())
             .filter(|&part| parts.each[part].is_closed)
@@ -289,7 +289,7 @@ impl Triangles {
         for (triangle, &part) in parts.part.iter().enumerate() {
             triangles[part].push(triangle);
         }
-        // Larger parts first: what contains a part is decided before it.
+        // Larger parts first: the container of a part is decided before the part.
         let mut by_size = closed;
         by_size.sort_by(|&one, &other| {
             let volume = |part: usize| parts.each[part].volume.abs();
@@ -306,7 +306,7 @@ impl Triangles {
             let is_cavity = around.len() % 2 == 1;
             let is_negative = parts.each[part].volume < 0.0;
             is_turned[part] = if is_cavity {
-                // In a mesh that is inside out as a whole, the cavities are too.
+                // In a mesh that is entirely inside out, the cavities are inverted too.
                 !is_negative && around.last().is_some_and(|&other| is_turned[other])
             } else {
                 is_negative
@@ -325,8 +325,8 @@ impl Triangles {
         corners.iter().sum::<Vector3>() / 3.0
     }
 
-    /// Whether a place is within closed triangles: they are seen from it under a solid angle of 4 pi (Van Oosterom and Strackee,
-    /// 1983).
+    /// Returns whether a position is inside closed triangles, by their solid angle of 4 pi (Van Oosterom and
+    /// Strackee, 1983).
     fn contains(&self, triangles: &[usize], place: &Vector3) -> bool {
         let angles = triangles.iter().map(|&triangle| {
             let corners = self.faces[triangle].map(|corner| self.vertices[corner as usize]);
@@ -368,7 +368,7 @@ impl Triangles {
                 } else {
                     vertex
                 };
-                // All triangles about the vertex that are connected by edges there.
+                // Visit all triangles at the vertex that are connected by edges there.
                 let mut waiting = vec![(first, k)];
                 is_done[first][k] = true;
                 while let Some((triangle, k)) = waiting.pop() {

@@ -1,4 +1,4 @@
-//! Points spread over a mesh's surface, by which it touches other solids.
+//! Points distributed over a mesh's surface, for its contacts with other solids.
 
 use super::build::Mesh;
 use crate::Vector;
@@ -6,17 +6,17 @@ use crate::convex::hull;
 use crate::pairs::MOST_POINTS;
 use crate::rigid::{Rotation, Vector3};
 
-/// Places of a triangle that a point may have lie about this share of the mean way between points apart.
+/// Spacing of the candidate positions on a triangle, relative to the mean distance between points.
 const CANDIDATES: f64 = 0.25;
-/// Most places of one triangle along an edge, and of all triangles together, about.
+/// Approximate maximum number of candidates along an edge, and in total.
 const MOST_ALONG: f64 = 64.0;
 const MOST_CANDIDATES: f64 = 2e5;
-/// The widest gap is told with this surplus at most.
+/// Maximum relative excess of the reported widest gap.
 const SURPLUS: f64 = 1.01;
-/// A point is in the plane of a triangle if it is nearer to it than this share of the mesh's size.
+/// Distance from a triangle's plane, relative to the mesh's size, below which a point is in the plane.
 const IN_PLANE: f64 = 1e-6;
 
-/// Points of a surface. Each is where the mesh may touch, with the same share of a contact's law.
+/// Points of a surface. Each is a possible contact with an equal share of a contact's law.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointShell {
     places: Vec<Vector3>,
@@ -24,11 +24,11 @@ pub struct PointShell {
     widest: f64,
 }
 
-/// Why a mesh has no such shell.
+/// Reason for rejecting a point shell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InvalidShell {
-    /// Too few points, or too many.
+    /// Too few or too many points.
     #[error("a shell of {0} points: it has to have 4 to {most}", most = PointShell::MOST_POINTS)]
     Points(usize),
     /// More points in a plane than may touch at a time.
@@ -37,42 +37,44 @@ pub enum InvalidShell {
          points", most = PointShell::MOST_ALWAYS
     )]
     Flat {
-        /// How many points there are.
+        /// Number of points.
         points: usize,
-        /// How many of them lie in the plane of one triangle.
+        /// Number of points in the plane of one triangle.
         in_plane: usize,
     },
-    /// A share that none has.
+    /// Share out of range.
     #[error(
         "the law is shared by {shared_by} points, and has to be by 1 to {points}, all that there are"
     )]
     SharedBy {
-        /// What was asked for.
+        /// Requested number.
         shared_by: usize,
-        /// How many points there are.
+        /// Number of points.
         points: usize,
     },
 }
 
 impl PointShell {
-    /// Most points of a shell.
+    /// Maximum number of points of a shell.
     pub const MOST_POINTS: usize = 2048;
 
-    /// A shell of more points is a large one. A tick looks at all points of other shells in every sub-step; of large ones at those
-    /// that touch or may touch within a period, so many at most.
+    /// Number of points above which a shell is large. A tick evaluates all points of other shells in every sub-step.
+    /// For large shells it evaluates only points that touch or may touch within a period, at most this number.
     pub const MOST_ALWAYS: usize = MOST_POINTS;
 
-    /// So many `points`, 4 or more, spread over a mesh. All corners of its convex hull are among them; where that has more,
-    /// half of the points are vertices. The others are wherever the gap between points is widest.
+    /// Distributes `points` points (at least 4) over a mesh. They include all corners of its convex hull, unless the
+    /// hull has more corners than `points`: then half of the points are vertices. The remaining points fill the
+    /// widest gaps.
     ///
     /// # Errors
-    /// Another number of points than may be, or more of them in a plane than [may touch](Self::MOST_ALWAYS) at a time.
+    /// The number of points is out of range, or more of them lie in a plane than [may touch](Self::MOST_ALWAYS) at a
+    /// time.
     pub fn over(mesh: &Mesh, points: usize) -> Result<Self, InvalidShell> {
         if !(4..=Self::MOST_POINTS).contains(&points) {
             return Err(InvalidShell::Points(points));
         }
         let size = mesh.reach();
-        // Where it stands out most, it is the first to touch; a round solid does so at any of its vertices.
+        // Extremal points touch first. On a round solid any vertex can be extremal.
         let corners = hull(mesh.places(), IN_PLANE * size, points);
         let (corners, most) = match corners {
             Ok((corners, _)) => (corners, points),
@@ -98,10 +100,10 @@ impl PointShell {
         })
     }
 
-    /// The same points, of which so many share a contact's law: each has K, B and k_t over that number.
+    /// Sets the number of points that share a contact's law: each has K, B and k_t divided by it.
     ///
     /// # Errors
-    /// No point, or more than there are.
+    /// The number is 0 or exceeds the number of points.
     pub fn shared_by(self, points: usize) -> Result<Self, InvalidShell> {
         if !(1..=self.places.len()).contains(&points) {
             return Err(InvalidShell::SharedBy {
@@ -115,21 +117,21 @@ impl PointShell {
         })
     }
 
-    /// The points, in the mesh's axes `[m]`.
+    /// Returns the points in the mesh's axes `[m]`.
     #[must_use]
     pub fn points(&self) -> Vec<Vector> {
         self.places.iter().map(|&place| place.into()).collect()
     }
 
-    /// How many points share a contact's law. Unless it was given, this is the largest number that lies in the plane of a
-    /// triangle: a flat side that lies on a plane has the whole stiffness then, or less.
+    /// Returns the number of points that share a contact's law. By default it is the largest number in the plane of a
+    /// triangle, so that a flat side on a plane has at most the full stiffness.
     #[must_use]
     pub fn sharers(&self) -> usize {
         self.shared_by
     }
 
-    /// No place of the surface is further than this from a point `[m]`: what is narrower may pass between points. It is at most
-    /// a hundredth more than the furthest one's way.
+    /// Returns an upper bound of the distance from any surface position to the nearest point `[m]`, at most one
+    /// percent above the exact value. Narrower objects may pass between points.
     #[must_use]
     pub fn widest_gap(&self) -> f64 {
         self.widest
@@ -139,7 +141,7 @@ impl PointShell {
         &self.places
     }
 
-    /// The same points in axes that begin at `centre` `[m]` and are turned by `orientation`.
+    /// Returns the same points in axes with origin `centre` `[m]` and orientation `orientation`.
     pub(super) fn seen_from(&self, centre: &Vector3, orientation: &Rotation) -> Self {
         let places = self.places.iter();
         Self {
@@ -151,8 +153,8 @@ impl PointShell {
     }
 }
 
-/// Adds places until there are `count`: each time the one that is furthest from all that are there; first of all, that
-/// which is furthest from `middle`.
+/// Adds positions until there are `count`, each time the one furthest from all present ones. The first is the
+/// position furthest from `middle`.
 fn spread(places: &mut Vec<Vector3>, from: &[Vector3], count: usize, middle: &Vector3) {
     let off = |place: &Vector3, to: &Vector3| (place - to).norm_squared();
     let mut nearest: Vec<f64> = from
@@ -171,7 +173,7 @@ fn spread(places: &mut Vec<Vector3>, from: &[Vector3], count: usize, middle: &Ve
                     nearest[number]
                 }
             };
-            // Of equals the first.
+            // Ties go to the lower index.
             key(a).total_cmp(&key(b)).then(b.cmp(&a))
         });
         let Some(furthest) = furthest else {
@@ -188,10 +190,12 @@ fn spread(places: &mut Vec<Vector3>, from: &[Vector3], count: usize, middle: &Ve
     }
 }
 
-/// A bound of the way from any place of the surface to the nearest of some places `[m]`, [`SURPLUS`] above the longest at most.
+/// Returns an upper bound of the distance from any surface position to the nearest of `places` `[m]`, at most
+/// [`SURPLUS`] times the exact value.
 ///
-/// A way grows by no more than one moves, so no place of a triangle is further than its middle and its furthest corner from there
-/// together. Triangles that could be further than what was found are cut at their longest side.
+/// A distance changes by at most the displacement. For all positions of a triangle it is therefore at most the
+/// distance at the centroid plus that from the centroid to the furthest corner. Triangles that could exceed the
+/// largest distance so far are split at their longest side.
 fn bound_of_gaps(mesh: &Mesh, places: &[Vector3]) -> f64 {
     let gap = |from: &Vector3| {
         let ways = places.iter().map(|place| (place - from).norm_squared());
@@ -219,7 +223,7 @@ fn bound_of_gaps(mesh: &Mesh, places: &[Vector3]) -> f64 {
     SURPLUS * longest
 }
 
-/// Places of the surface among which points are chosen: all corners, and those of a lattice on each triangle.
+/// Returns the candidate positions for points: all corners, and a lattice on each triangle.
 fn candidates(mesh: &Mesh, points: usize) -> Vec<Vector3> {
     let triangles = || (0..super::tree::size(mesh.faces.len())).map(|number| mesh.corners(number));
     let area_of = |[a, b, c]: [&Vector3; 3]| 0.5 * (b - a).cross(&(c - a)).norm();
@@ -261,7 +265,7 @@ fn most_in_a_plane(mesh: &Mesh, places: &[Vector3], slack: f64) -> usize {
 mod tests {
     use super::*;
 
-    /// A block of 20 x 10 x 30 mm, each side cut into squares of 5 mm.
+    /// Returns a block of 20 x 10 x 30 mm, with each side divided into squares of 5 mm.
     fn block() -> Mesh {
         let [nx, ny, nz] = [4_u32, 2, 6];
         let number = |x: u32, y: u32, z: u32| x + (nx + 1) * (y + (ny + 1) * z);
@@ -353,7 +357,7 @@ mod tests {
             };
             assert!(shell.points().iter().any(is_there), "{corner:?}");
         }
-        // 2200 mm^2 by 40 points: squares of 7.4 mm.
+        // 2200 mm^2 over 40 points: squares of 7.4 mm.
         assert!(shell.widest_gap() < 7.5e-3, "{}", shell.widest_gap());
         let furthest = furthest_sample(&mesh, &shell, 60);
         let said = shell.widest_gap() / furthest;
@@ -362,7 +366,8 @@ mod tests {
         assert!(shell.sharers() >= on_largest && on_largest > 6);
     }
 
-    /// The longest way to a point of the shell from places of the surface, so many along a side of each triangle `[m]`.
+    /// Returns the largest distance to a point of the shell over `along` sample positions per side of each triangle
+    /// `[m]`.
     fn furthest_sample(mesh: &Mesh, shell: &PointShell, along: u32) -> f64 {
         let mut furthest = 0.0_f64;
         for (number, _) in (0..).zip(mesh.faces()) {
@@ -381,7 +386,7 @@ mod tests {
 
     #[test]
     fn the_widest_gap_of_slender_triangles_is_a_bound() {
-        // 200 mm long, 2 mm wide: four corners are all that a shell of four has.
+        // 200 mm long, 2 mm wide: a shell of four points has only the corners.
         let rod = Mesh::new(
             &[
                 [0.0; 3],

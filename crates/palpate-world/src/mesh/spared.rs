@@ -1,38 +1,38 @@
-//! What a sphere need not look at again until its centre has gone some way.
+//! Schedule of the triangles that a moving sphere must re-evaluate.
 
 use super::gather::MOST_TRIANGLES;
 use crate::rigid::Vector3;
 
-/// When to look again at each triangle about a sphere. A triangle that cannot have what is looked for until the centre has gone
-/// some way is left alone until then. This holds whatever path the centre takes: its distance from where it was when the triangle
-/// was looked at is at most the way that it has gone since.
+/// Re-evaluation schedule of the triangles near a sphere. A triangle is skipped until the centre has travelled the
+/// distance before which it cannot satisfy the criterion. This holds for any path: the displacement since the last
+/// evaluation is at most the path length.
 #[derive(Clone, Debug)]
 pub(super) struct Spared {
-    /// Where the centre was last.
+    /// Last position of the centre.
     place: Vector3,
-    /// The way that it has gone since the triangles were gathered `[m]`.
+    /// Path length since the triangles were gathered `[m]`.
     gone: f64,
-    /// By number, what `gone` is when the triangle may have what is looked for `[m]`.
+    /// Value of `gone` at which each triangle may satisfy the criterion `[m]`.
     until: Box<[f64]>,
-    /// So much earlier it is looked at, for what is rounded `[m]`.
+    /// Safety margin for rounding `[m]`.
     slack: f64,
-    /// Those that are looked at within a stride, and of these those within a shorter one.
+    /// Triangles due within a long stride, and the subset due within a short one.
     listed: [Listed; STRIDES.len()],
 }
 
-/// The triangles that are looked at before the centre has `gone` a stride further, in the order of their numbers.
+/// Triangles due within a stride, in index order.
 #[derive(Clone, Debug)]
 struct Listed {
     numbers: Box<[u16]>,
     count: usize,
-    /// What `gone` is then `[m]`.
+    /// Value of `gone` at the end of the stride `[m]`.
     soon: f64,
 }
 
-/// Share of a reach that covers what is rounded where a sphere is held against triangles within it.
+/// Rounding margin of a distance to triangles within a reach, relative to the reach.
 const ROUNDED: f64 = 1e-4;
-/// Ways of the centre after which each of the two lists is made anew `[m]`. The first list is made of all triangles, the second of those
-/// in the first. Under a hand a tool goes the second way in some ten sub-steps.
+/// Path lengths after which the two lists are rebuilt `[m]`: the first from all triangles, the second from the first
+/// list. A hand-held tool travels the second length in about ten sub-steps.
 const STRIDES: [f64; 2] = [4e-4, 5e-5];
 
 impl Spared {
@@ -50,8 +50,8 @@ impl Spared {
         }
     }
 
-    /// Triangles were gathered about a place: of each how far the centre has to go at least until it may have what is looked for
-    /// `[m]`. All are within `reach` `[m]`.
+    /// Starts a schedule for triangles gathered around `place`. `ways` are the minimum travels before each may
+    /// satisfy the criterion `[m]`. All triangles are within `reach` `[m]`.
     pub fn begin(&mut self, place: &Vector3, reach: f64, ways: impl Iterator<Item = f64>) {
         self.place = *place;
         self.gone = 0.0;
@@ -64,7 +64,7 @@ impl Spared {
         }
     }
 
-    /// The centre of the sphere, about which there are so many triangles, is here now.
+    /// Updates the position of the sphere's centre. `triangles` is the number of gathered triangles.
     pub fn go_to(&mut self, place: &Vector3, triangles: usize) {
         self.gone += (place - self.place).norm();
         self.place = *place;
@@ -82,7 +82,7 @@ impl Spared {
         narrow.list(waiting, wide.soon.min(gone + STRIDES[1]));
     }
 
-    /// The number of the next triangle that may have what is looked for, after the `seen` ones.
+    /// Returns the index of the next triangle due, after the `seen` ones.
     pub fn next(&self, seen: &mut usize) -> Option<usize> {
         let [_, narrow] = &self.listed;
         while *seen < narrow.count {
@@ -95,14 +95,14 @@ impl Spared {
         None
     }
 
-    /// The triangle of this number cannot have it until the centre has gone this way from here `[m]`.
+    /// Skips this triangle until the centre has travelled `way` from here `[m]`.
     pub fn spare(&mut self, number: usize, way: f64) {
         self.until[number] = self.gone + way - self.slack;
     }
 }
 
 impl Listed {
-    /// Takes those that are looked at before the centre has gone so far `[m]`.
+    /// Selects the triangles due before the path length `soon` `[m]`.
     fn list<'a>(&mut self, waiting: impl Iterator<Item = (u16, &'a f64)>, soon: f64) {
         self.soon = soon;
         self.count = 0;

@@ -1,10 +1,9 @@
-//! A sphere and the mesh that it touches.
+//! A sphere in contact with a mesh.
 //!
-//! While the sphere's centre is in front of the surface, the sphere touches it wherever the distance of the centre has
-//! a minimum that the centre sees: a face that it stands over, an edge or a corner that stands out. When the centre has
-//! gone through a triangle, it is *behind* it, and stays there until it comes back through the surface: it is pushed to
-//! the place of the surface that it reaches by going downhill in distance from triangle to triangle, never to one that
-//! is merely nearer through a wall.
+//! If the sphere's centre is in front of the surface, the contacts are the visible minima of the centre's distance: a
+//! face below it, a convex edge or a convex corner. Once the centre has passed through a triangle it is *behind* it
+//! until it returns through the surface. It is then pushed to the surface point found by descending in distance from
+//! triangle to triangle, never to a point that is nearer only through a wall.
 
 use std::sync::Arc;
 
@@ -17,45 +16,46 @@ use super::topology::NONE;
 use super::triangle::{Region, crossing, nearest};
 use crate::rigid::{Rigid, Vector3};
 
-/// At how many places a sphere may touch a mesh at once.
+/// Maximum number of simultaneous contacts of a sphere with a mesh.
 pub(crate) const POINTS_PER_MESH: usize = 4;
-/// A sphere that goes further than this and its diameter between two looks has not gone the straight way `[m]`.
+/// A displacement between two evaluations of more than this plus the diameter is not treated as a straight path
+/// `[m]`.
 const LEAP: f64 = 0.02;
-/// Triangles that a place behind the surface goes over between two looks, at most.
+/// Maximum number of triangles that the contact point behind the surface crosses between two evaluations.
 const MOST_WALKED: usize = 32;
-/// Triangles along a way that are looked at for the first that it goes through, at most.
+/// Maximum number of triangles tested for the first crossing of a path.
 const MOST_CROSSED: u32 = 4096;
-/// Angles and shares smaller than this are none.
+/// Angles and ratios below this value are treated as zero.
 const SLACK: f64 = 1e-9;
 
-/// Where the surface pushes: its nearest point's distance from the sphere's centre, below 0 behind it `[m]`, and the
-/// unit vector out of it, in the mesh's axes.
+/// A contact: distance of the nearest surface point from the sphere's centre, negative behind the surface `[m]`, and
+/// the outward unit normal in the mesh's axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Found {
     pub distance: f64,
     pub normal: Vector3,
 }
 
-/// On which side of the surface the centre is.
+/// Side of the surface on which the centre is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Standing {
-    /// Not known: it has not been looked at.
+    /// Unknown: not yet evaluated.
     Unknown,
-    /// Inside, and it was so when it was first seen: nothing pushes until the whole sphere has come out, which is at
-    /// least `way` from `place` `[m]`.
+    /// Inside since it was first seen. Nothing pushes until the whole sphere has come out, which takes a displacement
+    /// of at least `way` from `place` `[m]`.
     Inside { place: Vector3, way: f64 },
-    /// In front, and where it was then.
+    /// In front, with the centre at that time.
     Front { centre: Vector3 },
-    /// Behind this triangle or one that it was led to from there.
+    /// Behind this triangle, or one reached from it.
     Behind { triangle: u32 },
 }
 
-/// What a sphere and a mesh remember from one look to the next.
+/// State of a sphere and a mesh between evaluations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Memory {
     standing: Standing,
     found: [Option<Found>; POINTS_PER_MESH],
-    /// The centre is at least so far from the surface `[m]`.
+    /// Lower bound of the centre's distance from the surface `[m]`.
     clearance: f64,
 }
 
@@ -63,23 +63,23 @@ struct Memory {
 #[derive(Clone, Debug)]
 pub(crate) struct Surface {
     mesh: Arc<Mesh>,
-    /// Numbers of the sphere's and the mesh's parts.
+    /// Indices of the sphere's and the mesh's parts.
     first: usize,
     second: usize,
-    /// Of the sphere, in the axes of the first `[m]`.
+    /// Centre of the sphere, in the axes of the first part `[m]`.
     centre: Vector3,
     radius: f64,
     gathered: Gathered,
-    /// About the sphere where it is lifted out of a hollow.
+    /// Triangles near the sphere when it is lifted out of a hollow.
     lifted: Gathered,
-    /// Room for what pushes at a look.
+    /// Scratch buffer for the pushes of an evaluation.
     pushes: Pushes,
     memory: Memory,
     left_out: u32,
 }
 
 impl Surface {
-    /// A sphere about `centre`, in the axes of the first of the two parts `[m]`, and the mesh of the second.
+    /// Creates a sphere at `centre`, in the axes of the first of the two parts `[m]`, with the mesh of the second.
     pub fn new(mesh: Arc<Mesh>, [first, second]: [usize; 2], centre: Vector3, radius: f64) -> Self {
         Self {
             gathered: Gathered::none(mesh.faces.len()),
@@ -99,18 +99,18 @@ impl Surface {
         }
     }
 
-    /// Numbers of the sphere's and the mesh's parts.
+    /// Returns the indices of the sphere's and the mesh's parts.
     pub fn parts(&self) -> [usize; 2] {
         [self.first, self.second]
     }
 
-    /// The sphere may be anywhere now.
+    /// Resets the state: the sphere may be anywhere.
     pub fn forget(&mut self) {
         self.memory.standing = Standing::Unknown;
         self.memory.found = [None; POINTS_PER_MESH];
     }
 
-    /// Takes over what another of the same sphere and mesh remembers, without allocating.
+    /// Copies the state of another surface with the same sphere and mesh, without allocation.
     pub fn copy_from(&mut self, other: &Self) {
         let Memory {
             standing,
@@ -120,35 +120,35 @@ impl Surface {
         self.memory.standing = *standing;
         self.memory.clearance = *clearance;
         for (own, found) in self.memory.found.iter_mut().zip(found) {
-            // Most are none in both.
+            // Most entries are `None` in both.
             if own.is_some() || found.is_some() {
                 *own = *found;
             }
         }
     }
 
-    /// Gives the triangles that it has gathered for those of another of the same sphere and mesh. What is found does not depend on them.
+    /// Exchanges the triangle caches with another surface of the same sphere and mesh. Results do not depend on them.
     pub fn exchange_gathered(&mut self, other: &mut Self) {
         std::mem::swap(&mut self.gathered, &mut other.gathered);
         std::mem::swap(&mut self.lifted, &mut other.lifted);
     }
 
-    /// What pushes at the contact point of this number, as of the last look.
+    /// Returns the contact at this contact point, as of the last evaluation.
     pub fn found(&self, point: usize) -> Option<&Found> {
         self.memory.found[point].as_ref()
     }
 
-    /// The centre is at least so far from the surface, as of the last look `[m]`.
+    /// Returns a lower bound of the centre's distance from the surface, as of the last evaluation `[m]`.
     pub fn clearance(&self) -> f64 {
         self.memory.clearance
     }
 
-    /// Largest number of triangles or contacts that a look since the last call has left out.
+    /// Returns the largest number of triangles or contacts that an evaluation has left out since the last call.
     pub fn take_left_out(&mut self) -> u32 {
         std::mem::take(&mut self.left_out)
     }
 
-    /// The sphere's centre in the mesh's axes, of parts that lie so.
+    /// Returns the sphere's centre in the mesh's axes, for the given poses of the parts.
     fn centre_in(&self, first: &Rigid, second: &Rigid) -> Vector3 {
         let mut off = first.position - second.position;
         if self.centre != Vector3::zeros() {
@@ -157,13 +157,13 @@ impl Surface {
         second.orientation.inverse_transform_vector(&off)
     }
 
-    /// Distance of the surface from the sphere's centre, on whatever side `[m]`.
+    /// Returns the unsigned distance of the surface from the sphere's centre `[m]`.
     pub fn distance(&self, sphere: &Rigid, placed: &Rigid) -> f64 {
         let nearest = nearest_of(&self.mesh, &self.centre_in(sphere, placed));
         nearest.map_or(f64::INFINITY, |(distance, _)| distance)
     }
 
-    /// Looks at the surface from where the sphere is now.
+    /// Evaluates the contacts at the sphere's current position.
     pub fn look(&mut self, sphere: &Rigid, placed: &Rigid) {
         let centre = self.centre_in(sphere, placed);
         self.pushes.clear();
@@ -183,7 +183,7 @@ impl Surface {
         self.left_out = self.left_out.max(self.pushes.left_out);
     }
 
-    /// Finds out on which side the centre is, and remembers it. Whether it is behind a triangle.
+    /// Updates the side on which the centre is. Returns whether it is behind a triangle.
     fn is_behind(&mut self, centre: &Vector3) -> bool {
         let standing = match self.memory.standing {
             Standing::Behind { triangle } => Standing::Behind { triangle },
@@ -212,7 +212,7 @@ impl Surface {
         matches!(standing, Standing::Behind { .. })
     }
 
-    /// The first triangle that a way goes through from its front to its back.
+    /// Returns the first triangle that a path crosses from front to back.
     fn crossed(&mut self, from: &Vector3, to: &Vector3) -> Option<u32> {
         if from == to {
             return None;
@@ -253,7 +253,7 @@ impl Surface {
         first.map(|(_, triangle)| triangle)
     }
 
-    /// The minima of the distance in front of the surface that are nearer than the radius.
+    /// Collects the minima of the distance within the radius, in front of the surface.
     fn push_from_front(&mut self, centre: &Vector3) {
         let (mesh, pushes) = (&*self.mesh, &mut self.pushes);
         let radius = self.radius;
@@ -295,7 +295,7 @@ impl Surface {
         if !pushes.are_several() {
             return;
         }
-        // What is seen first hides what lies behind it.
+        // Visible faces hide those behind them.
         let mut around = Around {
             mesh,
             gathered: &mut self.gathered,
@@ -309,7 +309,8 @@ impl Surface {
         pushes.hide(surface, |push| is_seen(mesh, near, centre, push, radius));
     }
 
-    /// The way from a centre behind the surface to the place that it was led to. It may find the centre in front.
+    /// Collects the push from behind the surface to the tracked surface point. The centre may turn out to be in
+    /// front.
     fn push_from_behind(&mut self, centre: &Vector3) {
         let Standing::Behind { triangle } = self.memory.standing else {
             return;
@@ -335,7 +336,7 @@ impl Surface {
         });
     }
 
-    /// Puts what pushes together, and gives each its point: the one that was most like it before.
+    /// Combines the pushes into contacts, and assigns each to the contact point that had the most similar normal.
     fn meet(&mut self, centre: &Vector3) {
         let is_in_front = matches!(self.memory.standing, Standing::Front { .. });
         let mut around = is_in_front.then_some(Around {
@@ -357,7 +358,7 @@ impl Surface {
                 break;
             }
             count += 1;
-            // The likest that is still free, of equals the first.
+            // The most similar free point; ties go to the first.
             let mut best = None;
             let mut most = f64::NEG_INFINITY;
             for (place, before) in now.iter_mut().zip(&before) {
@@ -377,13 +378,13 @@ impl Surface {
 }
 
 impl Surface {
-    /// Whether the centre was inside when it was first seen, and the sphere has not come out since.
+    /// Returns whether the centre was inside when first seen and the sphere has not come out since.
     pub fn is_inside(&self) -> bool {
         matches!(self.memory.standing, Standing::Inside { .. })
     }
 }
 
-/// Where a centre is that nothing is known of, or that was inside.
+/// Returns the side of a centre with an unknown or inside state.
 fn first_seen(mesh: &Mesh, centre: &Vector3, radius: f64, was_inside: bool) -> Standing {
     let Some((distance, triangle)) = nearest_of(mesh, centre) else {
         return Standing::Unknown;
@@ -403,8 +404,9 @@ fn first_seen(mesh: &Mesh, centre: &Vector3, radius: f64, was_inside: bool) -> S
     }
 }
 
-/// The normal of a contact at a triangle's nearest point, by `out` from the centre, if the distance to the surface has a
-/// minimum there and the centre is in front. A minimum on an edge or corner is that of one of its triangles only.
+/// Returns the contact normal at a triangle's nearest point, from the vector `out` to the centre, if the distance has
+/// a minimum there and the centre is in front. A minimum on an edge or a corner is attributed to only one of its
+/// triangles.
 pub(super) fn minimum(
     mesh: &Mesh,
     triangle: u32,
@@ -450,7 +452,7 @@ pub(super) fn minimum(
     }
 }
 
-/// Whether nothing lies between the centre and the place where a triangle pushes.
+/// Returns whether the line from the centre to the contact on a triangle is free.
 fn is_seen(mesh: &Mesh, near: &[Near], centre: &Vector3, push: &Push, radius: f64) -> bool {
     let place = centre - push.normal * (radius - push.depth);
     let own = mesh.faces[push.triangle as usize];
@@ -464,7 +466,7 @@ fn is_seen(mesh: &Mesh, near: &[Near], centre: &Vector3, push: &Push, radius: f6
     })
 }
 
-/// From a triangle to the ones around it, as long as they are nearer to the centre.
+/// Descends from a triangle to its neighbours as long as they are nearer to the centre.
 fn downhill(mesh: &Mesh, from: u32, centre: &Vector3) -> (u32, Vector3, Region) {
     let look_at = |number: u32| {
         let (place, region) = nearest(mesh.corners(number), centre);
@@ -476,7 +478,7 @@ fn downhill(mesh: &Mesh, from: u32, centre: &Vector3) -> (u32, Vector3, Region) 
         let corners = mesh.faces[here as usize];
         for (k, &corner) in corners.iter().enumerate() {
             for &number in mesh.topology.around(corner) {
-                // Each once: not those at the corners before, and so not itself either.
+                // Visit each triangle once: skip those at earlier corners, which include the current one.
                 let is_seen = |corner: &u32| mesh.faces[number as usize].contains(corner);
                 if number == here || corners[..k].iter().any(is_seen) {
                     continue;

@@ -1,4 +1,4 @@
-//! Which triangles of a mesh meet where, and their normals.
+//! Adjacency of a mesh's triangles, and their normals.
 
 use std::collections::HashMap;
 
@@ -6,36 +6,36 @@ use super::build::{Mesh, MeshError};
 use super::tree::size;
 use crate::rigid::{Rotation, Vector3};
 
-/// In place of the neighbour across an edge that has none.
+/// Marker for an edge without a neighbour.
 pub(super) const NONE: u32 = u32::MAX;
-/// Cosine of the angle between two normals from which on their faces push apart from each other: 30 degrees.
+/// Cosine of the angle between two normals above which their faces are separate contacts: 30 degrees.
 pub(super) const SHARP: f64 = 0.866_025_403_784_438_6;
-/// Sine of the angle below which an edge neither stands out nor is hollow: files are in single precision.
+/// Sine of the angle below which an edge is neither convex nor concave. Mesh files are in single precision.
 const FLAT: f64 = 1e-3;
 
-/// How a triangle goes on over its edges.
+/// Continuation of the surface over a triangle's edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Bends(u8);
 
 impl Bends {
     const HOLLOW: u8 = 1 << 3;
 
-    /// Whether the surface goes on over edge k: it does not stand out there, and bends by less than [`SHARP`].
+    /// Returns whether the surface continues over edge k: the edge is not convex and bends by less than [`SHARP`].
     pub fn goes_on(self, k: usize) -> bool {
         self.0 >> k & 1 == 1
     }
 
-    /// Whether it goes on over any of its edges.
+    /// Returns whether the surface continues over any edge.
     pub fn goes_on_at_all(self) -> bool {
         self.0 != 0
     }
 
-    /// Whether it goes on over an edge that is hollow.
+    /// Returns whether the surface continues over a concave edge.
     pub fn is_hollow(self) -> bool {
         self.0 & Self::HOLLOW != 0
     }
 
-    /// Over edge k, which leads along a vector, from a face with one normal to one with another.
+    /// Adds edge k with direction `along`, between faces with the given normals.
     fn add(&mut self, k: usize, along: &Vector3, [own, other]: [&Vector3; 2]) {
         let inwards = -own.cross(other).dot(along) / along.norm();
         if own.dot(other) > SHARP && inwards > -FLAT {
@@ -47,26 +47,26 @@ impl Bends {
     }
 }
 
-/// Which triangles of a mesh meet where.
+/// Adjacency of a mesh's triangles.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Topology {
-    /// Unit normal of each triangle, out of the solid.
+    /// Outward unit normal of each triangle.
     pub normals: Vec<Vector3>,
-    /// The triangle across each edge, or [`NONE`]. Edge k goes from corner k to the next.
+    /// Triangle across each edge, or [`NONE`]. Edge k goes from corner k to the next.
     pub neighbours: Vec<[u32; 3]>,
-    /// How each triangle goes on over its edges.
+    /// Continuation over the edges of each triangle.
     pub bends: Vec<Bends>,
-    /// Sum of the normals at each vertex, each times its angle there: says on which side of a nearest vertex a place
-    /// is (Baerentzen and Aanaes, 2005).
+    /// Angle-weighted sum of the normals at each vertex. It determines the side of a position whose nearest point is
+    /// a vertex (Baerentzen and Aanaes, 2005).
     pub vertex_normals: Vec<Vector3>,
-    /// The triangles at each vertex, one vertex after the other,
+    /// Triangles at each vertex, concatenated.
     around: Vec<u32>,
-    /// and where those of a vertex begin.
+    /// Start index of each vertex in `around`.
     begins: Vec<u32>,
 }
 
 impl Topology {
-    /// Of triangles with an area; `given` has their numbers for messages.
+    /// Creates the topology of triangles with non-zero area. `given` has their indices for messages.
     pub fn of(
         vertices: &[Vector3],
         faces: &[[u32; 3]],
@@ -143,7 +143,7 @@ impl Topology {
         })
     }
 
-    /// Of the same triangles, turned.
+    /// Returns the topology of the rotated triangles.
     pub fn turned(&self, by: &Rotation) -> Self {
         let turned = |all: &[Vector3]| all.iter().map(|normal| by * normal).collect();
         Self {
@@ -153,12 +153,12 @@ impl Topology {
         }
     }
 
-    /// Whether every edge has two triangles.
+    /// Returns whether every edge has two triangles.
     pub fn is_closed(&self) -> bool {
         !self.neighbours.iter().flatten().any(|&other| other == NONE)
     }
 
-    /// The triangles at a vertex.
+    /// Returns the triangles at a vertex.
     pub fn around(&self, vertex: u32) -> &[u32] {
         let [from, to] = [vertex, vertex + 1].map(|number| self.begins[number as usize] as usize);
         &self.around[from..to]

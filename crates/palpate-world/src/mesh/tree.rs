@@ -1,13 +1,13 @@
-//! A tree of boxes over the triangles of a mesh.
+//! Bounding volume hierarchy of boxes over the triangles of a mesh.
 
 use crate::rigid::Vector3;
 
-/// Triangles in a leaf, at most.
+/// Maximum number of triangles in a leaf.
 const LEAF: usize = 4;
-/// Levels of a tree over 2^32 triangles that is split in the middle, and one more.
+/// Depth of a median-split tree over 2^32 triangles, plus a margin.
 const DEPTH: usize = 40;
 
-/// A box along the axes.
+/// An axis-aligned box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bounds {
     pub least: Vector3,
@@ -15,7 +15,7 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// A box with nothing in it.
+    /// Returns an empty box.
     pub fn empty() -> Self {
         Self {
             least: Vector3::repeat(f64::INFINITY),
@@ -34,7 +34,7 @@ impl Bounds {
         self.with(&other.least).with(&other.most)
     }
 
-    /// The squared distance of a place from the box `[m^2]`.
+    /// Returns the squared distance of a position from the box `[m^2]`.
     fn square_from(&self, place: &Vector3) -> f64 {
         let off = |axis: usize| {
             let short = self.least[axis] - place[axis];
@@ -47,13 +47,13 @@ impl Bounds {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Node {
     bounds: Bounds,
-    /// Of a leaf: the first of its triangles in `order`, and their number. Of another node: the number of its second
-    /// child, and 0; its first child comes next.
+    /// Leaf: index of its first triangle in `order`, and their number. Inner node: index of its second child, and 0;
+    /// its first child is the next node.
     first: u32,
     count: u32,
 }
 
-/// A tree of boxes, each split across its longest side into halves of as many triangles.
+/// A tree of boxes, each split across its longest side into halves with equal numbers of triangles.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Tree {
     nodes: Vec<Node>,
@@ -61,7 +61,7 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// A tree over the boxes of triangles, at least one and fewer than 2^31.
+    /// Builds a tree over the boxes of triangles: at least one and fewer than 2^31.
     pub fn over(boxes: &[Bounds]) -> Self {
         let mut order: Vec<u32> = (0..).take(boxes.len()).collect();
         let mut nodes = Vec::new();
@@ -69,8 +69,8 @@ impl Tree {
         Self { nodes, order }
     }
 
-    /// Calls `take` with every triangle whose box is within `reach` `[m]` of `place`, near boxes before far ones, until it
-    /// answers `false`; whether it never did.
+    /// Calls `take` with every triangle whose box is within `reach` `[m]` of `place`, near boxes first, until it
+    /// returns `false`. Returns whether it never did.
     pub fn within(&self, place: &Vector3, reach: f64, mut take: impl FnMut(u32) -> bool) -> bool {
         let mut goes_on = true;
         self.nearest(place, |triangle| {
@@ -80,8 +80,8 @@ impl Tree {
         goes_on
     }
 
-    /// Calls `take` with the triangles that may be nearest to `place`, each box before those that are further. `take` gives
-    /// the least squared distance that it has found so far `[m^2]`.
+    /// Calls `take` with the triangles that may be nearest to `place`, near boxes first. `take` returns the least
+    /// squared distance found so far `[m^2]`.
     pub fn nearest(&self, place: &Vector3, mut take: impl FnMut(u32) -> f64) {
         let mut waiting = [(0.0, 0_u32); DEPTH];
         let mut count = 1;
@@ -104,7 +104,7 @@ impl Tree {
                     (bounds.square_from(place), child)
                 };
                 let (one, other) = (of(number + 1), of(node.first));
-                // The nearer one is looked at next.
+                // Visit the nearer child next.
                 (waiting[count], waiting[count + 1]) = if one.0 < other.0 {
                     (other, one)
                 } else {
@@ -143,7 +143,7 @@ fn split(boxes: &[Bounds], order: &mut [u32], from: u32, nodes: &mut Vec<Node>) 
     split(boxes, high, from + size(half), nodes);
 }
 
-/// A number of triangles or nodes, of which a mesh has far fewer than 2^32.
+/// Converts a number of triangles or nodes; a mesh has far fewer than 2^32.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "a mesh has at most a million triangles"

@@ -1,8 +1,8 @@
-//! The point of a triangle that is nearest to a place.
+//! Nearest point of a triangle.
 
 use crate::rigid::Vector3;
 
-/// A part of a triangle: its inside, or the edge or corner of this number. Edge k goes from corner k to the next.
+/// Part of a triangle: its interior, or the edge or corner with this index. Edge k goes from corner k to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Region {
     Inside,
@@ -10,8 +10,8 @@ pub(super) enum Region {
     Corner(usize),
 }
 
-/// The nearest point, and the part of the triangle on which it lies (Ericson, *Real-Time Collision Detection*, 2005,
-/// section 5.1.5).
+/// Returns the nearest point and the part of the triangle on which it lies (Ericson, *Real-Time Collision Detection*,
+/// 2005, section 5.1.5).
 pub(super) fn nearest([a, b, c]: [&Vector3; 3], place: &Vector3) -> (Vector3, Region) {
     let (ab, ac) = (b - a, c - a);
     let from_a = place - a;
@@ -46,7 +46,8 @@ pub(super) fn nearest([a, b, c]: [&Vector3; 3], place: &Vector3) -> (Vector3, Re
     (a + ab * (of_b / sum) + ac * (of_c / sum), Region::Inside)
 }
 
-/// How far a place is inside of each edge, as it is seen along the normal `[m]`.
+/// Returns the signed distance of a position from each edge, in the projection along the normal, positive inside
+/// `[m]`.
 pub(super) fn inside(corners: [&Vector3; 3], normal: &Vector3, place: &Vector3) -> [f64; 3] {
     let along = edges(corners);
     let lengths = [0, 1, 2].map(|k| along[k].norm());
@@ -58,7 +59,8 @@ pub(super) fn inside(corners: [&Vector3; 3], normal: &Vector3, place: &Vector3) 
     )
 }
 
-/// The same of a place that is `off` each corner `[m]`, with the edges and their lengths `[m]`.
+/// Returns the signed distances of [inside](inside()) for a position with offset `off` from each corner `[m]`, given
+/// the edges and their lengths `[m]`.
 pub(super) fn inside_of(
     along: &[Vector3; 3],
     lengths: &[f64; 3],
@@ -69,22 +71,23 @@ pub(super) fn inside_of(
     [of_edge(0), of_edge(1), of_edge(2)]
 }
 
-/// From each corner to the next.
+/// Returns the edge vectors from each corner to the next.
 pub(super) fn edges([a, b, c]: [&Vector3; 3]) -> [Vector3; 3] {
     [b - a, c - b, a - c]
 }
 
-/// How far a place has to go at least to be [inside](inside()) of all edges `[m]`.
+/// Returns a lower bound of the displacement that brings a position [inside](inside()) all edges `[m]`.
 pub(super) fn outside(inside: &[f64; 3]) -> f64 {
     inside.iter().fold(0.0, |way, inside| way.max(-inside))
 }
 
-/// The nearest point alone.
+/// Returns only the nearest point.
 pub(crate) fn nearest_point(corners: [&Vector3; 3], place: &Vector3) -> Vector3 {
     nearest(corners, place).0
 }
 
-/// Where the way from one place to another meets the triangle, as a share of the way; `None` if it does not.
+/// Returns the intersection of the segment between two positions with the triangle, as a fraction of the segment;
+/// `None` if there is none.
 pub(super) fn crossing(
     [a, b, c]: [&Vector3; 3],
     normal: &Vector3,
@@ -97,7 +100,7 @@ pub(super) fn crossing(
     }
     let share = above / (above - below);
     let place = from + (to - from) * share;
-    // A little beyond the edges too, so that nothing slips through between two triangles.
+    // The tolerance beyond the edges closes the gap between adjacent triangles.
     let is_within = [(a, b), (b, c), (c, a)].into_iter().all(|(start, end)| {
         let along = end - start;
         let inward = normal.cross(&along);
@@ -118,7 +121,7 @@ mod tests {
         ]
     }
 
-    /// Against many points of the triangle.
+    /// Comparison with many points of the triangle.
     #[test]
     fn no_point_of_the_triangle_is_nearer() {
         let corners = corners();

@@ -1,4 +1,4 @@
-//! The usual way: the spring force at the sample.
+//! Basic rendering: the spring force at the sample.
 
 use palpate::Range;
 
@@ -13,15 +13,15 @@ use crate::{Effort, Vector, WorldError, WorldField, WorldPart, WorldRenderer};
 
 /// Parameters of basic rendering.
 ///
-/// The force on a tool is that of its contacts at the sample. Over the interval the bodies move against the tool as
-/// it was at the sample.
+/// The force on a tool is the contact force at the sample. Over the interval the bodies move against the tool at its
+/// position at the sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BasicParams {
-    /// Virtual damper of each tool, at least 0 `[N s/m]`: while the tool touches something, its force is less by this
-    /// times the velocity of the device's last step. Empty: none.
+    /// Damping of each tool's virtual damper, at least 0 `[N s/m]`. While the tool touches something, this value
+    /// times the device's velocity over the last step is subtracted from its force. Empty: no damping.
     pub damping: Vec<f64>,
-    /// Virtual damper of each tool's turning, at least 0 `[N m s/rad]`: its torque is likewise less by this times the
-    /// angular velocity of the device's last step. Empty: none.
+    /// Damping of each tool's rotational virtual damper, at least 0 `[N m s/rad]`. This value times the device's
+    /// angular velocity over the last step is subtracted from its torque. Empty: no damping.
     pub rotational_damping: Vec<f64>,
 }
 
@@ -121,7 +121,8 @@ impl Basic {
         let effort = advance(&mut state.now, &mut state.room, points, sub_steps, elapsed);
         state.books.pass(&state.now, points, renderer.tools);
 
-        // The tools are where their devices are now, and what that does to the contacts is their work.
+        // The tools are at the current device positions; the energy that this motion adds to the contacts is work of
+        // the tools.
         for (tool, position) in positions.iter().enumerate().take(renderer.tools) {
             let held = state.commands.passed(tool).sent;
             let torque = state.torque_commands.passed_or_none(tool);
@@ -198,7 +199,7 @@ impl Basic {
         Effort::default()
     }
 
-    /// Writes what is known of the tools.
+    /// Writes the estimated state of the tools.
     pub fn publish(state: &mut Progress) {
         for (tool, part) in state.tools.iter_mut().zip(&state.now.parts) {
             tool.position = part.rigid.position.into();
@@ -212,7 +213,7 @@ impl Basic {
     }
 }
 
-/// Rotation vector from an orientation to another, along the world's axes `[rad]`.
+/// Returns the rotation vector from one orientation to another, along the world's axes `[rad]`.
 fn step(to: &Rotation, from: &Rotation) -> Vector3 {
     (to * from.inverse()).scaled_axis()
 }

@@ -1,4 +1,4 @@
-//! Coupled rendering: devices and world are predicted together, and the mean of the contact force is held.
+//! Coupled rendering: predicts devices and world together, and holds the mean contact force.
 
 use super::coupled_avatar::Avatar;
 use super::coupled_books::Moved;
@@ -18,11 +18,11 @@ use crate::{Effort, Limited, Vector, WorldRenderer};
 #[derive(Clone, Debug)]
 pub(crate) struct Coupled {
     pub(crate) priors: Vec<[AxisPrior; 3]>,
-    /// Along which axes each device moves.
+    /// Axes along which each device moves.
     pub(crate) axes: Vec<Axes>,
-    /// Of each device whose mass changes with its place.
+    /// Linkage of each device with a position-dependent mass.
     pub(super) linkages: Vec<Option<Linkage>>,
-    /// Of each tool that turns.
+    /// Rotational prior of each tool that turns.
     pub(super) turning_priors: Vec<Option<TurningPrior>>,
     pub(super) turn_limit: f64,
     pub(super) turn_return: f64,
@@ -31,7 +31,7 @@ pub(crate) struct Coupled {
     pub(crate) velocity_return: f64,
 }
 
-/// What coupled rendering remembers.
+/// State of coupled rendering.
 #[derive(Clone, Debug)]
 pub(crate) struct CoupledMemory {
     pub devices: Vec<TrackedDevice>,
@@ -39,18 +39,18 @@ pub(crate) struct CoupledMemory {
     periods: [f64; 3],
 }
 
-/// What is known of a device, and of its avatar.
+/// Estimated state of a device, and its proxy.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TrackedDevice {
-    /// Where the last sample has found it `[m]`.
+    /// Position at the last sample `[m]`.
     measured: Vector3,
     observers: [AxisObserver; 3],
     avatar: Avatar,
-    /// Of a tool that turns, with what was told of it.
+    /// Rotational state and model values of a tool that turns.
     turning: Option<(Turning, TurningPrior)>,
-    /// The device as it is predicted: room.
+    /// Predicted device (scratch buffer).
     ahead: Motions,
-    /// Whether something touched it in the interval that has ended.
+    /// Whether the tool was touched in the last interval.
     touched: bool,
 }
 
@@ -77,7 +77,7 @@ impl TrackedDevice {
     }
 }
 
-/// Puts a tool's avatar into a world, beside its device.
+/// Places a tool's proxy in a world, relative to its device.
 fn place(moving: &mut Moving, tool: usize, measured: &Vector3, device: &Motions, avatar: &Avatar) {
     let part = &mut moving.parts[tool];
     part.rigid.position = measured + device.of(|axis| axis.offset) + avatar.offset;
@@ -90,7 +90,7 @@ fn place(moving: &mut Moving, tool: usize, measured: &Vector3, device: &Motions,
     part.drive = device.drive();
 }
 
-/// The avatar in a world against its device.
+/// Returns the state of a world's proxy relative to its device.
 fn against(avatar: &Rigid, measured: &Vector3, device: &Motions) -> Avatar {
     Avatar {
         offset: avatar.position - measured - device.of(|axis| axis.offset),
@@ -99,7 +99,7 @@ fn against(avatar: &Rigid, measured: &Vector3, device: &Motions) -> Avatar {
 }
 
 impl CoupledMemory {
-    /// Comes to be as `other`, of as many tools.
+    /// Copies the state of `other`, which has the same number of tools.
     pub fn copy_from(&mut self, other: &Self) {
         self.devices.copy_from_slice(&other.devices);
         self.periods = other.periods;
@@ -112,7 +112,7 @@ impl CoupledMemory {
         }
     }
 
-    /// How long the next interval will be `[s]`: the median of the last three.
+    /// Returns the predicted duration of the next interval: the median of the last three `[s]`.
     fn likely_period(&self) -> f64 {
         let [a, b, c] = self.periods;
         a.min(b).max(a.max(b).min(c))
@@ -120,7 +120,7 @@ impl CoupledMemory {
 }
 
 impl Coupled {
-    /// What is known of the devices before the first sample.
+    /// Returns the device states before the first sample.
     fn devices(&self) -> impl Iterator<Item = TrackedDevice> {
         let priors = self.priors.iter().zip(&self.turning_priors);
         let devices = priors.zip(&self.axes);
@@ -185,7 +185,7 @@ impl Coupled {
                     device.observers[axis].see(&priors[axis], moved[axis], &felt[axis], elapsed);
             }
             if let Some(linkage) = &self.linkages[tool] {
-                // Anew, with what the sample tells of its velocity.
+                // Recompute with the velocity estimate from the new sample.
                 let (measured, force) = (device.measured, &acted.intended);
                 device.ahead.pass(linkage, &measured, force, elapsed);
             }
@@ -202,7 +202,7 @@ impl Coupled {
                 turning.place(&mut state.now.parts[tool], prior);
             }
         }
-        // The interval anew, from where it began, with what the sample tells of it.
+        // Integrate the interval again from its start, with the updated device estimates.
         exchange_gathered(&mut state.now, &mut state.ahead);
         state.now.look(points);
         self.carry(&mut state.now, &memory.devices, elapsed);
@@ -220,13 +220,13 @@ impl Coupled {
                 touched,
             } = impulse_on(&state.now, renderer, tool);
             let start = device.ahead;
-            // What a limit took from a force is not owed to anybody: the avatar goes where the whole force would have
-            // brought the device.
+            // The force removed by a limit is not compensated: the proxy is computed relative to the device under the
+            // unlimited force.
             let end = start.under(&acted, elapsed);
             let part = &state.now.parts[tool];
             let axes = self.axes[tool];
             let mut avatar = against(&part.rigid, &device.measured, &end);
-            // Where the mechanism holds both, they differ by rounding only.
+            // Along constrained axes the two differ only by rounding.
             avatar.offset = axes.along(&avatar.offset);
             avatar.velocity_offset = axes.along(&avatar.velocity_offset);
 
@@ -243,7 +243,7 @@ impl Coupled {
             let path = turned
                 .as_ref()
                 .map_or(Vector3::zeros(), |(work, ..)| work.path);
-            // What has turned the avatar: contacts and drive, or its hand against the contacts.
+            // Work that rotated the proxy: by contacts and drive, or by the hand against the contacts.
             let mut to_turn = turned
                 .as_ref()
                 .map_or(0.0, |(work, ..)| work.by_avatar - part.turning_error);
@@ -257,7 +257,7 @@ impl Coupled {
                     let past = &touch.past;
                     let impulse = past.impulse.dot(&way) * sign;
                     let held = if part.led {
-                        // The hand turns the tool against the contact itself, not against a mean.
+                        // The hand rotates the tool against the contact force itself, not against its mean.
                         book.carried += past.work_on_led_turn;
                         to_turn += past.work_on_led_turn;
                         impulse / elapsed + past.work_on_led_turn
@@ -295,7 +295,7 @@ impl Coupled {
             device.avatar = avatar;
             device.measured = Vector3::from(positions[tool]);
             device.touched = touched;
-            // What was owed to the device may still be on its way.
+            // A residual impulse may still be in the actuation delay.
             let is_expected =
                 state.commands.is_expected(tool) || state.torque_commands.is_expected(tool);
             let is_free = !touched && !is_expected;
@@ -364,7 +364,8 @@ impl Coupled {
             );
             effort = effort.and(passed);
             for (tool, device) in memory.devices.iter_mut().enumerate() {
-                // The avatar goes on from where it is, the device under the force that is on its way.
+                // The proxy continues from its current state. The device moves under the forces in the actuation
+                // delay.
                 let coming = state.commands.coming(tool, piece);
                 if let Some(linkage) = &self.linkages[tool] {
                     let (measured, force) = (device.measured, &coming.intended);
@@ -406,7 +407,7 @@ impl Coupled {
                 };
             }
             if !touched {
-                // What a lag still carries is taken back, as far as it can be felt.
+                // Cancel the remaining force of the actuator lag, if it can be felt.
                 let force = state.commands.command(tool, &Vector3::zeros(), period);
                 *intended = if force.norm() > LEAST_FORCE {
                     force
@@ -415,7 +416,7 @@ impl Coupled {
                 };
                 continue;
             }
-            // What is owed at the beginning of the interval that this force governs.
+            // Impulse correction at the start of the interval that this force governs.
             let start = &state.ahead.parts[tool].drive;
             let owed = self.owed(tool, device, [start.position, start.velocity], period);
             let mean = impulse / period + device.ahead.axes.out(&owed);
@@ -426,22 +427,23 @@ impl Coupled {
 }
 
 impl Coupled {
-    /// Sets the avatars of linkages for an interval of `h` `[s]` that begins, after their contacts were looked at.
+    /// Sets the motion of the linkage proxies for an interval of `h` `[s]`, after their contacts have been evaluated.
     fn carry(&self, moving: &mut Moving, devices: &[TrackedDevice], h: f64) {
         let parts = moving.parts.iter_mut().zip(&mut moving.carried);
         let of = self.linkages.iter().zip(devices);
         for ((part, carried), (linkage, device)) in parts.zip(of) {
             if let Some(linkage) = linkage {
                 let of_interval = linkage.carried(part, &device.ahead.theta(), h);
-                // For the bounds of what is fastest.
+                // The stability bounds depend on the result.
                 of_interval.carry(part, h);
                 *carried = Some(of_interval);
             }
         }
     }
 
-    /// Force along a device's axes that brings its velocity to that of its avatar, which is at `position` with `velocity`, over a
-    /// `period` `[s]`: that of a linkage has the same momentum, since its avatar is at another place.
+    /// Returns the force along a device's axes that brings its velocity to that of its proxy within a `period` `[s]`.
+    /// The proxy is at `position` with `velocity`. For a linkage the momenta are made equal, because the proxy is at
+    /// a different position.
     fn owed(
         &self,
         tool: usize,
@@ -470,29 +472,29 @@ impl Coupled {
     }
 }
 
-/// Forces below this are none, where nothing touches a tool `[N]`.
+/// Force below which the command of an untouched tool is set to zero `[N]`.
 pub(crate) const LEAST_FORCE: f64 = 1e-6;
 
-/// Torques below this are none, where nothing touches a tool `[N m]`.
+/// Torque below which the command of an untouched tool is set to zero `[N m]`.
 const LEAST_TORQUE: f64 = 1e-8;
 
-/// Exchanges the triangles that two motions have gathered about the spheres. Both passes of a tick go over the same places of the
-/// meshes, so the motion that begins needs the triangles that the other gathered last.
+/// Exchanges the triangles that two motions have gathered around the spheres. Both passes of a tick visit the same
+/// regions of the meshes, so the motion that begins needs the triangles that the other gathered last.
 fn exchange_gathered(begins: &mut Moving, other: &mut Moving) {
     for (surface, other) in begins.surfaces.iter_mut().zip(&mut other.surfaces) {
         surface.exchange_gathered(other);
     }
 }
 
-/// What the contacts have done to a tool over an interval.
+/// Effect of the contacts on a tool over an interval.
 struct Impulse {
-    /// `[N s]`
+    /// Impulse `[N s]`.
     linear: Vector3,
-    /// About its mass centre; of a tool that turns `[N m s]`.
+    /// Angular impulse about the mass centre; only for a tool that turns `[N m s]`.
     angular: Vector3,
     /// Work `[J]`.
     work: f64,
-    /// Whether anything touched it.
+    /// Whether the tool was touched.
     touched: bool,
 }
 
@@ -515,7 +517,7 @@ fn impulse_on(moving: &Moving, renderer: &WorldRenderer, tool: usize) -> Impulse
 }
 
 impl CoupledMemory {
-    /// Writes what is known of the tools.
+    /// Writes the estimated state of the tools.
     pub fn publish(&self, state: &mut Progress) {
         for (tool, device) in state.tools.iter_mut().zip(&self.devices) {
             let seen = device.seen();

@@ -1,14 +1,14 @@
-//! An avatar against its device, and how it goes back to it.
+//! State of a proxy relative to its device, and its decay.
 
 use super::coupled::Coupled;
 use crate::rigid::Vector3;
 
-/// An avatar against its device.
+/// State of a proxy relative to its device. Unlike CHAI3D's proxy it is not constrained to the surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Avatar {
-    /// o: its position less the device's `[m]`.
+    /// o: position of the proxy minus that of the device `[m]`.
     pub offset: Vector3,
-    /// w: its velocity less the device's `[m/s]`.
+    /// w: velocity of the proxy minus that of the device `[m/s]`.
     pub velocity_offset: Vector3,
 }
 
@@ -21,13 +21,13 @@ impl Avatar {
     }
 }
 
-/// Part of the offset's limit that a tool in contact keeps.
+/// Fraction of the offset limit that a tool in contact keeps.
 const KEPT_IN_CONTACT: f64 = 0.05;
-/// Time in which the rest of it goes back in contact `[s]`.
+/// Decay time of the excess offset in contact `[s]`.
 const BACK_IN_CONTACT: f64 = 1.0;
 
 impl Coupled {
-    /// The avatar of a tool that touches nothing goes back to its device. Returns the change of its offset.
+    /// Decays the proxy offset of a tool without contact. Returns the change of the offset.
     pub fn walk_back(&self, avatar: &mut Avatar, elapsed: f64) -> Vector3 {
         let Avatar {
             offset,
@@ -45,9 +45,11 @@ impl Coupled {
         back
     }
 
-    /// In contact the avatar keeps its offset, since to go back while a force changes costs energy. What is beyond
-    /// [`KEPT_IN_CONTACT`] comes from lost samples or a wrong one: else a wall would stand off its place by it for as long as
-    /// it is pressed. That goes back within [`BACK_IN_CONTACT`] or so, no faster than in free motion. Returns the change of the offset.
+    /// Decays the excess proxy offset of a tool in contact. Returns the change of the offset.
+    ///
+    /// A decay during a change of force costs energy, so the proxy keeps an offset of up to [`KEPT_IN_CONTACT`]. A
+    /// larger offset results from lost samples or an outlier, and would displace a wall for as long as it is pressed.
+    /// The excess decays within about [`BACK_IN_CONTACT`], at most as fast as in free motion.
     pub fn walk_back_in_contact(&self, avatar: &mut Avatar, elapsed: f64) -> Vector3 {
         let offset = &mut avatar.offset;
         let norm = offset.norm();
@@ -61,7 +63,7 @@ impl Coupled {
         back
     }
 
-    /// Says whether the offset was beyond its limit, to which it is cut.
+    /// Clamps the offset to its limit. Returns whether the offset exceeded it.
     pub fn limit_offset(&self, avatar: &mut Avatar) -> bool {
         let norm = avatar.offset.norm();
         let is_beyond = norm > self.offset_limit;

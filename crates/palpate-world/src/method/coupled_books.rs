@@ -1,25 +1,25 @@
-//! The energy that a device and its avatar gain over an interval.
+//! Energy that a device and its proxy gain over an interval.
 
 use super::coupled_avatar::Avatar;
 use super::coupled_motions::Motions;
 use crate::linkage::Linkage;
 use crate::rigid::Vector3;
 
-/// An interval of a device and its avatar, from its beginning to its end.
+/// States of a device and its proxy at the beginning and the end of an interval.
 pub(super) struct Moved<'a> {
     pub device: [&'a Motions; 2],
     pub avatar: [&'a Avatar; 2],
-    /// Where the device was measured at the beginning `[m]`.
+    /// Measured device position at the beginning `[m]`.
     pub measured: &'a Vector3,
 }
 
-/// Energy that came with it `[J]`.
+/// Energy gained over the interval `[J]`.
 pub(super) struct Gained {
-    /// What the avatar's drive has given it,
+    /// Work of the proxy's drive.
     pub driven: f64,
-    /// what the device has gained of kinetic energy,
+    /// Kinetic energy gained by the device.
     pub device: f64,
-    /// and how much more the avatar has.
+    /// Kinetic energy gained by the proxy minus that gained by the device.
     pub more: f64,
 }
 
@@ -38,8 +38,8 @@ impl Moved<'_> {
         }
     }
 
-    /// Of a linkage, each with the mass of its own place; the contacts' `work` on the avatar, less what has gone into its turn
-    /// `[J]`.
+    /// Computes the energies for a linkage, with the mass at each position. `work` is the contacts' work on the proxy
+    /// minus its rotational part `[J]`.
     pub fn gained_by(&self, linkage: &Linkage, work: f64) -> Gained {
         let [device, avatar] = [false, true].map(|is_avatar| {
             let ends = self.device.iter().zip(self.avatar);

@@ -1,4 +1,4 @@
-//! A device as its observers know it.
+//! State of a device as estimated by its observers.
 
 use crate::axes::Axes;
 use crate::commands::Acting;
@@ -7,12 +7,12 @@ use crate::observer::{AxisForce, AxisMotion, AxisObserver};
 use crate::part::Drive;
 use crate::rigid::{Mobility, Vector3};
 
-/// A device as its observers know it along each of its axes, counted from its measured position.
+/// State of a device as estimated by its observers along each of its axes, relative to its measured position.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Motions {
     pub along: [AxisMotion; 3],
     pub axes: Axes,
-    /// What its linkage is over the interval in question, if it has one.
+    /// Inertia of its linkage over the current interval, if it has one.
     pub passage: Option<Passage>,
 }
 
@@ -25,17 +25,17 @@ impl Motions {
         }
     }
 
-    /// A number for each of the device's axes.
+    /// Returns a quantity along each of the device's axes.
     pub fn own(&self, quantity: impl Fn(&AxisMotion) -> f64) -> Vector3 {
         Vector3::from(self.along.each_ref().map(quantity))
     }
 
-    /// A vector in the world.
+    /// Returns a quantity as a vector in the world's axes.
     pub fn of(&self, quantity: impl Fn(&AxisMotion) -> f64) -> Vector3 {
         self.axes.out(&self.own(quantity))
     }
 
-    /// Mobility along each axis, where a linkage is at its reference `[1/kg]`.
+    /// Returns the mobility along each axis, for a linkage at its reference position `[1/kg]`.
     pub fn theta(&self) -> Vector3 {
         self.own(|axis| axis.mobility)
     }
@@ -48,7 +48,7 @@ impl Motions {
         }
     }
 
-    /// An interval of `h` `[s]` begins, over which a `force` `[N]` acts on the device, which was measured there.
+    /// Begins an interval of `h` `[s]` with a `force` `[N]` on the device, at the measured position.
     pub fn pass(&mut self, linkage: &Linkage, measured: &Vector3, force: &Vector3, h: f64) {
         let start = Start {
             position: measured + self.of(|axis| axis.offset),
@@ -59,7 +59,7 @@ impl Motions {
         self.passage = Some(linkage.over(&self.theta(), &start, h));
     }
 
-    /// The same of an interval that has ended, over which it was measured to go a `way` `[m]`.
+    /// Begins an interval that has ended, with the measured displacement `way` `[m]`.
     pub fn pass_by(
         &mut self,
         linkage: &Linkage,
@@ -84,7 +84,7 @@ impl Motions {
         self.passage = Some(linkage.over(&theta, &Start { velocity, ..start }, h));
     }
 
-    /// Forces along the axes as each axis feels them.
+    /// Returns the forces acting along each axis.
     pub fn felt(&self, [mean, lead, deviation]: [&Vector3; 3]) -> [AxisForce; 3] {
         let [mut mean, mut lead] = [mean, lead].map(|force| self.axes.own(force));
         let deviation = self.axes.own_deviations(deviation);
@@ -109,7 +109,7 @@ impl Motions {
         })
     }
 
-    /// The device after `h` `[s]` under what a method intended.
+    /// Returns the device after `h` `[s]` under the intended force.
     pub fn under(&self, acting: &Acting, h: f64) -> Self {
         let mut after = *self;
         let felt = self.felt([&acting.intended, &acting.lead, &Vector3::zeros()]);
@@ -130,7 +130,7 @@ impl Motions {
         }
     }
 
-    /// Sum over the axes that a force can move of the products of two vectors' parts along them, each over the mobility.
+    /// Returns the sum over all movable axes of the products of two vectors' components, divided by the mobility.
     pub fn weighted(&self, one: &Vector3, other: &Vector3) -> f64 {
         self.mobility().weighted(one, other)
     }

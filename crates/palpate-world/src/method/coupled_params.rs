@@ -1,4 +1,4 @@
-//! The parameters of coupled rendering, and their checks.
+//! Parameters of coupled rendering, and their checks.
 
 use palpate::Range;
 
@@ -13,44 +13,44 @@ use crate::{Tool, Vector, WorldError, WorldField, WorldPart};
 
 /// Parameters of coupled rendering.
 ///
-/// A held force moves a device to another place than the force it stands for would have. So the world never meets the
-/// device but its avatar: over each interval avatars and bodies move on together under the continuous contact forces,
-/// and each device, by what an observer knows of it, under the force that is held; the difference of the two at the
-/// end is the avatar's offset. The held force is the mean of the contact force, with what brings the avatar's velocity
-/// back to the device's. With the devices' masses and the forces of the hands known exactly, each held force is the
+/// A held force leads to a different device position from the continuous force with the same impulse. The world
+/// therefore collides with a proxy instead of the device. Over each interval proxies and bodies move together under
+/// the continuous contact forces, and each device, as estimated by an observer, under the held force. The difference
+/// at the end is the proxy offset. The held force is the mean contact force plus a correction that returns the
+/// proxy's velocity to the device's. If the device masses and hand forces are known exactly, each held force is the
+/// interval mean of the ideal force, which is the closest possible held force.
 /// interval mean of the ideal one: no held force can be nearer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoupledParams {
     /// Mass of each tool's device along each of the world's axes, within a factor of 2 `[kg]`. The hand's share is
-    /// learned. Infinite where no force moves the device, as in a recording. Along an axis that the device lacks
-    /// ([`Tool::axes`]) it is not looked at.
+    /// estimated. Infinite if no force moves the device, as in a recording. Ignored along an axis that the device
+    /// lacks ([`Tool::axes`]).
     pub device_mass: Vec<Vector>,
     /// Moments of inertia of each tool's device about its mass centre, along the tool's axes, within a factor of 2
-    /// `[kg m^2]`; infinite about all three where no torque turns the device, as in a recording. Those of a tool that does not
-    /// turn are not looked at; empty if none turns. Of a tool that its hand turns ([`Tool::turned_by_hand`]) they say how it
-    /// turns on between samples.
+    /// `[kg m^2]`. Infinite about all three axes if no torque turns the device, as in a recording. Ignored for a tool
+    /// that does not turn; empty if none turns. For a tool turned by its hand ([`Tool::turned_by_hand`]) they
+    /// determine the predicted rotation between samples.
     pub device_inertia: Vec<Vector>,
-    /// Quantum of the position sensors `[m]`, 0 if they are not known to have one.
+    /// Quantum of the position sensors `[m]`, 0 if unknown.
     pub encoder_quantum: f64,
-    /// Quantum of the measured orientations `[rad]`, 0 if they are not known to have one.
+    /// Quantum of the measured orientations `[rad]`, 0 if unknown.
     pub angle_quantum: f64,
-    /// Largest distance of an avatar from its device `[m]`.
+    /// Maximum distance of a proxy from its device `[m]`.
     pub offset_limit: f64,
-    /// Speed at which the offset of a tool that touches nothing goes back to zero `[m/s]`.
+    /// Speed at which the proxy offset of a tool without contact decays `[m/s]`.
     pub offset_return: f64,
-    /// Time in which the velocity offset of a tool that touches nothing is given up, and that of its angular momentum
-    /// `[s]`.
+    /// Decay time of the velocity and angular momentum offsets of a tool without contact `[s]`.
     pub velocity_return: f64,
-    /// Largest angle between an avatar and its device `[rad]`.
+    /// Maximum angle between a proxy and its device `[rad]`.
     pub turn_limit: f64,
-    /// Speed at which the avatar of a tool that touches nothing turns back to its device `[rad/s]`.
+    /// Speed at which the rotational proxy offset of a tool without contact decays `[rad/s]`.
     pub turn_return: f64,
-    /// What is known of devices and hands before the first sample.
+    /// Knowledge of devices and hands before the first sample.
     pub prior: Prior,
 }
 
 impl CoupledParams {
-    /// Coupled rendering with devices of these masses `[kg]`, by sensors of no known quantum.
+    /// Creates parameters for devices of these masses `[kg]`, with unknown sensor quanta.
     #[must_use]
     pub fn new(device_mass: Vec<Vector>) -> Self {
         Self {
@@ -67,7 +67,7 @@ impl CoupledParams {
         }
     }
 
-    /// The same with position sensors of `encoder_quantum` `[m]`.
+    /// Sets the quantum of the position sensors `[m]`.
     #[must_use]
     pub fn with_encoder_quantum(self, encoder_quantum: f64) -> Self {
         Self {
@@ -76,7 +76,7 @@ impl CoupledParams {
         }
     }
 
-    /// The same with moments of inertia of each device `[kg m^2]`.
+    /// Sets the moments of inertia of each device `[kg m^2]`.
     #[must_use]
     pub fn with_device_inertia(self, device_inertia: Vec<Vector>) -> Self {
         Self {
@@ -85,7 +85,7 @@ impl CoupledParams {
         }
     }
 
-    /// The same with orientations of `angle_quantum` `[rad]`.
+    /// Sets the quantum of the measured orientations `[rad]`.
     #[must_use]
     pub fn with_angle_quantum(self, angle_quantum: f64) -> Self {
         Self {
@@ -94,7 +94,7 @@ impl CoupledParams {
         }
     }
 
-    /// The same with another knowledge of devices and hands.
+    /// Sets the prior of devices and hands.
     #[must_use]
     pub fn with_prior(self, prior: Prior) -> Self {
         Self { prior, ..self }
@@ -221,7 +221,7 @@ impl CoupledParams {
                 prior
             })
         });
-        // What no force moves has a mass that does not matter.
+        // The mass of a device that no force moves is irrelevant.
         let linkages = all.iter().zip(&self.device_mass).map(|(tool, mass)| {
             let mut there = mass.iter().zip(tool.axes).filter(|(_, has)| *has);
             Linkage::of(tool).filter(|_| there.all(|(mass, _)| mass.is_finite()))

@@ -1,8 +1,8 @@
-//! How a device of six axes and its avatar turn, in coupled rendering.
+//! Rotation of a six-axis device and its proxy, in coupled rendering.
 //!
-//! The avatar is turned against its device by an offset, and has another angular momentum. Torques change momentum by
-//! the same in every orientation. So the momentum is what is carried from sample to sample, not the angular velocity:
-//! the same momentum in another orientation is another angular velocity.
+//! The proxy has a rotational offset and an angular momentum offset relative to its device. A torque changes the
+//! momentum equally in every orientation, but not the angular velocity. The momentum is therefore the state that is
+//! kept between samples.
 
 use crate::commands::Acting;
 use crate::moving::Moving;
@@ -11,29 +11,29 @@ use crate::rigid::{Rotation, Vector3};
 use crate::turning::TurningDrive;
 use crate::turning_observer::{Torque, TurningMotion, TurningObserver, TurningPrior, rotated};
 
-/// What is known of how a device turns, and its avatar.
+/// Estimated rotation of a device, and its proxy.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turning {
     pub observer: TurningObserver,
-    /// Orientation of the avatar after that of the device: avatar = offset device.
+    /// Orientation of the proxy relative to the device: proxy = offset device.
     pub offset: Rotation,
-    /// w_L: sigma times the avatar's angular momentum, less L `[N m s]`.
+    /// w_L: sigma times the proxy's angular momentum, minus L `[N m s]`.
     pub momentum_offset: Vector3,
-    /// The device as it is predicted: room.
+    /// Predicted device (scratch buffer).
     pub ahead: TurningMotion,
-    /// Where the last sample has found it.
+    /// Orientation at the last sample.
     pub measured: Rotation,
 }
 
-/// What an interval has done to a device that turns, in the terms of its book `[J]`.
+/// Energies of a rotating device over an interval, for the energy ledger `[J]`.
 pub(super) struct TurningWork {
     /// Integral of the device's angular velocity `[rad]`.
     pub path: Vector3,
-    /// Kinetic energy that the device has gained, less the work of the torque that was asked for.
+    /// Kinetic energy gained by the device minus the work of the commanded torque.
     pub by_hand: f64,
-    /// Kinetic energy that the avatar has gained,
+    /// Kinetic energy gained by the proxy.
     pub by_avatar: f64,
-    /// and by how much more that is.
+    /// Kinetic energy gained by the proxy minus that gained by the device.
     pub gained_more: f64,
 }
 
@@ -49,7 +49,7 @@ impl Turning {
         }
     }
 
-    /// Turns a tool's avatar in a world as its device is predicted, and by the offset.
+    /// Rotates a tool's proxy in a world by the device prediction and the offset.
     pub fn place(&self, part: &mut Part, prior: &TurningPrior) {
         let device = &self.ahead;
         part.rigid.orientation = unit(self.offset * device.orientation);
@@ -60,7 +60,7 @@ impl Turning {
         self.drive(part);
     }
 
-    /// The hand's torque on the avatar is that on the device.
+    /// Applies the hand's torque on the device to the proxy.
     pub fn drive(&self, part: &mut Part) {
         part.turning_drive = TurningDrive {
             torque: self.ahead.external / self.ahead.mobility,
@@ -69,7 +69,8 @@ impl Turning {
         };
     }
 
-    /// The sample at the end of an interval: `ahead` is the device at its beginning.
+    /// Updates the observer with the sample at the end of an interval, and sets `ahead` to the device at its
+    /// beginning.
     pub fn see(&mut self, prior: &TurningPrior, measured: &Rotation, acted: &Acting, h: f64) {
         let torque = Torque {
             mean: acted.sent,
@@ -79,7 +80,7 @@ impl Turning {
         self.ahead = self.observer.see(prior, measured, &torque, h);
     }
 
-    /// The device as it is predicted moves on under what was asked for. Returns the integral of its angular velocity
+    /// Advances the device prediction under the commanded torque. Returns the integral of its angular velocity
     /// `[rad]`.
     pub fn go_on(&mut self, prior: &TurningPrior, acting: &Acting, h: f64) -> Vector3 {
         let torque = Torque {
@@ -92,8 +93,8 @@ impl Turning {
         path
     }
 
-    /// The avatar is where an interval has brought it, as `moving` says, and its device where the torque that was
-    /// asked for would have. Of a tool that its hand turns there is no work here: the contacts turn neither.
+    /// Updates the offsets from the proxy's state in `moving` and the device under the commanded torque. For a tool
+    /// turned by its hand all energies are zero, because the contacts turn neither proxy nor device.
     pub fn conclude(
         &mut self,
         prior: &TurningPrior,
@@ -106,7 +107,7 @@ impl Turning {
         let path = self.go_on(prior, acted, h);
         self.measured = *measured;
         if prior.led {
-            // The avatar has turned as its device has; where it was brought by sub-steps differs by what these are.
+            // The proxy rotates with its device; its integrated orientation differs by the sub-step error.
             return TurningWork {
                 path,
                 by_hand: 0.0,
@@ -139,8 +140,8 @@ impl Turning {
         }
     }
 
-    /// The avatar of a tool that touches nothing turns back to its device, by at most `most` `[rad]`; of the offset of
-    /// momentum `kept` is left. Returns the rotation vector by which it turns.
+    /// Rotates the proxy of a tool without contact towards its device by at most `most` `[rad]`, and scales the
+    /// momentum offset by `kept`. Returns the rotation vector of the step.
     pub fn walk_back(&mut self, most: f64, kept: f64) -> Vector3 {
         self.momentum_offset *= kept;
         self.limit_offset_change(most)
@@ -158,7 +159,7 @@ impl Turning {
         back
     }
 
-    /// Keeps the offset within an angle `[rad]`; whether it was beyond.
+    /// Clamps the offset to an angle `[rad]`. Returns whether it exceeded the angle.
     pub fn limit_offset(&mut self, most: f64) -> bool {
         let angle = self.offset.angle();
         if angle <= most {
@@ -168,8 +169,8 @@ impl Turning {
         true
     }
 
-    /// What of the momentum is owed to the device at the beginning of the interval that a torque governs, where `moving`
-    /// has begun it `[N m s]`.
+    /// Returns the residual angular impulse at the start of the interval that a torque governs, which `moving` has
+    /// begun `[N m s]`.
     pub fn owed(&self, prior: &TurningPrior, moving: &Moving, tool: usize) -> Vector3 {
         if prior.is_immovable || prior.led {
             return Vector3::zeros();
@@ -177,18 +178,18 @@ impl Turning {
         moving.parts[tool].turning_drive.spin - self.ahead.momentum / self.ahead.mobility
     }
 
-    /// The device at the last sample.
+    /// Returns the device at the last sample.
     pub fn now(&self) -> &TurningMotion {
         &self.observer.motion
     }
 
-    /// Orientation of the avatar at the last sample.
+    /// Returns the orientation of the proxy at the last sample.
     pub fn avatar(&self) -> Rotation {
         rotated(&self.offset.scaled_axis(), &self.now().orientation)
     }
 }
 
-/// The same rotation, of length 1 to rounding.
+/// Normalises a rotation to length 1 up to rounding.
 fn unit(rotation: Rotation) -> Rotation {
     Rotation::new_normalize(rotation.into_inner())
 }

@@ -1,4 +1,4 @@
-//! The god-object: a proxy without mass that stays on the surface, coupled to its device by a spring and a damper.
+//! God-object: a massless proxy on the surface, coupled to its device by a spring and a damper.
 //!
 //! Zilles and Salisbury, "A constraint-based god-object method for haptic display", IROS 1995; Ruspini, Kolarov and
 //! Khatib, SIGGRAPH 1997, for a proxy with a radius.
@@ -16,27 +16,28 @@ use crate::state::{Progress, show_contacts};
 use crate::touch::Held;
 use crate::{Effort, Shape, Tool, Vector, WorldError, WorldField, WorldPart, WorldRenderer};
 
-/// Parameters of rendering by a god-object.
+/// Parameters of god-object rendering.
 ///
-/// At a sample the proxy of a tool goes to the place outside of all solids that is nearest to the device, and stays
-/// behind where friction holds it. A spring and a damper between the two give the force on the device; turned round, it
-/// is held on what the proxy touches, until the next sample. The contacts of tools have no stiffness of their own then.
+/// At a sample the proxy of a tool moves to the point outside all solids that is nearest to the device, unless
+/// friction holds it back. A spring and a damper between the two give the force on the device. The opposite force is
+/// held on the touched bodies until the next sample. The contacts of tools have no stiffness of their own in this
+/// method.
 ///
-/// The proxy of a device that lacks an axis may leave its plane, as the device could if it had that axis: the spring stands
-/// for the stiffness of a contact, and only its part along the axes of the device is commanded.
+/// The proxy of a device that lacks an axis may leave the device's plane, as if the device had that axis. The spring
+/// represents the contact stiffness; only the force along the device's axes is commanded.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GodObjectParams {
-    /// Stiffness of each tool's spring, above 0 `[N/m]`: that of the contacts, so that a wall feels as stiff.
+    /// Stiffness of each tool's spring, above 0 `[N/m]`. Use the contact stiffness for a wall of equal stiffness.
     pub stiffness: Vec<f64>,
     /// Damping of each tool's damper, at least 0 `[N s/m]`. It acts while the tool touches something.
     pub damping: Vec<f64>,
 }
 
 impl GodObjectParams {
-    /// Whether a god-object can stand for this tool.
+    /// Checks whether god-object rendering supports this tool.
     ///
     /// # Errors
-    /// The tool turns, or is no sphere, point or several spheres.
+    /// The tool turns, or its shape is not a sphere, a point or a set of spheres.
     pub fn can_render(tool: &Tool) -> Result<(), WorldError> {
         let is_made_of_spheres = matches!(tool.shape, Shape::Sphere { .. } | Shape::Spheres { .. });
         if is_made_of_spheres && !tool.turns {
@@ -103,24 +104,24 @@ struct Coupling {
     damping: f64,
 }
 
-/// Rendering by a god-object, with checked parameters.
+/// God-object rendering, with checked parameters.
 #[derive(Clone, Debug)]
 pub(crate) struct GodObject {
     couplings: Vec<Coupling>,
 }
 
-/// What rendering by a god-object remembers.
+/// State of god-object rendering.
 #[derive(Clone, Debug)]
 pub(crate) struct GodObjectMemory {
     devices: Vec<LastSample>,
-    /// Of each point of contact: what it forbids the proxy, as it was last seen.
+    /// Latest constraint on the proxy of each contact point.
     constraints: Vec<Constraint>,
-    /// Of each point that pressed at the last sample: the proxy in the axes of what it touches `[m]`, and its share of
-    /// what friction holds.
+    /// Friction anchor of each point that pressed at the last sample: proxy position in the axes of the touched body
+    /// `[m]`, and the point's share of the friction.
     anchors: Vec<Option<(Vector3, f64)>>,
 }
 
-/// A device at the last sample, and the force that the coupling gives to its tool.
+/// State of a device at the last sample, and the coupling force on its tool.
 #[derive(Clone, Copy, Debug)]
 struct LastSample {
     position: Vector3,
@@ -143,7 +144,7 @@ impl GodObjectMemory {
         }
     }
 
-    /// Goes on from another world, whose points of contact were so numbered.
+    /// Continues from another world. `points` maps this world's contact points to the previous indices.
     pub fn goes_on_from(&mut self, before: &Self, points: &[Option<usize>]) {
         self.devices.copy_from_slice(&before.devices);
         let own = self.constraints.iter_mut().zip(&mut self.anchors);
@@ -153,7 +154,7 @@ impl GodObjectMemory {
         }
     }
 
-    /// Writes what is known of the tools.
+    /// Writes the estimated state of the tools.
     pub fn publish(&self, state: &mut Progress) {
         let parts = self.devices.iter().zip(&state.now.parts);
         for (tool, (device, part)) in state.tools.iter_mut().zip(parts) {
@@ -237,8 +238,8 @@ impl GodObject {
         Effort::default()
     }
 
-    /// Puts a tool's proxy where it belongs, and says what its contacts hold from now on. `elapsed` is the time since
-    /// the last sample `[s]`, `None` at the first.
+    /// Places a tool's proxy and sets the forces that its contacts hold until the next sample. `elapsed` is the time
+    /// since the last sample `[s]`, `None` at the first.
     fn press(
         &self,
         renderer: &WorldRenderer,
@@ -251,7 +252,7 @@ impl GodObject {
         let Coupling { stiffness, damping } = self.couplings[tool];
         let before = state.now.parts[tool].rigid.position;
         let device = memory.devices[tool];
-        // Where friction would hold it: the mean of where its contacts have carried it.
+        // Friction anchor: the mean of the positions to which the contacts have carried the proxy.
         let (mut anchor, mut all) = (Vector3::zeros(), 0.0);
         for (point, held) in points.iter().zip(&memory.anchors) {
             if let Some((place, share)) = held
@@ -299,7 +300,7 @@ impl GodObject {
             let touch = &mut state.now.touches[number];
             let constraint = &memory.constraints[number];
             let book = &mut state.books.contacts[number];
-            // The proxy goes under the force that was held; nothing is stored at the contact.
+            // The proxy moves under the held force; the contact stores no energy.
             let work = touch.force.dot(&step);
             let part = if holds > 0.0 {
                 point.law.friction * constraint.push / holds
@@ -339,7 +340,8 @@ impl GodObject {
     }
 }
 
-/// Distance of a point of contact and its normal, with the tool at `place` `[m]`; `None` where nothing is near.
+/// Returns the distance and normal of a contact point, with the tool at `place` `[m]`, or `None` if no surface is
+/// near.
 fn seen(
     moving: &mut crate::moving::Moving,
     point: &Point,

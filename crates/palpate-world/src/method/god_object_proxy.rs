@@ -1,25 +1,25 @@
-//! Where a god-object's proxy is: the nearest place to its device outside of all solids.
+//! Position of a god-object's proxy: the point outside all solids that is nearest to the device.
 
 use crate::rigid::Vector3;
 
-/// How often the surfaces are looked at anew from the place that was found.
+/// Number of times that the surfaces are re-evaluated at the current position.
 const LOOKS: usize = 12;
-/// How often the constraints are gone through at each.
+/// Number of sweeps over the constraints per evaluation.
 const SWEEPS: usize = 60;
-/// Ways below this do not count `[m]`.
+/// Displacement below which the iteration has converged `[m]`.
 const NO_WAY: f64 = 1e-12;
 
-/// What a point of contact forbids the proxy: normal . x >= least.
+/// Constraint of a contact point on the proxy: normal . x >= least.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Constraint {
     pub normal: Vector3,
     least: f64,
-    /// How far it pushes the proxy from the device along its normal: force over stiffness `[m]`.
+    /// Displacement of the proxy from the device along the normal: force over stiffness `[m]`.
     pub push: f64,
 }
 
 impl Constraint {
-    /// Nothing is forbidden.
+    /// Returns a constraint that allows every position.
     pub fn none() -> Self {
         Self {
             normal: Vector3::x(),
@@ -29,11 +29,11 @@ impl Constraint {
     }
 }
 
-/// Finds the place nearest to `device` that no solid forbids, and how much each constraint of those that are `own` pushes.
+/// Returns the allowed position nearest to `device`, and sets the push of each constraint for which `own` is true.
 ///
-/// Each solid is replaced by the plane that touches it below the place found last, and the nearest place in front of all
-/// planes is found by Hildreth's method (a sweep goes to each plane in turn and takes back what it pushed too much). `seen`
-/// gives distance and normal at a place, or none: then the plane that was seen last counts.
+/// Each solid is replaced by its tangent plane below the current position. Hildreth's method finds the nearest
+/// position in front of all planes: a sweep projects onto each plane in turn and corrects earlier overshoot. `seen`
+/// returns distance and normal at a position; if it returns `None`, the previous plane applies.
 pub(super) fn nearest_allowed(
     device: &Vector3,
     start: Vector3,
@@ -83,16 +83,17 @@ pub(super) fn nearest_allowed(
     place
 }
 
-/// How far the proxy stays behind the nearest place.
+/// Proxy position relative to the nearest allowed position.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Proxy {
-    /// From the nearest place to where it stays `[m]`.
+    /// Displacement of the proxy from the nearest allowed position `[m]`.
     pub stays: Vector3,
-    /// How much of the way that friction would have had to hold it did not `[m]`.
+    /// Slip: the part of the displacement that friction could not hold `[m]`.
     pub slipped: f64,
 }
 
-/// Friction holds the proxy up to `holds` `[m]` from the nearest place, across all normals that push.
+/// Computes the proxy that friction holds up to `holds` `[m]` from the nearest allowed position, across all pushing
+/// normals.
 pub(super) fn limit_slip<'a>(
     wanted: &Vector3,
     constraints: impl Iterator<Item = &'a Constraint>,
@@ -152,7 +153,7 @@ mod tests {
             (place - Vector3::new(0.0, 0.02, 0.0)).norm() < 1e-9,
             "{place}"
         );
-        // The pushes are what the planes give: their sum leads from the device to the proxy.
+        // The sum of all pushes is the displacement from the device to the proxy.
         let sum: Vector3 = constraints.iter().map(|it| it.normal * it.push).sum();
         assert!((device + sum - place).norm() < 1e-9);
         assert!(constraints.iter().all(|it| it.push > 0.0));

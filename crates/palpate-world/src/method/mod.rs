@@ -1,7 +1,7 @@
-//! The methods by which a world can be rendered.
+//! Rendering methods for worlds.
 //!
-//! A method brings the world to a sample, says which forces follow, and keeps its books. A method is a file of this
-//! folder.
+//! A method advances the world to a sample, computes the next forces and keeps the energy ledger. Each method has a
+//! file in this folder.
 
 mod basic;
 pub(crate) mod coupled;
@@ -27,22 +27,22 @@ use coupled::{Coupled, CoupledMemory};
 use god_object::{GodObject, GodObjectMemory};
 use virtual_coupling::{VirtualCoupling, VirtualCouplingMemory};
 
-/// A method, with its parameters.
+/// A rendering method with its parameters.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum WorldMethod {
-    /// The spring force at the sample, for comparison.
+    /// Spring force at the sample, for comparison.
     Basic(BasicParams),
-    /// A spring and a damper between each device and an avatar with a mass, for comparison.
+    /// Spring and damper between each device and a proxy with mass, for comparison.
     VirtualCoupling(VirtualCouplingParams),
-    /// A spring and a damper between each device and a proxy that stays on the surface, for comparison.
+    /// Spring and damper between each device and a proxy that stays on the surface, for comparison.
     GodObject(GodObjectParams),
-    /// Devices and world predicted together, mean force held.
+    /// Prediction of devices and world together; the mean force is held.
     Coupled(CoupledParams),
 }
 
 impl WorldMethod {
-    /// Short name, as scene files spell it.
+    /// Returns the short name used in scene files.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -96,7 +96,7 @@ pub(crate) enum Checked {
     Coupled(Coupled),
 }
 
-/// What a method remembers. It belongs to the renderer that made it.
+/// State of a method. It is valid only for the renderer that created it.
 #[derive(Clone, Debug)]
 pub(crate) enum Memory {
     Basic,
@@ -106,7 +106,7 @@ pub(crate) enum Memory {
 }
 
 impl Checked {
-    /// Inverse moments of inertia of a tool that contacts turn, as the method has them at the start `[1/(kg m^2)]`.
+    /// Returns the initial inverse moments of inertia of a tool that contacts turn `[1/(kg m^2)]`.
     pub fn angular_mobility(&self, tool: usize) -> Vector3 {
         match self {
             Self::Basic(_) | Self::GodObject(_) => Vector3::zeros(),
@@ -117,7 +117,7 @@ impl Checked {
         }
     }
 
-    /// Whether the method itself says which force a tool's contact holds over an interval.
+    /// Returns whether the method itself sets the force that a tool's contact holds over an interval.
     pub fn holds_contacts(&self) -> bool {
         matches!(self, Self::GodObject(_))
     }
@@ -138,7 +138,8 @@ impl Checked {
         }
     }
 
-    /// A first sample, or the first that can be used again: the devices are at `positions` `[m]`, at rest.
+    /// Processes a first sample, or the first usable one after a fault: the devices are at `positions` `[m]`, at
+    /// rest.
     pub fn begin(
         &self,
         renderer: &WorldRenderer,
@@ -160,7 +161,7 @@ impl Checked {
         }
     }
 
-    /// Brings the world through an interval of `elapsed` `[s]` that ends with the devices at `positions` `[m]`.
+    /// Advances the world through an interval of `elapsed` `[s]` that ends with the devices at `positions` `[m]`.
     pub fn conclude(
         &self,
         renderer: &WorldRenderer,
@@ -184,7 +185,7 @@ impl Checked {
         }
     }
 
-    /// Says which force follows on each tool.
+    /// Computes the next force on each tool.
     pub fn plan(
         &self,
         renderer: &WorldRenderer,
@@ -202,14 +203,15 @@ impl Checked {
                 god_object.plan(state, memory)
             }
             (Self::Basic(basic), _) => basic.plan(renderer, state),
-            // The state of another renderer.
+            // The state belongs to another renderer.
             _ => Effort::default(),
         }
     }
 }
 
 impl Memory {
-    /// Goes on from what the same method knew in another world, whose points of contact were so numbered. It does not allocate.
+    /// Continues from the state of the same method in another world. `points` maps this world's contact points to the
+    /// previous indices. It does not allocate.
     pub fn goes_on_from(&mut self, before: &Self, points: &[Option<usize>]) {
         match (self, before) {
             (Self::VirtualCoupling(memory), Self::VirtualCoupling(before)) => {
@@ -223,7 +225,7 @@ impl Memory {
         }
     }
 
-    /// Writes what a method knows of the tools.
+    /// Writes the method's estimate of the tools.
     pub fn publish(&self, state: &mut Progress) {
         match self {
             Self::Basic => Basic::publish(state),
@@ -234,7 +236,7 @@ impl Memory {
     }
 }
 
-/// One number for each tool, or none.
+/// Checks that a list has one number per tool or is empty.
 pub(crate) fn one_per_tool(
     field: WorldField,
     given: usize,

@@ -1,4 +1,4 @@
-//! The classic virtual coupling: a spring and a damper between device and avatar, which the world meets.
+//! Classic virtual coupling: a spring and a damper between the device and a proxy with mass.
 
 use palpate::Range;
 
@@ -10,28 +10,29 @@ use crate::state::{Progress, quaternion, show_contacts};
 use crate::turning::TurningDrive;
 use crate::{Effort, Tool, Vector, WorldError, WorldField, WorldPart, WorldRenderer};
 
-/// Parameters of rendering by a virtual coupling.
+/// Parameters of virtual coupling.
 ///
-/// The world meets an avatar that has a mass of its own. A spring and a damper pull it to the device as that was at
-/// the sample; their force at the sample, turned round, is held on the device.
+/// The world collides with a proxy that has its own mass. A spring and a damper pull the proxy to the device's
+/// position at the sample. The opposite of their force at the sample is held on the device.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VirtualCouplingParams {
     /// Stiffness of each tool's spring, above 0 `[N/m]`.
     pub stiffness: Vec<f64>,
     /// Damping of each tool's damper, at least 0 `[N s/m]`.
     pub damping: Vec<f64>,
-    /// Mass of each tool's avatar, above 0 `[kg]`.
+    /// Mass of each tool's proxy, above 0 `[kg]`.
     pub mass: Vec<f64>,
-    /// The same for turning, of each tool if one feels a torque, else empty: stiffness above 0 `[N m/rad]`,
+    /// Rotational stiffness of each tool, above 0 `[N m/rad]`. The rotational lists are empty if no tool renders
+    /// torque.
     pub rotational_stiffness: Vec<f64>,
-    /// damping, at least 0 `[N m s/rad]`,
+    /// Rotational damping of each tool, at least 0 `[N m s/rad]`.
     pub rotational_damping: Vec<f64>,
-    /// and the moment of inertia of the avatar about any axis, above 0 `[kg m^2]`.
+    /// Moment of inertia of each proxy about any axis, above 0 `[kg m^2]`.
     pub inertia: Vec<f64>,
 }
 
-/// The coupling of one tool, or of its turning: then stiffness `[N m/rad]`, damping `[N m s/rad]` and a moment of
-/// inertia `[kg m^2]`.
+/// Translational coupling of a tool, or its rotational coupling with stiffness `[N m/rad]`, damping `[N m s/rad]` and
+/// moment of inertia `[kg m^2]`.
 #[derive(Clone, Copy, Debug)]
 struct Coupling {
     stiffness: f64,
@@ -123,18 +124,19 @@ impl VirtualCouplingParams {
     }
 }
 
-/// Inverse moments of inertia of an avatar that turns as its device does: any will do, since no torque acts on it `[1/(kg m^2)]`.
+/// Inverse moments of inertia of a proxy that rotates with its device `[1/(kg m^2)]`. The value is arbitrary, because
+/// no torque acts on the proxy.
 const OF_A_LED_TURN: Vector3 = Vector3::new(1.0, 1.0, 1.0);
 
-/// Rendering by a virtual coupling, with checked parameters.
+/// Virtual coupling, with checked parameters.
 #[derive(Clone, Debug)]
 pub(crate) struct VirtualCoupling {
     couplings: Vec<Coupling>,
-    /// Of each tool that feels a torque.
+    /// Rotational coupling of each tool that renders torque.
     turning: Vec<Option<Coupling>>,
 }
 
-/// What rendering by a virtual coupling remembers.
+/// State of virtual coupling.
 #[derive(Clone, Debug)]
 pub(crate) struct VirtualCouplingMemory {
     devices: Vec<LastSample>,
@@ -144,15 +146,15 @@ pub(crate) struct VirtualCouplingMemory {
 #[derive(Clone, Copy, Debug)]
 struct LastSample {
     position: Vector3,
-    /// Of its last step `[m/s]`.
+    /// Velocity over the last step `[m/s]`.
     velocity: Vector3,
     orientation: Rotation,
-    /// Of its last step `[rad/s]`.
+    /// Angular velocity over the last step `[rad/s]`.
     turning: Vector3,
 }
 
 impl VirtualCouplingMemory {
-    /// Comes to be as `other`, of as many tools.
+    /// Copies the state of `other`, which has the same number of tools.
     pub fn copy_from(&mut self, other: &Self) {
         self.devices.copy_from_slice(&other.devices);
     }
@@ -169,7 +171,7 @@ impl VirtualCouplingMemory {
         }
     }
 
-    /// Writes what is known of the tools.
+    /// Writes the estimated state of the tools.
     pub fn publish(&self, state: &mut Progress) {
         for (tool, (device, part)) in state
             .tools
@@ -193,7 +195,7 @@ impl VirtualCouplingMemory {
 }
 
 impl VirtualCoupling {
-    /// Inverse moments of inertia of the avatar of a tool that contacts turn `[1/(kg m^2)]`.
+    /// Returns the inverse moments of inertia of the proxy of a tool that contacts turn `[1/(kg m^2)]`.
     pub fn angular_mobility(&self, tool: usize) -> Vector3 {
         let coupling = self.turning.get(tool).copied().flatten();
         coupling.map_or(Vector3::zeros(), |coupling| {
@@ -244,13 +246,13 @@ impl VirtualCoupling {
         elapsed: f64,
     ) -> Effort {
         let points = &renderer.points;
-        // Along an axis that its device lacks, an avatar went as the device did.
+        // Along an axis that its device lacks, a proxy followed the device.
         let parts = state.now.parts.iter_mut().zip(&renderer.axes);
         for ((part, axes), (device, position)) in parts.zip(memory.devices.iter().zip(positions)) {
             let led = (Vector3::from(*position) - device.position) / elapsed;
             part.rigid.velocity = axes.mixed(&part.rigid.velocity, &led);
         }
-        // A tool that its hand turns has turned as its device did.
+        // A tool turned by its hand has rotated with its device.
         let seen = memory.devices.iter().zip(&state.tracking.seen_turn);
         let mut is_any_led = false;
         for (part, (device, turned)) in state.now.parts.iter_mut().zip(seen) {

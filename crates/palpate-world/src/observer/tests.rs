@@ -22,7 +22,7 @@ fn some_motion() -> AxisMotion {
     }
 }
 
-/// Against many small steps of the same equations.
+/// Comparison with many small steps of the same equations.
 #[test]
 fn the_motion_is_that_of_a_hand_with_spring_and_damper() {
     let (motion, force, h) = (some_motion(), 1.5, 0.004);
@@ -85,8 +85,8 @@ fn the_transition_is_the_derivative_of_the_motion() {
     }
 }
 
-/// A hand with spring and damper and a device of another mass than told, shaken by known forces: the observer
-/// learns all three.
+/// A hand with spring and damper and a device with wrong model mass, under known forces: the observer estimates all
+/// three.
 #[test]
 fn mass_damping_and_stiffness_are_learned_from_forces() {
     let mut real = AxisMotion {
@@ -116,15 +116,15 @@ fn mass_damping_and_stiffness_are_learned_from_forces() {
     assert!((found.spring_rate / 800.0 - 1.0).abs() < 0.2, "{found:?}");
 }
 
-/// Root mean square of the error of the velocity `[m/s]` of a device that a hand swings, by a sensor with 5 um of noise, of
-/// which a quantum is told.
+/// Returns the root mean square error of the velocity `[m/s]` for a device swung by a hand and a sensor with 5 um of
+/// noise. The observer is given a quantum.
 fn velocity_off(quantum: f64) -> f64 {
     let (from, h) = (AxisPrior::new(0.25, quantum, Prior::default()), 0.001);
     let mut observer = AxisObserver::new(&from);
     let (mut state, mut measured, mut square) = (1_u64, 0.0, 0.0);
     for sample in 1..2000_u32 {
         let t = f64::from(sample) * h;
-        // Sums of twelve numbers of a linear congruential generator are all but normal.
+        // Sums of twelve numbers of a linear congruential generator are nearly normal.
         let mut noise = -6.0;
         for _ in 0..12 {
             state = state
@@ -142,7 +142,7 @@ fn velocity_off(quantum: f64) -> f64 {
     (square / 1000.0_f64).sqrt()
 }
 
-/// The observer has taken a device at rest for one that stays so; the hand then swings it at 100 Hz, at 0.12 m/s at most.
+/// The observer has settled on a device at rest; then the hand swings it at 100 Hz, at up to 0.12 m/s.
 #[test]
 fn a_hand_that_has_rested_is_followed() {
     let (h, quantum, rest) = (0.01, 2e-6, 200);

@@ -1,4 +1,4 @@
-//! Whatever the samples say, a tick answers with finite forces within their limit.
+//! For any samples, a tick returns finite forces within their limit.
 
 use palpate::Fault;
 use palpate_world::{
@@ -29,7 +29,7 @@ fn crowded() -> World {
         Body::new("stick", stick, Motion::Fixed).at([0.0, 0.05, 0.02]),
     ];
     let mut world = world(0.01, bodies, law);
-    // A block and a stick have no contact with each other.
+    // A block and a stick have no mutual contact.
     let named = |name: &str| Party::Named(name.into());
     let pairs = [
         [named("tool"), Party::Any],
@@ -133,7 +133,7 @@ fn a_sample_that_is_no_number_gives_no_force_and_says_whose_it_is() {
     for method in methods() {
         let renderer = WorldRenderer::new(&crowded(), WorldLoop::new(0.001), method).unwrap();
         let mut state = renderer.start();
-        // The first tool presses the ball, the second is apart.
+        // The first tool presses the ball, the second is away from it.
         let apart = [0.0, 0.0, 0.2];
         let pressed = [[0.0, 0.0, 0.0499], apart];
         for _ in 0..3 {
@@ -149,11 +149,11 @@ fn a_sample_that_is_no_number_gives_no_force_and_says_whose_it_is() {
             (Fault::PositionNotFinite, Some(1))
         );
         assert_eq!(output.forces, [[0.0; 3]; 2]);
-        // It is a number, and no distance from it is.
+        // The value is finite, but distances from it overflow.
         let far = [pressed[0], [1e300; 3]];
         let fault = renderer.step(&mut state, &Sample::at(&far)).fault.unwrap();
         assert_eq!((fault.fault, fault.tool), (Fault::Overflow, Some(1)));
-        // A leap is not believed, until the next sample confirms it.
+        // A jump is rejected until the next sample confirms it.
         renderer.step(&mut state, &Sample::at(&pressed));
         let leapt = [[0.0, 0.0, 5.0], apart];
         let fault = renderer
@@ -174,10 +174,10 @@ fn a_sample_that_is_no_number_gives_no_force_and_says_whose_it_is() {
     }
 }
 
-/// A light ball on a floor under a tool. Up to what a sub-step can follow it is pushed; beyond, there is no force and its
-/// fault, and never a force that grows.
+/// A light ball on a floor under a tool. If the sub-steps can resolve the contact, the ball is pushed. Otherwise
+/// there is no force but a fault, and never a growing force.
 #[test]
-#[allow(clippy::print_stdout)] // what was measured
+#[allow(clippy::print_stdout)] // prints the measured values
 fn a_damper_that_is_too_strong_for_its_masses_gives_no_force() {
     for (damping, is_followed) in [(10.0, true), (100.0, true), (1e3, false), (1e5, false)] {
         let law = ContactLaw::spring(2000.0).with_damping(damping);
@@ -197,12 +197,12 @@ fn a_damper_that_is_too_strong_for_its_masses_gives_no_force() {
             v += (force - 1.0 - 20.0 * (z - 0.02)) / 0.2 * 0.001;
             z += v * 0.001;
             if z < 0.005 {
-                break; // through the ball, and the floor is another contact
+                break; // through the ball: the floor is another contact
             }
         }
         println!("{damping} N s/m: at most {most:.2} N, {faults} samples without a force");
         assert_eq!(faults == 0, is_followed, "{damping}: {faults}");
-        // At 0.2 m/s a damper of 1000 N s/m alone pushes by 200 N.
+        // At 0.2 m/s a damper of 1000 N s/m alone gives 200 N.
         assert!(most < 80.0, "{damping}: {most}");
     }
 }

@@ -1,4 +1,4 @@
-//! The books of energy balance, whatever the devices do.
+//! Energy ledger for arbitrary device motions.
 
 use palpate_world::{
     BasicParams, Body, Books, ContactLaw, CoupledParams, Free, GodObjectParams, Motion, Prior,
@@ -12,7 +12,7 @@ use crate::ideal::{Ball, Ideal, Law, hold};
 
 const MASS: Vector = [0.1, 0.16, 0.25];
 
-/// Two tools, two balls, a box that falls on its corner and a floor.
+/// Returns two tools, two balls, a box that falls on its corner, and a floor.
 fn crowd(law: ContactLaw) -> World {
     let heavy = |mass: f64| Free::of_mass(mass).pulled_by([0.0, 0.0, -9.81 * mass]);
     let block = Shape::Box {
@@ -40,12 +40,12 @@ fn crowd(law: ContactLaw) -> World {
                 between: [palpate_world::Party::Any, palpate_world::Party::Any],
                 law,
             },
-            // A box and a ball do not meet here.
+            // No contact between the box and a ball.
         ],
     }
 }
 
-/// Devices that are pulled down and across, in hands.
+/// Returns devices that are pulled down and sideways by hands.
 fn devices(hand: (f64, f64)) -> Ideal {
     let device = |position: Vector, force: Vector| Ball {
         position,
@@ -69,7 +69,7 @@ fn devices(hand: (f64, f64)) -> Ideal {
 
 const ALL_AXES: [[bool; 3]; 2] = [[true; 3]; 2];
 
-/// Runs the crowd; the energy of all bodies at the start, and the state at the end.
+/// Runs the crowd. Returns the initial energy of all bodies, and the final state.
 fn run(
     method: impl Into<WorldMethod>,
     law: ContactLaw,
@@ -80,7 +80,7 @@ fn run(
     run_along(ALL_AXES, method, law, hand, (quantum, limits))
 }
 
-/// The same with motors along these axes of each device only. Along the others its hand moves it.
+/// Runs the crowd with motors only along these axes of each device; along the others the hand moves it.
 fn run_along(
     axes: [[bool; 3]; 2],
     method: impl Into<WorldMethod>,
@@ -115,7 +115,7 @@ fn run_along(
     (at_start, state)
 }
 
-/// What was turned over: the sum of the sizes of all entries.
+/// Returns the turnover: the sum of the magnitudes of all entries.
 fn turnover(books: &Books) -> f64 {
     let contacts = books
         .contacts
@@ -180,17 +180,17 @@ fn every_identity_of_the_books_holds_to_rounding() {
         let sum = |of: fn(&palpate_world::ContactBook) -> f64| -> f64 {
             books.contacts.iter().map(of).sum()
         };
-        // (a) What bodies and contacts have is what the avatars gave.
+        // (a) Bodies and contacts have the energy given by the proxies.
         let balance = Balance::since(at_start, &state);
         let (a, step_errors) = (balance.world, balance.steps);
-        // (b) A port's work is that of its contacts' mean forces.
+        // (b) The work of a port is that of its contacts' mean forces.
         let b = books
             .devices
             .iter()
             .map(|book| book.port_work + book.carried - book.held - book.unforeseen);
         let b: f64 = b.sum::<f64>() + books.devices.iter().map(|book| book.held).sum::<f64>()
             - sum(|book| book.held);
-        // (c) The leaks are the offsets' account.
+        // (c) The leaks equal the offset entries.
         let offsets = books
             .devices
             .iter()
@@ -210,7 +210,7 @@ fn every_identity_of_the_books_holds_to_rounding() {
             books.devices.iter().all(|book| book.held.abs() > 1e-4),
             "every tool has met something"
         );
-        // Only what is moved along an axis that it lacks has something carried by its mechanism.
+        // A mechanism carries work only for a tool that moves along an axis that its device lacks.
         let carried = books.devices.iter().map(|book| book.carried.abs());
         let most = carried.fold(0.0, f64::max);
         assert_eq!(most > 1e-4 * turned_over, axes == in_a_plane, "{most}");
@@ -219,7 +219,7 @@ fn every_identity_of_the_books_holds_to_rounding() {
         if is_coupled {
             assert!(c.abs() < 1e-10 * turned_over, "{c}");
         }
-        // The identities hold whatever the sub-steps are off by; so that has to be small.
+        // The identities hold for any sub-step error, so the error must be checked separately.
         assert!(step_errors.abs() < 2e-3 * turned_over, "{step_errors}");
     }
 }
@@ -245,7 +245,7 @@ fn damping_and_friction_only_take() {
     }
 }
 
-/// With a constant force of the hand, the leak of the port is that force times the change of the offset.
+/// With a constant hand force, the leak at the port is this force times the change of the offset.
 #[test]
 fn with_a_constant_hand_the_leak_is_its_force_times_the_offset() {
     let law = ContactLaw::spring(3000.0)
@@ -273,8 +273,9 @@ fn with_a_constant_hand_the_leak_is_its_force_times_the_offset() {
     }
 }
 
-/// A tool whose device lacks z is moved down into a springy floor and up again, by whoever moves the mechanism: the books say what
-/// it carries, and no energy is created. Nothing is carried while it stays.
+/// A tool whose device lacks z is moved along z into a springy floor and back by an external motion of the mechanism.
+/// The ledger has the work that the mechanism carries, and no energy is generated. Nothing is carried while the tool
+/// is at rest.
 #[test]
 fn what_the_mechanism_of_a_device_carries_is_what_the_contact_stores() {
     let law = ContactLaw::spring(2000.0);
@@ -313,7 +314,7 @@ fn what_the_mechanism_of_a_device_carries_is_what_the_contact_stores() {
             let stored = 0.5 * 2000.0 * depth.max(0.0).powi(2);
             deepest = deepest.max(stored);
             let carried = state.books().devices[0].carried;
-            // A force that is held from sample to sample is a step late.
+            // A force that is held between samples is one step late.
             let most = if is_sampled { 4e-5 } else { 1e-9 };
             assert!(
                 (carried + stored).abs() < most,
@@ -327,10 +328,10 @@ fn what_the_mechanism_of_a_device_carries_is_what_the_contact_stores() {
     }
 }
 
-/// A device without a hand falls on a springy floor and bounces: what it has gained when it flies again is what the held
-/// forces created, that of a damper among them.
+/// A device without a hand falls on a springy floor and bounces. Its gain in energy once it flies again is the energy
+/// generated by the held forces, including that of a damper.
 #[test]
-#[allow(clippy::print_stdout)] // what was measured
+#[allow(clippy::print_stdout)] // prints the measured values
 fn what_held_forces_created_is_what_the_device_has_gained() {
     let (period, mass, weight) = (0.002, 0.2, 2.0);
     for (name, method) in [
@@ -372,7 +373,7 @@ fn what_held_forces_created_is_what_the_device_has_gained() {
                 .step(&mut state, &Sample::at(&[[0.0, 0.0, z]]))
                 .forces[0][2];
             is_down |= z < 0.005;
-            // It flies again, and the interval before this sample, the last with a force, has ended.
+            // It flies again, and the last interval with a force has ended.
             if is_down && z > 0.007 && force == 0.0 {
                 break;
             }

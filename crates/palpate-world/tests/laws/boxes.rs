@@ -1,4 +1,4 @@
-//! Boxes on boxes: stiffness, conservation, books, and a stack that rests.
+//! Box contacts: stiffness, conservation, energy ledger, and a resting stack.
 
 use palpate_world::{
     Body, ContactLaw, CoupledParams, Free, Motion, Sample, Shape, Tool, Vector, World, WorldLoop,
@@ -22,7 +22,7 @@ fn about_z(angle: f64) -> [f64; 4] {
     [(0.5 * angle).cos(), 0.0, 0.0, (0.5 * angle).sin()]
 }
 
-/// A box that falls on a large fixed box moves as it does on a half-space, to round-off: K means the same.
+/// A box on a large fixed box moves as on a half-space, to rounding: K has the same meaning.
 #[test]
 fn a_large_box_pushes_as_a_half_space() {
     let law = ContactLaw::spring(5000.0)
@@ -67,7 +67,8 @@ fn a_large_box_pushes_as_a_half_space() {
     assert!(pushed > 100, "{pushed}");
 }
 
-/// The box of a device of six axes, led along the same way over a fixed box and over a half-space: the same force and torque.
+/// The box of a six-axis device, on the same prescribed path over a fixed box and over a half-space: same force and
+/// torque.
 #[test]
 fn a_turning_tool_feels_a_fixed_box_as_a_half_space_and_a_free_box_by_its_face() {
     let law = ContactLaw::spring(5000.0)
@@ -160,8 +161,8 @@ fn stack(law: ContactLaw) -> World {
     world(0.005, bodies, law)
 }
 
-/// A tool pushes the middle box sideways, falls over the stack and throws it down: each contact's books, and what the points
-/// of a pair hand to each other.
+/// A tool pushes the middle box sideways, falls onto the stack and knocks it over: ledger of each contact, and the
+/// transfers between the points of a pair.
 #[test]
 fn the_books_of_a_stack_that_is_knocked_over_balance() {
     let law = ContactLaw::spring(4000.0)
@@ -193,8 +194,8 @@ fn the_books_of_a_stack_that_is_knocked_over_balance() {
     balance.holds_to(1e-13, 2e-3);
 }
 
-/// For 10 s. The bristles of friction have no damping, so the boxes sway a little for long: where each box is in the mean, and how
-/// fast it moves.
+/// Over 10 s. The friction bristles have no damping, so the boxes sway for a long time. Compared are the mean
+/// position and the speed of each box.
 #[test]
 fn a_stack_rests() {
     let law = ContactLaw::spring(8000.0)
@@ -202,7 +203,7 @@ fn a_stack_rests() {
         .with_friction(0.5);
     let renderer = renderer(&stack(law));
     let mut state = renderer.start();
-    // Mean place of each box, and the largest speed, over a second.
+    // Mean position of each box and largest speed over a second.
     let second = |state: &mut WorldState| {
         let mut means = [[0.0; 3]; 4];
         let mut fastest = 0.0_f64;

@@ -1,4 +1,4 @@
-//! Capsules on boxes, capsules, cylinders and hulls: beside a half-space, conservation, books.
+//! Capsules on boxes, capsules, cylinders and hulls: comparison with a half-space, conservation, energy ledger.
 
 use palpate_world::{
     Body, ContactLaw, CoupledParams, Free, Motion, Sample, Shape, WorldLoop, WorldRenderer,
@@ -14,7 +14,7 @@ const ROD: Shape = Shape::Capsule {
     half_length: 0.025,
 };
 
-/// What a capsule meets in a case.
+/// Returns the other shape of a case.
 fn other(kind: &str, case: u32) -> Shape {
     let half_length = 0.02 + 0.015 * part(case, 0.618);
     match kind {
@@ -44,7 +44,8 @@ fn a_capsule_and_another_solid_conserve_momentum_angular_momentum_and_energy() {
     }
 }
 
-/// A capsule that falls, rolls and slides on a large fixed box moves as on a half-space, to round-off: K means the same.
+/// A capsule that falls, rolls and slides on a large fixed box moves as on a half-space, to rounding: K has the same
+/// meaning.
 #[test]
 fn a_large_box_bears_a_capsule_as_a_half_space_does() {
     let law = ContactLaw::spring(5000.0)
@@ -59,7 +60,7 @@ fn a_large_box_bears_a_capsule_as_a_half_space_does() {
         .at([0.0, 0.0, 0.045])
         .turned(turned(0.1, 0.7, 0.05));
     let table = Body::new("table", box_of([0.5, 0.4, 0.3]), Motion::Fixed).at([0.02, 0.01, -0.3]);
-    // How many sub-steps an interval has depends on what is near, which is asked of the two in different ways.
+    // The number of sub-steps depends on the proximity query, which differs between the two shapes.
     let mut in_loop = WorldLoop::new(0.001);
     in_loop.sub_steps.least = in_loop.sub_steps.most;
     let renderers = [table, plane("table", [0.0, 0.0, 1.0])].map(|below| {
@@ -87,7 +88,7 @@ fn a_large_box_bears_a_capsule_as_a_half_space_does() {
     assert!(pushed[1] > 5 && pushed[2] > 50, "{pushed:?}");
 }
 
-/// A tool rolls a log off a block that lies across another log: each contact's books, and those of the world.
+/// A tool rolls a log off a block that lies across another log: ledgers of each contact and of the world.
 #[test]
 fn the_books_of_logs_that_are_pushed_about_balance() {
     let law = ContactLaw::spring(4000.0)

@@ -1,4 +1,4 @@
-//! A world that is changed while it runs: what stays goes on as it would have, and the books say what came from outside.
+//! Changes of a running world: unchanged elements continue undisturbed, and the ledger has the external energy.
 
 use palpate_world::{
     BasicParams, Body, BodyState, Contact, ContactLaw, ContactState, CoupledParams, Free,
@@ -18,7 +18,7 @@ fn block(name: &str) -> Body {
     Body::new(name, Shape::Box { half_extents }, Motion::Free(free))
 }
 
-/// A block that rests on a floor, with friction.
+/// Returns a block at rest on a floor, with friction.
 pub fn on_floor() -> World {
     let law = ContactLaw::spring(2000.0)
         .with_friction(0.3)
@@ -49,7 +49,7 @@ pub fn methods() -> [WorldMethod; 4] {
     ]
 }
 
-/// A tool that pushes the block from the side, from sample to sample.
+/// Returns the tool position at a sample; the tool pushes the block from the side.
 pub fn pushed(sample: usize) -> [Vector; 1] {
     let way = 1e-3 * f64::from(u16::try_from(sample).unwrap_or(u16::MAX)) * 0.05;
     [[-HALF - 0.006 + way, 0.003, HALF]]
@@ -61,7 +61,7 @@ pub fn start(world: &World, method: WorldMethod) -> (WorldRenderer, WorldState) 
     (renderer, state)
 }
 
-/// Each book says where its energy comes from, over the whole run.
+/// Asserts that each ledger is balanced over the whole run.
 pub fn assert_balanced(state: &WorldState, kinetic_at_start: f64) {
     let books = state.books();
     let mut sum = -kinetic_at_start;
@@ -119,7 +119,7 @@ fn a_body_that_comes_and_goes_leaves_the_others_alone() {
         let (mut renderer, mut state) = start(&world, method.clone());
         let (other, mut beside) = start(&world, method.clone());
         let mut more = world.clone();
-        // Before the block, so that all numbers change, and with a contact of its own.
+        // Inserted before the block, so that all indices change, and with its own contact.
         let flying = Free::of_mass(0.02).moving([0.0, 0.5, 0.0]);
         more.bodies
             .insert(0, ball("guest", 0.01, flying).at([0.0, 1.0, 1.0]));
@@ -203,9 +203,9 @@ fn a_contact_that_gets_stiffer_books_the_energy_of_it() {
     }
 }
 
-/// A block on a hinge above it.
+/// Returns a block on a hinge above it.
 pub fn pendulum() -> World {
-    // The spring knows the angle.
+    // The spring makes the angle observable.
     let law = JointLaw {
         spring: 0.02,
         ..JointLaw::of(2e4, 0.03)
@@ -256,7 +256,7 @@ fn a_joint_goes_on_at_its_coordinate_and_a_new_one_begins_as_the_bodies_stand() 
     }
     assert!(state.bodies()[1].position[0].abs() > 1e-3, "it swings");
     assert_balanced(&state, kinetic);
-    // Without its hinge it falls, and with a new one it hangs from where it is.
+    // Without its hinge it falls; with a new one it hangs from its current position.
     let mut free = more.clone();
     free.joints.clear();
     (renderer, state) = renderer.changed(&state, &free).expect("no joint");
@@ -319,7 +319,7 @@ fn a_body_is_put_elsewhere() {
         for sample in 0..400 {
             renderer.step(&mut state, &Sample::at(&pushed(sample)));
         }
-        // As deep in the floor, but somewhere else: friction holds it nowhere yet.
+        // At the same depth in the floor but elsewhere, without a friction anchor.
         let still = state.bodies()[1];
         let [x, y, z] = still.position;
         let beside = BodyState {
@@ -356,7 +356,7 @@ fn a_body_is_put_elsewhere() {
         for contact in state.contacts().iter().filter(of_tool) {
             assert_eq!(contact.mode, Mode::Free, "{}: {contact:?}", method.name());
         }
-        // The damper of a virtual coupling drags its avatar along.
+        // The damper of a virtual coupling drags its proxy along.
         let drag = if method.name() == "virtual-coupling" {
             0.1
         } else {

@@ -1,4 +1,4 @@
-//! One body, one contact, one line: the core has that in closed form.
+//! Comparison with the closed form of the core: one body, one contact, one dimension.
 
 use palpate_world::{
     BasicParams, Body, ContactLaw, CoupledParams, Free, Motion, Prior, Sample, Shape, SubSteps,
@@ -13,8 +13,8 @@ const BALL: f64 = 0.08;
 const STIFFNESS: f64 = 400.0;
 const RADIUS: f64 = 0.02;
 
-/// The largest difference of the forces of world and core over 400 samples of a ball that is juggled, as a part of the
-/// largest force, and how many samples had a force.
+/// Returns the largest difference between the forces of world and core over 400 samples of a juggled ball, relative
+/// to the largest force, and the number of samples with a force.
 fn difference(sub_steps: SubSteps) -> (f64, usize) {
     let weight = -9.81 * BALL;
     let free = Free::of_mass(BALL).pulled_by([0.0, 0.0, weight]);
@@ -76,8 +76,8 @@ fn along_a_line_the_forces_are_those_of_the_cores_closed_form() {
     assert!(as_it_comes < 1e-3, "{as_it_comes}");
 }
 
-/// A block that friction holds, with a damped bristle: x = v/w sin(w t) exp(-g t) with g = B_t/(2m), w^2 = k_t/m - g^2. The ledger
-/// has the energy that it loses.
+/// A block held by friction with a damped bristle: x = v/w sin(w t) exp(-g t) with g = B_t/(2m), w^2 = k_t/m - g^2.
+/// The ledger has the dissipated energy.
 #[test]
 fn a_block_that_friction_holds_swings_by_the_damping_of_its_bristle() {
     let (mass, speed, stiffness, damping) = (0.05, 0.01, 2000.0, 2.0);

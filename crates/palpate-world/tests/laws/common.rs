@@ -1,4 +1,4 @@
-//! Worlds that several laws are tested on.
+//! Worlds shared by several tests.
 
 use palpate_world::{
     Body, Contact, ContactLaw, Free, Motion, Party, Sample, Shape, Tool, Vector, World,
@@ -19,7 +19,7 @@ pub fn plane(name: &str, normal: Vector) -> Body {
     Body::new(name, shape, Motion::Fixed)
 }
 
-/// A world of one point tool and these bodies, all with one law.
+/// Returns a world with one point tool and these bodies, all with one law.
 pub fn world(radius: f64, bodies: Vec<Body>, law: ContactLaw) -> World {
     World {
         joints: Vec::new(),

@@ -1,4 +1,4 @@
-//! What no contact may change: momentum, angular momentum, and, without damping, energy.
+//! Conservation of momentum and angular momentum in contacts, and of energy without damping.
 
 use palpate_world::{
     BasicParams, Body, ContactLaw, Free, Motion, Shape, SubSteps, Vector, WorldLoop, WorldRenderer,
@@ -10,7 +10,7 @@ use crate::common::{ball, leave_alone, plane, world};
 
 const MASSES: [f64; 2] = [0.1, 0.3];
 
-/// Two balls that meet off their centres, one of which spins.
+/// Returns two balls that collide off-centre, one of them spinning.
 fn meeting(law: ContactLaw) -> (WorldRenderer, WorldState) {
     let mut spinning = Free::of_mass(MASSES[0]).moving([0.5, 0.0, 0.0]);
     spinning.angular_velocity = [3.0, -20.0, 7.0];
@@ -68,7 +68,7 @@ fn a_collision_keeps_momentum_and_angular_momentum_with_friction_and_damping_too
         off[0], off[1]
     );
     assert!(off[0] < 1e-15 && off[1] < 1e-16, "{off:?}");
-    // They have met, and friction has turned the one that was still.
+    // They have collided, and friction has rotated the ball that was at rest.
     let moved = state.bodies()[1];
     assert!(distance(moved.velocity, still.velocity) > 0.05);
     assert!(distance(moved.angular_velocity, still.angular_velocity) > 0.1);
@@ -93,8 +93,8 @@ fn a_collision_keeps_energy_without_damping_and_friction_and_loses_it_with_them(
     assert!(damped > 0.01 && rubbed > 0.01, "{damped} {rubbed}");
 }
 
-/// A box that tumbles about its middle axis, which is unstable: its angular momentum stays what it is, its angular
-/// velocity does not.
+/// A box that tumbles about its middle axis, which is unstable: its angular momentum is constant, its angular
+/// velocity is not.
 #[test]
 fn a_tumbling_box_keeps_its_angular_momentum() {
     let shape = Shape::Box {
@@ -108,7 +108,7 @@ fn a_tumbling_box_keeps_its_angular_momentum() {
     let renderer = WorldRenderer::new(&world, WorldLoop::new(0.001), BasicParams::default());
     let renderer = renderer.unwrap();
     let mut state = renderer.start();
-    // By pose and angular velocity, as anybody can read them.
+    // From the public pose and angular velocity.
     let spin = |state: &WorldState| {
         let body = state.bodies()[0];
         let [w, x, y, z] = body.orientation;
@@ -134,7 +134,7 @@ fn a_tumbling_box_keeps_its_angular_momentum() {
     assert!(least < -7.0, "it has not tumbled: {least}");
 }
 
-/// A vector turned by a unit quaternion.
+/// Rotates a vector by a unit quaternion.
 fn turned([w, x, y, z]: [f64; 4], [a, b, c]: Vector) -> Vector {
     let cross = |[u, v, t]: Vector| [y * t - z * v, z * u - x * t, x * v - y * u];
     let once = cross([a, b, c]);
@@ -146,7 +146,7 @@ fn turned([w, x, y, z]: [f64; 4], [a, b, c]: Vector) -> Vector {
     ]
 }
 
-/// Half the sub-steps, four times the error: the method is of second order, with damping and friction too.
+/// Half the sub-steps give four times the error: the method is of second order, also with damping and friction.
 #[test]
 fn the_integration_is_of_second_order() {
     let velocity = |law, count| {
@@ -157,7 +157,7 @@ fn the_integration_is_of_second_order() {
                 free.angular_velocity = [0.0, 0.0, 3.0];
                 free
             })
-            // It begins in contact, so that no beginning falls between two sub-steps.
+            // It starts in contact, so that no contact begins within a sub-step.
             .at([0.0, 0.0, 0.0199]),
         ];
         let mut in_loop = WorldLoop::new(0.001);

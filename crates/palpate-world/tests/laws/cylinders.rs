@@ -1,4 +1,4 @@
-//! Cylinders on half-spaces, boxes, hulls and cylinders: stiffness, rolling, twist, conservation, books.
+//! Cylinders on half-spaces, boxes, hulls and cylinders: stiffness, rolling, twist, conservation, energy ledger.
 
 use palpate_world::{
     Body, ContactLaw, CoupledParams, Free, Motion, Sample, Shape, Vector, WorldLoop, WorldRenderer,
@@ -35,7 +35,7 @@ fn can(free: Free, position: Vector) -> Body {
     Body::new("can", CAN, Motion::Free(free)).at(position)
 }
 
-/// What a cylinder meets in a case.
+/// Returns the other shape of a case.
 fn other(kind: &str, case: u32) -> Shape {
     match kind {
         "boxes" => box_of([0.015, 0.025, 0.02]),
@@ -60,7 +60,7 @@ fn a_cylinder_and_another_solid_conserve_momentum_angular_momentum_and_energy() 
     }
 }
 
-/// How far a cylinder that is turned so sinks from where it touches a floor by nothing, in the mean of its swings `[m]`.
+/// Returns the mean depth to which a cylinder with this orientation sinks from first contact with a floor `[m]`.
 fn sinks(orientation: [f64; 4], height: f64) -> f64 {
     let law = ContactLaw::spring(K).with_damping(60.0);
     let bodies = vec![
@@ -88,23 +88,23 @@ fn k_is_the_stiffness_of_a_cylinder_that_stands_and_half_of_it_of_one_that_lies(
     assert!((lying * 0.5 * K / WEIGHT - 1.0).abs() < 1e-7, "{lying}");
 }
 
-/// On a slope a cylinder rolls at two thirds of what it would slide at without friction.
+/// On a slope a cylinder rolls with two thirds of the acceleration of frictionless sliding.
 #[test]
 fn a_cylinder_rolls_down_a_slope() {
     let (sine, cosine) = (0.2_f64, 0.96_f64.sqrt());
     let law = ContactLaw::spring(K).with_damping(4.0).with_friction(0.8);
-    // The floor is level and the weight leans along y, which the can rolls along.
+    // The floor is level and the weight leans along y, the rolling direction of the can.
     let leaning = Free::of_mass(MASS).pulled_by([0.0, WEIGHT * sine, -WEIGHT * cosine]);
     let at_rest = RADIUS - WEIGHT * cosine / (0.5 * K);
     let bodies = vec![
         plane("floor", [0.0, 0.0, 1.0]),
-        // Its axis along x.
+        // Axis along x.
         can(leaning, [0.0, 0.0, at_rest]).turned([LYING[0], 0.0, LYING[0], 0.0]),
     ];
     let renderer = renderer(&world(0.005, bodies, law));
     let mut state = renderer.start();
     let speed = |state: &WorldState| state.bodies()[1].velocity[1];
-    // The bristles swing until the can rolls.
+    // The bristles oscillate until the can rolls.
     leave_alone(&renderer, &mut state, 300);
     let before = speed(&state);
     leave_alone(&renderer, &mut state, 700);
@@ -113,12 +113,12 @@ fn a_cylinder_rolls_down_a_slope() {
     let body = state.bodies()[1];
     println!("rolls at {:.5} of 2/3 g sin", rate / wanted);
     assert!((rate / wanted - 1.0).abs() < 5e-3, "{rate} {wanted}");
-    // Several turns, without a way aside.
+    // Several turns without a sideways displacement.
     assert!(body.position[1] > 8.0 * RADIUS, "{body:?}");
     assert!(body.position[0].abs() < 1e-9, "{body:?}");
 }
 
-/// A cylinder that stands and is twisted sticks: it turns by what the bristles give way, and back.
+/// A standing cylinder sticks under a twist: it rotates by the deflection of the bristles, and back.
 #[test]
 fn a_standing_cylinder_holds_a_twist() {
     let law = ContactLaw::spring(K).with_damping(20.0).with_friction(0.5);
@@ -143,14 +143,14 @@ fn a_standing_cylinder_holds_a_twist() {
         most = most.max(angle(&state) - start);
         least = least.min(angle(&state) - start);
     }
-    // Inertia m r^2/2 on bristles K r^2: a swing of amplitude w sqrt(m/2K).
+    // Inertia m r^2/2 on bristles K r^2: an oscillation with amplitude w sqrt(m/2K).
     let swing = (MASS / (2.0 * K)).sqrt();
     println!("a twist of 1 rad/s: from {least:.5} to {most:.5}, a swing of {swing:.5} rad");
     assert!((most / swing - 1.0).abs() < 0.02, "{most} {swing}");
     assert!((least / -swing - 1.0).abs() < 0.02, "{least} {swing}");
 }
 
-/// A cylinder that falls, tips and rolls on a large fixed box moves as on a half-space: K means the same.
+/// A cylinder that falls, tips and rolls on a large fixed box moves as on a half-space: K has the same meaning.
 #[test]
 fn a_large_box_bears_a_cylinder_as_a_half_space_does() {
     let law = ContactLaw::spring(K).with_damping(4.0).with_friction(0.4);
@@ -161,7 +161,7 @@ fn a_large_box_bears_a_cylinder_as_a_half_space_does() {
     };
     let falls = can(free, [0.0, 0.0, 0.04]).turned(turned(0.02, 0.05, 0.05));
     let table = Body::new("table", box_of([0.5, 0.4, 0.3]), Motion::Fixed).at([0.02, 0.01, -0.3]);
-    // How many sub-steps an interval has depends on what is near, which is asked of the two in different ways.
+    // The number of sub-steps depends on the proximity query, which differs between the two shapes.
     let mut in_loop = WorldLoop::new(0.001);
     in_loop.sub_steps.least = in_loop.sub_steps.most;
     let renderers = [table, plane("table", [0.0, 0.0, 1.0])].map(|below| {
@@ -192,14 +192,14 @@ fn a_large_box_bears_a_cylinder_as_a_half_space_does() {
     );
 }
 
-/// A can on a table stands upright wherever its mass centre is above the table, and tips over the edge where that is beyond it.
+/// A can on a table stands upright if its mass centre is above the table, and tips over the edge if it is beyond it.
 #[test]
 fn a_cylinder_tips_over_an_edge_only_where_its_mass_centre_is_beyond_it() {
     let law = ContactLaw::spring(K).with_damping(20.0).with_friction(0.5);
     let upright = |x: f64| {
         let bodies = vec![
             Body::new("table", box_of([0.15, 0.1, 0.05]), Motion::Fixed).at([0.0, 0.0, -0.05]),
-            // A little off upright, so that it has to come back.
+            // Slightly tilted, so that it has to return.
             can(heavy(), [x, 0.03, HALF_LENGTH - WEIGHT / K]).turned(turned(3e-4, 4e-4, 0.0)),
         ];
         let renderer = renderer(&world(0.005, bodies, law));
@@ -219,7 +219,7 @@ fn a_cylinder_tips_over_an_edge_only_where_its_mass_centre_is_beyond_it() {
     assert!(upright(0.151) < 0.9, "{}", upright(0.151));
 }
 
-/// The same of one that lies across a narrow post.
+/// The same test for a cylinder that lies across a narrow post.
 #[test]
 fn a_cylinder_across_a_post_tips_only_where_its_mass_centre_is_beyond_it() {
     let law = ContactLaw::spring(K).with_damping(20.0).with_friction(0.5);
@@ -233,7 +233,7 @@ fn a_cylinder_across_a_post_tips_only_where_its_mass_centre_is_beyond_it() {
         let mut state = renderer.start();
         leave_alone(&renderer, &mut state, 400);
         let [w, x, y, z] = state.bodies()[1].orientation;
-        // How far the axis rises over its length.
+        // Rise of the axis relative to its length.
         (w * w - x * x - y * y + z * z).abs()
     };
     for x in [0.0, 0.005, -0.009] {
@@ -245,7 +245,7 @@ fn a_cylinder_across_a_post_tips_only_where_its_mass_centre_is_beyond_it() {
     assert!(tilt(0.011) > 0.05, "{}", tilt(0.011));
 }
 
-/// A tool pushes cans about: each contact's books, and those of the world.
+/// A tool pushes cans around: ledgers of each contact and of the world.
 #[test]
 fn the_books_of_cylinders_that_are_pushed_about_balance() {
     let law = ContactLaw::spring(4000.0)

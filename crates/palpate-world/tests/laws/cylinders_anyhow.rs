@@ -1,4 +1,4 @@
-//! Cylinders, boxes, hulls and balls of any size and weight, thrown at each other anyhow: books, no fault, the same each time.
+//! Random collisions of cylinders, boxes, hulls and balls of any size and weight: ledger, faults and determinism.
 
 use palpate_world::{
     BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Motion, Party, Sample, Shape,
@@ -17,11 +17,11 @@ fn cylinder(radius: f64, half_length: f64) -> Shape {
     }
 }
 
-/// Numbers of a case.
+/// Random numbers of a case.
 struct Numbers(u64);
 
 impl Numbers {
-    /// From 0 to 1.
+    /// Returns a number from 0 to 1.
     fn next(&mut self) -> f64 {
         let grown = self.0.wrapping_mul(6_364_136_223_846_793_005);
         self.0 = grown.wrapping_add(1_442_695_040_888_963_407);
@@ -32,7 +32,7 @@ impl Numbers {
         [0; 3].map(|_| size * (2.0 * self.next() - 1.0))
     }
 
-    /// From `least` to `most`, as often in each part of ten.
+    /// Returns a log-uniform number from `least` to `most`.
     fn between(&mut self, least: f64, most: f64) -> f64 {
         least * (most / least).powf(self.next())
     }
@@ -41,7 +41,7 @@ impl Numbers {
         (self.next() * count as f64) as usize
     }
 
-    /// More than half of them are cylinders, and some of these discs and needles.
+    /// Returns a shape: more than half are cylinders, including discs and needles.
     fn shape(&mut self) -> Shape {
         let size = self.between(0.003, 0.03);
         match self.below(7) {
@@ -75,7 +75,8 @@ impl Numbers {
         body.turned(turned(a, b, c))
     }
 
-    /// Two to four bodies, a tool that turns and mostly a floor, in as many pairs as the points of contact allow.
+    /// Returns two to four bodies, a tool that turns and usually a floor, with as many pairs as the contact points
+    /// allow.
     fn world(&mut self) -> World {
         let mut law = ContactLaw::spring(self.between(500.0, 50_000.0));
         if self.below(3) > 0 {
@@ -117,17 +118,17 @@ impl Numbers {
     }
 }
 
-/// How a run went.
+/// Outcome of a run.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Debug)]
 enum Went {
-    /// The sub-steps there are followed it.
+    /// The sub-steps resolved the motion.
     Well,
-    /// It was too fast for them, which is said.
+    /// The motion was reported as too fast for the sub-steps.
     TooFast,
     Fault,
 }
 
-/// The state after a while; a fault comes only after it was said that the world is too fast.
+/// Returns the final state. A fault must be preceded by a report that the world is too fast.
 fn run(world: &World, period: f64, method: WorldMethod, case: u32) -> (WorldState, Went) {
     let renderer = WorldRenderer::new(world, WorldLoop::new(period), method).unwrap();
     let mut state = renderer.start();

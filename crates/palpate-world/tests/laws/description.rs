@@ -1,4 +1,4 @@
-//! What a world says of itself: which law holds for a pair, and what is wrong with it.
+//! World descriptions: contact law of a pair, and faults.
 #![allow(missing_docs)]
 
 use palpate_world::{

@@ -1,4 +1,4 @@
-//! Contact with the bodies of another engine: the forces are those of a world that palpate moves itself.
+//! Contact with the bodies of another engine: the forces equal those of a world that palpate simulates.
 
 use palpate::Fault;
 use palpate_world::engine::{
@@ -15,7 +15,7 @@ const MASS: f64 = 0.06;
 const RADIUS: f64 = 0.02;
 const WEIGHT: f64 = -9.81;
 
-/// A device that is moved exactly by a held force and the hand's.
+/// A device that is integrated exactly under the held force and the hand force.
 #[derive(Clone, Copy)]
 struct HandledDevice {
     position: Vector,
@@ -32,7 +32,7 @@ impl HandledDevice {
     }
 }
 
-/// A ball in an engine of its own: only a wrench moves it.
+/// A ball in its own engine, moved only by a wrench.
 struct Engine {
     now: BodyNow,
     stepping: Stepping,
@@ -66,7 +66,7 @@ impl Engine {
                 }
             };
             self.now.velocity[axis] = after;
-            // A ball looks the same however it is turned.
+            // The orientation of a ball is irrelevant.
             self.now.angular_velocity[axis] +=
                 h * self.now.mobility[axis + 3][axis + 3] * wrench.torque[axis];
         }
@@ -103,7 +103,7 @@ fn engine_renderer_of(
     EngineRenderer::new(&[tool], &[ball], stepping, WorldLoop::new(period), params()).unwrap()
 }
 
-/// Forces on the device, sample by sample, with the ball in an engine of its own that steps `steps` times a period.
+/// Returns the device forces per sample for a ball in its own engine with `steps` steps per period.
 fn with_engine(
     law: ContactLaw,
     (period, steps): (f64, u32),
@@ -147,7 +147,7 @@ fn with_engine_of(
     (forces, state, given)
 }
 
-/// The same with the ball in a world that palpate moves.
+/// Returns the forces for a ball in a world that palpate simulates.
 fn with_world(law: ContactLaw, period: f64, samples: usize) -> Vec<Vector> {
     with_world_of(tool(), law, period, samples)
 }
@@ -181,7 +181,7 @@ fn with_world_of(tool: Tool, law: ContactLaw, period: f64, samples: usize) -> Ve
     forces
 }
 
-/// Root mean square of the difference over that of `right`, in percent.
+/// Returns the root mean square of the difference relative to that of `right`, in percent.
 fn difference(forces: &[Vector], right: &[Vector]) -> f64 {
     let (mut off, mut sum) = (0.0, 0.0);
     for (one, other) in forces.iter().zip(right) {
@@ -194,10 +194,10 @@ fn difference(forces: &[Vector], right: &[Vector]) -> f64 {
     100.0 * (off / sum).sqrt()
 }
 
-/// A ball is juggled: with a ball in an engine of its own the forces are those of a world, whose held forces are the
-/// means of the ideal ones.
+/// A juggled ball: with a ball in its own engine the forces equal those of a world, whose held forces are the means
+/// of the ideal ones.
 #[test]
-#[allow(clippy::print_stdout)] // what was measured
+#[allow(clippy::print_stdout)] // prints the measured values
 fn an_engine_s_ball_gives_the_forces_of_a_world() {
     let soft = ContactLaw::spring(400.0);
     let hard = ContactLaw::spring(4000.0);
@@ -265,8 +265,8 @@ fn an_engine_s_ball_gives_the_forces_of_a_world() {
     }
 }
 
-/// The same with a device that lacks x, along which its hand moves it: no force is asked of it there, and the ball is pushed all
-/// the same.
+/// A device that lacks x, along which its hand moves it: no force is commanded along x, and the ball is pushed
+/// nevertheless.
 #[test]
 fn a_device_that_lacks_an_axis_meets_an_engine_s_ball_as_one_of_a_world() {
     let in_a_plane = || tool().along([false, true, true]);
@@ -282,11 +282,11 @@ fn a_device_that_lacks_an_axis_meets_an_engine_s_ball_as_one_of_a_world() {
     assert!(state.books().devices[0].carried != 0.0);
 }
 
-/// What the ball is given, the device is given, with the opposite sign.
+/// Ball and device receive opposite impulses.
 #[test]
 fn body_and_device_are_given_the_same_impulse() {
     let (period, law) = (0.01, ContactLaw::spring(400.0));
-    // Until the ball has left the tool and what was owed is paid.
+    // Run until the ball has left the tool and the residual impulse is delivered.
     let (forces, state, given) = with_engine(law, (period, 4), Stepping::MeanVelocity, 24);
     let held: f64 = forces.iter().map(|force| force[2] * period).sum();
     assert!(given[2] > 0.05, "{given:?}");
@@ -303,8 +303,8 @@ fn body_and_device_are_given_the_same_impulse() {
     assert!(book.step_error.abs() < 1e-3 * turned_over, "{book:?}");
 }
 
-/// Bad numbers give no force, whatever they are in, and a good sample goes on.
-/// A table in the engine holds a ball that a tool presses; a free ball gains the work of the hand. Neither is created energy.
+/// A table in the engine holds a ball that a tool presses; a free ball gains the work of the hand. Neither energy
+/// counts as generated.
 #[test]
 fn a_body_that_the_engine_holds_creates_no_energy() {
     let period = 0.001;
@@ -361,8 +361,8 @@ fn bad_samples_and_bad_states_give_no_force() {
     }
 }
 
-/// Up to the bound at which a computed motion would grow a contact is followed, and refused beyond it: with an engine that steps
-/// once in 1 ms, 26.7 1/kg between device and ball, and 256 sub-steps.
+/// A contact is followed up to the stability bound and rejected beyond it: with one engine step per 1 ms, 26.7 1/kg
+/// between device and ball, and 256 sub-steps.
 #[test]
 fn a_contact_that_is_too_fast_is_refused_and_it_is_said() {
     let of = |stiffness: f64, damping: f64| {
@@ -370,7 +370,7 @@ fn a_contact_that_is_too_fast_is_refused_and_it_is_said() {
         let renderer = engine_renderer(law, 0.001, Stepping::MeanVelocity);
         let mut state = renderer.start();
         let mut engine = Engine::new(Stepping::MeanVelocity);
-        // 0.1 mm of the ball is above the tool, and it falls.
+        // The ball is 0.1 mm above the tool and falls.
         engine.now.position = [0.0, 0.0, RADIUS + 0.0051];
         let (mut refused, mut largest, mut touched) = (0, 0.0_f64, 0);
         let mut device = HandledDevice {
@@ -456,7 +456,7 @@ fn what_cannot_be_rendered_is_said_with_its_name() {
     }
 }
 
-/// A body with one shape, not turned.
+/// Returns a body with one shape and identity orientation.
 fn still(name: &str, shape: Shape) -> EngineBody {
     EngineBody {
         name: name.into(),
@@ -470,7 +470,7 @@ fn still(name: &str, shape: Shape) -> EngineBody {
     }
 }
 
-/// A closed surface with a hollow: an octahedron whose lowest corner is pushed in beyond its middle.
+/// Returns a closed surface with a hollow: an octahedron whose lowest corner is pushed in beyond its centre.
 fn star() -> [Vector; 6] {
     [
         [0.1, 0.0, 0.0],
@@ -493,7 +493,7 @@ const STAR: [[u32; 3]; 8] = [
     [0, 3, 5],
 ];
 
-/// A renderer of a sphere of 5 mm and one fixed shape.
+/// Returns a renderer for a sphere of 5 mm and one fixed shape.
 fn on(shape: Shape) -> EngineRenderer {
     let body = still("body", shape);
     let in_loop = WorldLoop::new(0.001);
@@ -507,7 +507,7 @@ fn on(shape: Shape) -> EngineRenderer {
     .unwrap()
 }
 
-/// Penetration and normal where the sphere stands.
+/// Returns penetration and normal for a sphere at `centre`.
 fn touched(renderer: &EngineRenderer, centre: Vector) -> (f64, Vector) {
     let mut state = renderer.start();
     let mut wrenches = [BodyWrench::default()];
@@ -523,7 +523,7 @@ fn touched(renderer: &EngineRenderer, centre: Vector) -> (f64, Vector) {
     (contact.penetration, contact.normal)
 }
 
-/// Places in a cube of this half side, spread evenly.
+/// Returns evenly distributed positions in a cube with this half side.
 fn places(count: u32, half: f64) -> impl Iterator<Item = Vector> {
     let part = |number: u32, by: f64| (f64::from(number) * by).fract() * 2.0 - 1.0;
     (1..=count).map(move |n| [0.819_172_5, 0.671_043_6, 0.549_700_5].map(|by| half * part(n, by)))
@@ -569,7 +569,7 @@ fn a_convex_mesh_is_touched_as_the_box_that_it_is() {
 
 #[test]
 fn a_ball_of_many_corners_is_touched_as_the_ball_between_its_two_spheres() {
-    // Of single precision, as the vertices of engines are.
+    // In single precision, like the vertices of engines.
     #[expect(clippy::cast_possible_truncation, reason = "that is what is asked for")]
     let single = |x: f64| f64::from(x as f32);
     let on_sphere = |place: Vector| {
@@ -581,7 +581,7 @@ fn a_ball_of_many_corners_is_touched_as_the_ball_between_its_two_spheres() {
     assert!(mesh.vertices().len() > 1900);
     let whole_ball = on(Shape::Sphere { radius: 0.03 });
     let ball = on(Shape::Mesh(mesh.into()));
-    // A face whose corners are 4 mm from its middle lies 0.3 mm within the sphere.
+    // A face whose corners are 4 mm from its centre lies 0.3 mm inside the sphere.
     for place in places(300, 0.035) {
         let (whole, _) = touched(&whole_ball, place);
         let (depth, normal) = touched(&ball, place);

@@ -1,4 +1,4 @@
-//! What the sub-steps leave of an error where an engine moves the bodies: against the same contacts in very fine ones.
+//! Sub-step error with an engine's bodies: comparison with the same contacts in very fine sub-steps.
 
 use palpate_world::engine::{
     BodyNow, BodyWrench, EngineBody, EngineRenderer, PlacedShape, Stepping,
@@ -10,20 +10,20 @@ use palpate_world::{
 const DEVICE: Vector = [0.1, 0.16, 0.25];
 const STEPS: u32 = 4;
 
-/// A point that a hand's force moves, and a body that does not turn.
+/// A point moved by a hand force, and a body that does not rotate.
 struct Scene {
     name: &'static str,
     shape: Shape,
     law: ContactLaw,
-    /// `[kg]`; none: fixed.
+    /// Mass of the body `[kg]`; `None`: fixed.
     mass: Option<f64>,
-    /// Of the body `[m/s^2]`.
+    /// Acceleration of the body by its weight `[m/s^2]`.
     weight: f64,
-    /// Of the tool `[m]`, `[m/s]`.
+    /// Start of the tool: position and velocity `[m]`, `[m/s]`.
     starts: [Vector; 2],
     hand: Vector,
     period: f64,
-    /// Largest E that is allowed `[%]`.
+    /// Largest allowed E `[%]`.
     allowed: f64,
 }
 
@@ -84,7 +84,7 @@ fn scenes() -> [Scene; 4] {
 
 struct Run {
     forces: Vec<Vector>,
-    /// Of each tick, in order of their number.
+    /// Number of sub-steps in each tick, sorted.
     sub_steps: Vec<u32>,
     unrefined: u32,
 }
@@ -150,7 +150,7 @@ fn run(scene: &Scene, sub_steps: SubSteps) -> Run {
     run
 }
 
-/// Root mean square of the difference over that of `right`, in percent.
+/// Returns the root mean square of the difference relative to that of `right`, in percent.
 fn difference(forces: &[Vector], right: &[Vector]) -> f64 {
     let (mut off, mut sum) = (0.0, 0.0);
     for (one, other) in forces.iter().zip(right) {
@@ -188,7 +188,7 @@ fn sub_steps_leave_little_of_an_error_where_an_engine_s_contact_changes() {
         );
         assert!(error < scene.allowed, "{}: {error} %", scene.name);
         assert_eq!(usual.unrefined, 0, "{}", scene.name);
-        // Of each of the engine's steps: 64 and what replaces four of them, at most.
+        // At most 64 per engine step, plus the replacements of four of them.
         assert!(of(100) <= STEPS * (64 + 128), "{counts:?}");
     }
 }

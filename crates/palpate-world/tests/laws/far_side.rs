@@ -1,4 +1,4 @@
-//! A tool that leaves a solid through its far side is found.
+//! Detection of a tool that leaves a solid through its far side.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use palpate_world::{
 
 use crate::common::world;
 
-/// The samples at which the tool has come to the far side of a fixed solid, led along `path`.
+/// Returns the samples at which the tool, on the prescribed `path`, has reached the far side of a fixed solid.
 fn gone_through(shape: &Shape, radius: f64, path: impl Iterator<Item = Vector>) -> Vec<usize> {
     let solid = Body::new("solid", shape.clone(), Motion::Fixed);
     let world = world(radius, vec![solid], ContactLaw::spring(1000.0));
@@ -43,9 +43,9 @@ fn a_tool_that_is_pushed_on_past_the_middle_has_gone_through() {
             half_length: 0.02,
         },
     ];
-    // From 3 cm before it to 3 cm behind it, 1 mm beside its middle, in steps of 0.1 mm.
+    // From 3 cm before the solid to 3 cm behind it, 1 mm beside its centre, in steps of 0.1 mm.
     let across = || (0..600).map(|k| [1e-4 * f64::from(k) - 0.03, 0.001, 0.0]);
-    // To the middle but for 0.5 mm and back.
+    // To 0.5 mm before the centre and back.
     let back = || (0..600_i32).map(|k| [-5e-4 - 1e-4 * f64::from((k - 300).abs()), 0.0, 0.0]);
     for shape in &shapes {
         for radius in [0.0, 0.004] {
@@ -54,14 +54,14 @@ fn a_tool_that_is_pushed_on_past_the_middle_has_gone_through() {
             assert!((295..=315).contains(&found[0]), "{shape:?}: {found:?}");
             assert_eq!(gone_through(shape, radius, back()), [], "{shape:?}");
         }
-        // Round it with the surface, the tool touches all of its sides.
+        // Around the solid along its surface, the tool touches all of its sides.
         let around = (0..3000).map(|k| {
             let (sin, cos) = (2.1e-3 * f64::from(k)).sin_cos();
             [0.0135 * cos, 0.0135 * sin, 0.0]
         });
         assert_eq!(gone_through(shape, 0.004, around), [], "{shape:?}");
     }
-    // A hull is followed along its surface: the force still points to the side of entry.
+    // A hull tracks its surface: the force still points to the side of entry.
     let corners =
         (0..8).map(|k| [0, 1, 2].map(|axis| if k >> axis & 1 == 1 { 0.01 } else { -0.01 }));
     let corners: Vec<Vector> = corners.collect();

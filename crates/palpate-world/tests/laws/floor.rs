@@ -1,4 +1,5 @@
-//! The hold floor: with devices and hands known exactly, each held force is the interval mean of the ideal one.
+//! Zero-order-hold bound: with devices and hands known exactly, each held force is the interval mean of the ideal
+//! one.
 
 use palpate::Actuation;
 use palpate_world::{
@@ -35,7 +36,7 @@ fn free_ball(position: Vector, mass: f64, radius: f64, weight: bool) -> Ball {
     }
 }
 
-/// The same world for the renderer.
+/// Returns the same world for the renderer.
 fn as_world(ideal: &Ideal, law: ContactLaw) -> World {
     let mut bodies: Vec<Body> = Vec::new();
     for (number, one) in ideal.balls.iter().filter(|ball| !ball.is_tool).enumerate() {
@@ -100,7 +101,7 @@ fn cases(law: ContactLaw) -> [Case; 4] {
             law,
             milliseconds: 250,
         },
-        // A ball that rests on the floor, and a tool above.
+        // A ball at rest on the floor, and a tool above.
         Case {
             ideal: ideal(
                 vec![
@@ -143,7 +144,7 @@ fn trial(case: &Case, period: f64, delay: usize) -> Trial {
     }
 }
 
-/// A loop whose integration is as good as exact.
+/// Returns a loop with nearly exact integration.
 fn fine(in_loop: WorldLoop) -> WorldLoop {
     WorldLoop {
         sub_steps: SubSteps {
@@ -156,7 +157,7 @@ fn fine(in_loop: WorldLoop) -> WorldLoop {
     }
 }
 
-/// Coupled rendering that knows the devices and gives no offset back.
+/// Returns coupled rendering with exact device knowledge and without decay of the offset.
 fn exact() -> CoupledParams {
     CoupledParams {
         offset_return: 0.0,
@@ -165,7 +166,7 @@ fn exact() -> CoupledParams {
     }
 }
 
-/// E in percent of the four worlds.
+/// Returns E in percent for the four worlds.
 fn errors(
     law: ContactLaw,
     (period, delay): (f64, usize),
@@ -192,7 +193,7 @@ fn with_devices_known_exactly_each_held_force_is_the_mean_of_the_ideal_one() {
         .flat_map(|law| LOOPS.map(|in_loop| (law, in_loop)))
     {
         let known = errors(law, in_loop, fine, exact());
-        // Without the offset, the avatar begins each interval where the device is.
+        // Without an offset, the proxy starts each interval at the device.
         let without = CoupledParams {
             offset_limit: 1e-12,
             ..exact()
@@ -234,8 +235,8 @@ fn as_it_comes_and_told_another_mass_it_is_near_that_mean() {
     }
 }
 
-/// E in percent over the windows in which the commands act, from `lead` after each sample, with a real actuator of which
-/// the renderer is told `told`.
+/// Returns E in percent over the windows in which the commands act, from `lead` after each sample. `real` is the
+/// actual actuator, `told` the renderer's model.
 fn over_windows(case: &Case, period: f64, real: Actuation<f64>, told: Actuation<f64>) -> f64 {
     let in_loop = fine(WorldLoop::new(period)).with_actuation(told);
     let world = as_world(&case.ideal, case.law);
@@ -252,7 +253,7 @@ fn over_windows(case: &Case, period: f64, real: Actuation<f64>, told: Actuation<
         felt: vec![[0.0; 3]],
         own: vec![tool.force],
     };
-    // The ideal is as far as the first command's beginning when the loop starts.
+    // The ideal starts at the beginning of the first command.
     let early = real.delay % period;
     if early > 0.0 {
         ideal.interval(early);
@@ -273,7 +274,7 @@ fn over_windows(case: &Case, period: f64, real: Actuation<f64>, told: Actuation<
         if actuators.sent.len() > 4 {
             actuators.sent.remove(0);
         }
-        // To the end of the window that began in the last interval, and on to the next sample.
+        // To the end of the window that began in the last interval, then on to the next sample.
         if early > 0.0 {
             let late = actuators.hold(&mut device, now, now + early)[0];
             delivered = [0, 1, 2].map(|axis| delivered[axis] + late[axis]);

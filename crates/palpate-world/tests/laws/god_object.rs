@@ -1,4 +1,5 @@
-//! The god-object: its proxy stays on the surface, friction holds it, and what it pushes gets what the device gives.
+//! God-object: the proxy stays on the surface, friction holds it, and touched bodies receive the opposite of the
+//! device force.
 
 use palpate_world::{
     Body, ContactLaw, Free, GodObjectParams, Mesh, Mode, Motion, Sample, Shape, Tool, Vector,
@@ -22,7 +23,7 @@ fn renderer(bodies: Vec<Body>, friction: f64, damping: f64) -> WorldRenderer {
     WorldRenderer::new(&world, WorldLoop::new(0.001), params(damping)).unwrap()
 }
 
-/// Leads the tool along a line in so many samples; the force at the end.
+/// Moves the tool along a line in a number of samples. Returns the final force.
 fn lead(
     renderer: &WorldRenderer,
     state: &mut WorldState,
@@ -60,7 +61,7 @@ fn the_proxy_stays_on_a_floor_and_at_the_edge_of_a_groove() {
     near(state.tools()[0].avatar_position, [0.02, 0.0, 0.005], 1e-12);
     assert_eq!(state.contacts()[0].penetration, 0.0);
 
-    // Two walls push with K each in other methods; the proxy is coupled once.
+    // With other methods two walls push with K each; the proxy has only one coupling.
     let walls = [[0.6, 0.0, 0.8], [-0.6, 0.0, 0.8]];
     let walls = walls.map(|normal| plane(&format!("wall {}", normal[0]), normal));
     let groove = renderer(walls.into(), 0.0, 0.0);
@@ -98,7 +99,7 @@ fn friction_holds_the_proxy_until_the_force_leaves_its_cone() {
     );
     near(slides, [-0.5 * K * 0.002, 0.0, K * 0.002], 1e-9);
     assert_eq!(state.contacts()[0].mode, Mode::Slides);
-    // The friction's force times the way that the proxy has made.
+    // Friction force times the displacement of the proxy.
     let taken = state.books().contacts[0].dissipated;
     let expected = 0.5 * K * 0.002 * (0.01 - 0.001);
     assert!((taken - expected).abs() < 1e-9, "{taken} {expected}");
@@ -134,7 +135,7 @@ fn a_ball_gets_the_impulse_that_the_device_gives() {
 
 #[test]
 fn pressed_deep_against_a_thin_wall_of_triangles_it_does_not_pop_through() {
-    // A plate of 0.5 mm, 60 mm wide.
+    // A plate of 0.5 mm thickness, 60 mm wide.
     let half = [0.03, 0.03, 0.000_25];
     let corner = |n: usize| -> Vector {
         std::array::from_fn(|axis| {

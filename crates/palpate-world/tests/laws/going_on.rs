@@ -1,4 +1,4 @@
-//! A world that goes on in another one, by another method, in another loop, or with a joint of another place.
+//! Migration of a world to another world, method or loop, or to another joint position.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use palpate_world::{
 use crate::changes::{assert_balanced, methods, on_floor, pendulum, pushed, start};
 use crate::common::{FAR, ball, plane, world};
 
-/// The renderer of a world by another method, and the state that goes on in it.
+/// Returns the renderer of a world with another method, and the migrated state.
 fn other(
     world: &World,
     in_loop: WorldLoop,
@@ -24,7 +24,7 @@ fn other(
     (renderer, state)
 }
 
-/// All methods, and other settings of two of them.
+/// Returns all methods, and other settings of two of them.
 fn others() -> Vec<WorldMethod> {
     let mut all = methods().to_vec();
     all.push(
@@ -38,7 +38,7 @@ fn others() -> Vec<WorldMethod> {
     all
 }
 
-/// From every method to every other, in the middle of a push: bodies and books go on, and no force leaps.
+/// From every method to every other, during a push: bodies and ledgers continue, and the force has no jump.
 #[test]
 fn another_method_goes_on_with_the_bodies_and_finds_the_device() {
     let world = on_floor();
@@ -73,7 +73,7 @@ fn another_method_goes_on_with_the_bodies_and_finds_the_device() {
             }
             assert!((0.1..3.0).contains(&most), "{words}: {most} N");
             assert_balanced(&gone_on, 0.0);
-            // Nothing is said of the device that only the method before knew.
+            // State known only to the previous method is not carried over.
             let (_, mut alone) = start(&world, to.clone());
             next.step(&mut alone, &Sample::at(&pushed(0)));
             let says = |state: &WorldState| {
@@ -88,7 +88,7 @@ fn another_method_goes_on_with_the_bodies_and_finds_the_device() {
     }
 }
 
-/// A point that presses on triangles is behind them, and goes on to press by whichever method comes.
+/// A point that presses on triangles stays behind them, and continues to press with any next method.
 #[test]
 fn another_method_keeps_the_side_of_a_mesh() {
     let corners = [
@@ -129,7 +129,7 @@ fn another_method_keeps_the_side_of_a_mesh() {
     }
 }
 
-/// Before a first sample, and after one that was refused, the next one begins.
+/// Before a first sample, and after a rejected one, the next sample starts the method.
 #[test]
 fn a_world_without_a_sample_in_progress_goes_on_by_beginning() {
     let world = on_floor();
@@ -157,7 +157,7 @@ fn a_world_without_a_sample_in_progress_goes_on_by_beginning() {
     }
 }
 
-/// A new joint bears the body where it hangs by then, though the world describes it where it began.
+/// A new joint holds the body at its current pose, although the world describes its initial pose.
 #[test]
 fn a_new_joint_bears_the_bodies_as_they_stand() {
     let mut swinging = pendulum();
@@ -175,7 +175,7 @@ fn a_new_joint_bears_the_bodies_as_they_stand() {
     assert!(hung.position[0] > 5e-3, "{hung:?}");
     let mut elsewhere = swinging.clone();
     elsewhere.joints[0].point = [0.005, 0.0, 0.0];
-    // Rests where it is borne: without this its spring would pull it back.
+    // Relaxed at its anchor: otherwise its spring would pull it back.
     elsewhere.joints[0].law.spring = 0.0;
     let before = (&renderer, &state);
     let (next, mut gone_on) = other(&elsewhere, WorldLoop::new(1e-3), method(), before);
@@ -192,8 +192,8 @@ fn a_new_joint_bears_the_bodies_as_they_stand() {
     }
 }
 
-/// A guard that comes later knows what there is: the energy of a ball that flies is there for the device, and where nothing
-/// is, nothing is given.
+/// A guard that is enabled later starts with the present energy: the energy of a flying ball is available to the
+/// device, and without energy nothing is delivered.
 #[test]
 fn a_guard_that_comes_later_begins_with_the_energy_that_is_there() {
     for (speed, is_limited) in [(5.0, false), (0.0, true)] {
@@ -204,7 +204,7 @@ fn a_guard_that_comes_later_begins_with_the_energy_that_is_there() {
         ];
         let world = world(0.005, bodies, ContactLaw::spring(200_000.0));
         let (renderer, mut state) = start(&world, BasicParams::default().into());
-        // 20 N, which have stored a millijoule.
+        // 20 N, with a stored energy of one millijoule.
         let pressed = [[0.0, 0.0, 0.0049]];
         for _ in 0..50 {
             renderer.step(&mut state, &Sample::at(&pressed));

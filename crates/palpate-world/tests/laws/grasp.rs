@@ -1,10 +1,10 @@
-//! Two devices and friction: a cube is held in the air between two fingers.
+//! Two devices and friction: two fingers hold a cube in the air.
 
 use palpate_world::{BasicParams, CoupledParams, WorldMethod};
 
 use crate::held::{FINGER, drift, heights};
 
-/// How far the cube sinks in 2 s `[m]`, with sensors of 2 um.
+/// Returns the distance by which the cube sinks in 2 s with sensors of 2 um `[m]`.
 fn sinks(method: impl Into<WorldMethod>, friction: f64, period: f64) -> f64 {
     let heights = heights(method, friction, period, 2e-6, 2.0).unwrap();
     -heights.last().unwrap()
@@ -43,7 +43,7 @@ fn two_fingers_hold_a_cube_by_friction_and_drop_it_without() {
             coupled * 1e3,
             basic * 1e3
         );
-        // The hands give way by its weight: 0.49 N of 600 N/m is 0.8 mm.
+        // The hands yield to the weight: 0.49 N over 600 N/m is 0.8 mm.
         assert!(coupled.abs() < 0.0002, "{coupled}");
         assert!(slippery > 1.0, "{slippery}");
     }

@@ -1,4 +1,4 @@
-//! The guard: what the hands are given in a loop that is broken, and by an adversary who moves the devices as it suits him.
+//! Passivity guard: energy delivered to the hands in a faulty loop, and by adversarial device motions.
 
 use nalgebra::UnitQuaternion;
 use palpate::Actuation;
@@ -25,7 +25,8 @@ fn guard(allowance: f64, late: usize) -> WorldGuardParams {
     }
 }
 
-/// Energy that there was for the hands at a sample, by the books: what was put in and not taken by damping and friction.
+/// Returns the energy available to the hands at a sample, by the ledger: input minus dissipation by damping and
+/// friction.
 fn there(state: &WorldState, at_start: f64) -> f64 {
     let books = state.books();
     let potential: f64 = books.bodies.iter().map(|book| book.potential).sum();
@@ -33,7 +34,7 @@ fn there(state: &WorldState, at_start: f64) -> f64 {
     at_start - potential - taken
 }
 
-/// A corner of two stiff walls, in a plane.
+/// Returns a corner of two stiff walls, in a plane.
 fn corner(law: ContactLaw) -> World {
     World {
         joints: Vec::new(),
@@ -49,20 +50,21 @@ fn corner(law: ContactLaw) -> World {
     }
 }
 
-/// What a loop gave to a hand.
+/// Energy and forces that a loop delivered to a hand.
 #[derive(Debug)]
 struct Given {
-    /// The most that was given by the end of an interval with a force, beyond what there was for it at the sample from which
-    /// that force was computed `[J]`.
+    /// Largest energy delivered by the end of an interval with a force, in excess of the energy available at the
+    /// sample from which that force was computed `[J]`.
     most: f64,
-    /// Samples at which the guard acted.
+    /// Number of samples at which the guard acted.
     acted: usize,
     /// Largest force that acted `[N]`.
     peak: f64,
 }
 
-/// A device of 0.2 kg falls into the corner, and a hand of 200 N/m and 1 N s/m presses it there, for a second. Each force acts two samples later than
-/// the renderer is told. What the hand gets is counted with the forces that really act.
+/// A device of 0.2 kg falls into the corner, and a hand of 200 N/m and 1 N s/m presses it there for a second. Each
+/// force acts two samples later than in the renderer's model. The energy is computed with the forces that actually
+/// act.
 fn broken(method: impl Into<WorldMethod>, guard: WorldGuard) -> Given {
     let (period, mass, late) = (1e-3, 0.2, 2);
     let law = ContactLaw::spring(20_000.0).with_damping(1.0);
@@ -77,13 +79,13 @@ fn broken(method: impl Into<WorldMethod>, guard: WorldGuard) -> Given {
         acted: 0,
         peak: 0.0,
     };
-    // What a guard that is told nothing of it, or none at all, does not hold back may be faster.
+    // Without a guard, or with an unmodelled delay, the device may become too fast.
     let is_told = matches!(guard, WorldGuard::Limit(WorldGuardParams { late: 2, .. }));
     let mut work = 0.0;
     for _ in 0..1000 {
         let output = renderer.step(&mut state, &Sample::at(&[x]));
         if output.fault.is_some() {
-            // The device flies faster than any.
+            // The device exceeds the plausible speed.
             assert!(!is_told, "{:?}", output.fault);
             break;
         }
@@ -140,7 +142,7 @@ fn a_loop_with_an_untold_delay_gives_out_no_more_than_the_allowance() {
     }
 }
 
-/// Without the guard the same loop gives out many times as much, and a guard that reports changes nothing.
+/// Without the guard the same loop delivers many times as much. A guard that only reports changes nothing.
 #[test]
 fn without_the_guard_the_same_loop_gives_out_many_times_as_much() {
     for (name, method) in in_the_corner() {
@@ -148,7 +150,7 @@ fn without_the_guard_the_same_loop_gives_out_many_times_as_much() {
         let told = broken(method.clone(), WorldGuard::Limit(guard(0.01, 0)));
         println!("{name}: {open:?}; with a guard of .01 J that is told of no lateness {told:?}");
         assert!(open.most > 10.0 * 0.1, "{name}: {open:?}");
-        // What it is not told of, it does not see all of.
+        // With an unmodelled delay the guard underestimates the delivered energy.
         assert!(told.most > 0.02, "{name}: {told:?}");
     }
     let method = CoupledParams::new(vec![[0.2; 3]]);
@@ -159,12 +161,12 @@ fn without_the_guard_the_same_loop_gives_out_many_times_as_much() {
 }
 
 const ALLOWANCE: f64 = 2e-3;
-/// Moves of an attack.
+/// Number of moves of an attack.
 const LENGTH: usize = 40;
-/// One of an attack: where each tool goes, and how the first one turns.
+/// A move of an attack: directions of the tools, and rotation of the first tool.
 type Move = [usize; 3];
 
-/// Along an axis, back, or nowhere.
+/// Returns the direction along an axis, its opposite, or zero.
 fn direction(number: usize) -> Vector {
     let mut direction = [0.0; 3];
     if number < 6 {
@@ -173,7 +175,7 @@ fn direction(number: usize) -> Vector {
     direction
 }
 
-/// Two tools, of which the first is a box that turns, a ball of 50 g and a floor.
+/// Returns two tools, the first of them a box that turns, a ball of 50 g and a floor.
 fn crowd() -> World {
     let block = Shape::Box {
         half_extents: [0.01, 0.008, 0.006],
@@ -201,7 +203,7 @@ fn crowd() -> World {
 struct Target {
     renderer: WorldRenderer,
     period: f64,
-    /// Samples from a force to its beginning, those that nobody told too.
+    /// Delay from a force to its beginning, in samples, including the unmodelled part.
     delay: usize,
 }
 
@@ -218,7 +220,8 @@ impl Target {
         }
     }
 
-    /// The most that an attack has taken beyond what there was, and at how many samples the guard acted.
+    /// Returns the largest energy that an attack extracted in excess of the available energy, and the number of
+    /// samples at which the guard acted.
     fn taken_by(&self, moves: &[Move]) -> (f64, usize) {
         let mut state = self.renderer.start();
         let mut positions = [[-0.005, 0.0, 0.0065], [0.025, 0.0, 0.0245]];
@@ -232,7 +235,7 @@ impl Target {
             let sample = Sample::at(&positions).turned(&turns);
             let output = self.renderer.step(&mut state, &sample);
             if output.fault.is_some() {
-                // The world cannot be computed: its bodies are put back, and what follows is another world.
+                // The world cannot be computed: its bodies are reset, and a different world follows.
                 break;
             }
             acted += usize::from(output.limited.guard);
@@ -254,11 +257,11 @@ impl Target {
         (most, acted)
     }
 
-    /// The best of many attacks, each improved move by move as long as that pays.
+    /// Returns the best of many attacks, each improved move by move as long as it helps.
     fn attacked(&self, seed: u64) -> (f64, usize) {
         let mut random = seed;
         let mut below = |bound: usize| {
-            // Knuth's, of which the high bits are good enough.
+            // Knuth's generator, of which the high bits are sufficient.
             random = random
                 .wrapping_mul(6_364_136_223_846_793_005)
                 .wrapping_add(1_442_695_040_888_963_407);
@@ -267,7 +270,7 @@ impl Target {
         let (mut most, mut acted) = (f64::NEG_INFINITY, 0);
         for attempt in 0..4 {
             let moves = (0..LENGTH).map(|i| {
-                // Poke and run, with another rhythm each time, or at random.
+                // Poke and run with a different rhythm each time, or at random.
                 let poke = if (i / (attempt + 1)).is_multiple_of(2) {
                     5
                 } else {
@@ -345,7 +348,7 @@ fn without_the_guard_the_same_adversary_takes_more_out_of_a_world() {
     }
 }
 
-/// Lost samples are charged for at the largest speed, and the force afterwards has what is left.
+/// Lost samples are charged at the maximum speed, and the next force has the remaining energy.
 #[test]
 fn a_lost_sample_gives_nobody_anything() {
     let method = WorldMethod::from(BasicParams::default());
@@ -360,7 +363,7 @@ fn a_lost_sample_gives_nobody_anything() {
         let output = renderer.step(state, &Sample::at(&at(depth)));
         (output.forces[0][2], output.limited.guard)
     };
-    // 20 mJ at 1 m/s over 1 ms are 20 N; 4 N over 4 mm have been taken from the hand.
+    // 20 mJ at 1 m/s over 1 ms is 20 N; 4 N over 4 mm have been taken from the hand.
     for depth in [0.0, 1e-3, 2e-3, 3e-3, 4e-3] {
         assert_eq!(force(&mut state, depth), (1e3 * depth, false));
     }
@@ -371,7 +374,7 @@ fn a_lost_sample_gives_nobody_anything() {
         assert_eq!(output.forces[0], [0.0; 3]);
         left -= 4.0 * SPEED * period;
     }
-    // 2 mJ are left, of which 2 N can make no more.
+    // 2 mJ remain, which limits the force to 2 N.
     let (last, acted) = force(&mut state, 4e-3);
     assert!((left - 2e-3).abs() < 1e-12 && acted, "{left} {acted}");
     assert!((last - left / (SPEED * period)).abs() < 1e-9, "{last}");
@@ -417,9 +420,9 @@ fn a_guard_of_a_world_without_meaning_is_refused() {
     }
 }
 
-/// A device without z. In each round whoever moves the mechanism presses its tool along z into a slope, which no motor resists, and
-/// the hand goes out along x, where the motors push it. What the hand is given so, nobody has put in through a motor: the guard
-/// holds it back.
+/// A device without z. In each cycle an external motion of the mechanism presses its tool along z into a slope
+/// without resistance by a motor, and the hand moves out along x, where the motors push it. No motor took this energy
+/// from the hand: the guard withholds it.
 #[test]
 fn what_comes_in_along_an_axis_without_a_motor_is_not_there_for_the_hand() {
     let (allowance, step) = (5e-3, 2.5e-4);

@@ -1,5 +1,5 @@
-//! Scenes that are held for long, by any method: a cube between two fingers, a point in a groove, a light box on a tool.
-//! Devices and hands are those of [`crate::ideal`]. Each scene answers with none where a sample was refused.
+//! Scenes held for a long time, for any method: a cube between two fingers, a point in a groove, a light box on a
+//! tool. Devices and hands are those of [`crate::ideal`]. Each scene returns `None` if a sample was rejected.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
 use palpate_world::{
@@ -10,7 +10,7 @@ use palpate_world::{
 use crate::common::{plane, world};
 use crate::ideal::{Ball, Ideal, Law, dot, hold};
 
-/// A device without a world of its own: the renderer has that.
+/// Returns devices without a world, which the renderer simulates.
 fn devices(balls: Vec<Ball>) -> Ideal {
     let none = Law {
         stiffness: 1.0,
@@ -41,18 +41,18 @@ fn measured(position: Vector, quantum: f64) -> Vector {
     }
 }
 
-/// A renderer of a world in a loop of this period, by a method that knows the world's tools.
+/// Returns a renderer of a world in a loop with this period, by a method for the world's tools.
 fn renderer(world: &World, period: f64, method: impl Into<WorldMethod>) -> WorldRenderer {
     WorldRenderer::new(world, WorldLoop::new(period), method).unwrap()
 }
 
-/// Masses of each of the two fingers `[kg]`.
+/// Masses of each of the two fingers along the axes `[kg]`.
 pub const FINGER: Vector = [0.1, 0.16, 0.13];
 /// Stiffness of the contacts of the pinched cube `[N/m]`.
 pub const PINCHED: f64 = 5000.0;
 
-/// Height of a cube of 50 g at each sample of so many seconds `[m]`, while two hands press it with 2 N each and tremble. What comes
-/// after it has gone 2 m is left out.
+/// Returns the height of a cube of 50 g at each sample for a number of seconds `[m]`, while two trembling hands press
+/// it with 2 N each. The record ends once the cube has moved 2 m.
 pub fn heights(
     method: impl Into<WorldMethod>,
     friction: f64,
@@ -77,7 +77,7 @@ pub fn heights(
     let renderer = renderer(&world, period, method);
     let mut state = renderer.start();
     let finger = |side: f64| {
-        // They begin as the cube rests between them.
+        // The fingers start at their rest positions on the cube.
         let touches = half + 0.008 - 2.0 / PINCHED;
         let rest = [side * (touches - 2.0 / 300.0), 0.0, 0.5 * weight / 300.0];
         device([side * touches, 0.0, 0.0], FINGER, (300.0, 4.0, rest))
@@ -107,8 +107,8 @@ pub fn heights(
     Some(heights)
 }
 
-/// How far the mean height of the last of ten seconds is from that of the second one `[m]`: the tremor has whole periods in a second.
-/// None if the cube is not there any more.
+/// Returns the difference between the mean heights of the last of ten seconds and the second one `[m]`. The tremor
+/// has whole periods in a second. `None` if the cube has been lost.
 pub fn drift(method: impl Into<WorldMethod>, period: f64, quantum: f64) -> Option<f64> {
     let heights = heights(method, 0.8, period, quantum, 10.0)?;
     let second = (1.0 / period).round() as usize;
@@ -119,23 +119,23 @@ pub fn drift(method: impl Into<WorldMethod>, period: f64, quantum: f64) -> Optio
     Some(mean(9)? - mean(1)?)
 }
 
-/// Masses of the device that is pressed into a groove `[kg]`.
+/// Masses of the device that is pressed into a groove, along the axes `[kg]`.
 pub const PRESSED: Vector = [0.12, 0.2, 0.15];
 
-/// A point in a groove, at the end.
+/// Final results for a point in a groove.
 pub struct Pressed {
-    /// The largest offset of the avatar in the second and in the last second `[m]`.
+    /// Largest proxy offset in the second and in the last second `[m]`.
     pub offset: [f64; 2],
-    /// The mean force along z over the last second, relative to what the hand presses with, less 1.
+    /// Mean force along z over the last second, relative to the hand's pressing force, minus 1.
     pub mean: f64,
-    /// Standard deviation of that force, over its mean.
+    /// Standard deviation of that force, relative to its mean.
     pub ripple: f64,
-    /// How far the device's mean place of the last second is above the one where the springs of the walls, without friction, carry
-    /// what the hand presses with there `[m]`.
+    /// Mean device position in the last second, above the position at which the wall springs carry the hand's force
+    /// there without friction `[m]`.
     pub place: f64,
 }
 
-/// Presses a point into a groove with a hand that trembles, for so many seconds, with sensors of 2 um.
+/// Presses a point into a groove with a trembling hand for a number of seconds, with sensors of 2 um.
 pub fn pressed(
     method: impl Into<WorldMethod>,
     period: f64,
@@ -194,28 +194,28 @@ pub fn pressed(
     })
 }
 
-/// Mass of the light box and of each axis of the device below it `[kg]`, and the period of its loop `[s]`.
+/// Mass of the light box and of each axis of the device below it `[kg]`, and the loop period `[s]`.
 pub const LIGHT: f64 = 0.05;
 pub const TRAY: f64 = 0.25;
 pub const RESTING_PERIOD: f64 = 0.01;
 
-/// Stiffness of the four contacts together with K T^2/M = `kc` of the light box `[N/m]`.
+/// Returns the total stiffness of the four contacts with K T^2/M = `kc` of the light box `[N/m]`.
 pub fn resting_stiffness(kc: f64) -> f64 {
     kc * LIGHT / (RESTING_PERIOD * RESTING_PERIOD)
 }
 
 /// A light box on a tray, in the last of 4 s.
 pub struct Resting {
-    /// Largest deviation of the force on the tool from its mean, over the weight.
+    /// Largest deviation of the force on the tool from its mean, relative to the weight.
     pub ripple: f64,
-    /// The mean force on the tool over the weight, positive down.
+    /// Mean force on the tool relative to the weight, positive downwards.
     pub mean: f64,
-    /// How much lower above the device it is, in the mean, than where its contacts carry its weight `[m]`.
+    /// Mean height of the box above the device, below the height at which its contacts carry its weight `[m]`.
     pub place: f64,
 }
 
-/// A light box lies on a tray of four spheres that a hand holds at 100 Hz. `kc` is K T^2/M of all four together. None where the tray does
-/// not carry its weight at the end, too.
+/// A light box on a tray of four spheres, held by a hand at 100 Hz. `kc` is K T^2/M of all four together. `None` if
+/// the tray does not carry the weight at the end.
 pub fn resting(method: impl Into<WorldMethod>, kc: f64, quantum: f64) -> Option<Resting> {
     let weight = 9.81 * LIGHT;
     let stiffness = resting_stiffness(kc);
@@ -226,7 +226,7 @@ pub fn resting(method: impl Into<WorldMethod>, kc: f64, quantum: f64) -> Option<
         half_extents: [0.03, 0.03, 0.01],
     };
     let free = Free::of_mass(LIGHT).pulled_by([0.0, 0.0, -weight]);
-    // It is let go a tenth of a millimetre above the tray.
+    // It is released a tenth of a millimetre above the tray.
     let object = Body::new("box", shape, Motion::Free(free)).at([0.0, 0.0, 0.0151]);
     let mut world = world(0.005, vec![object], law);
     let spheres = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];

@@ -1,4 +1,4 @@
-//! Hulls on hulls and boxes: beside boxes, conservation, books.
+//! Hulls on hulls and boxes: comparison with boxes, conservation, energy ledger.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ pub fn box_of(half: Vector) -> Shape {
     Shape::Box { half_extents: half }
 }
 
-/// The corners of a box.
+/// Returns the corners of a box.
 fn corners(half: Vector) -> Vec<Vector> {
     let side = |number: usize, axis: usize| if number >> axis & 1 == 1 { 1.0 } else { -1.0 };
     (0..8)
@@ -24,7 +24,7 @@ fn corners(half: Vector) -> Vec<Vector> {
         .collect()
 }
 
-/// A solid of some corners on a ball of 30 mm.
+/// Returns a solid of some corners on a ball of 30 mm.
 pub fn stone(case: u32, count: u32) -> Shape {
     let points: Vec<Vector> = (0..count)
         .map(|k| {
@@ -49,7 +49,8 @@ fn two_free_hulls_conserve_momentum_angular_momentum_and_energy() {
     conserves("hulls", pairs, 15);
 }
 
-/// A box that a tool knocks off another one, both of them boxes or hulls of the same corners; and the books of the hulls.
+/// A tool knocks one box off another; both are boxes or hulls with the same corners. Includes the ledger of the
+/// hulls.
 #[test]
 fn hulls_of_boxes_move_as_boxes_and_their_books_balance() {
     let halves = [[0.02, 0.02, 0.01], [0.018, 0.015, 0.01]];
@@ -88,7 +89,7 @@ fn hulls_of_boxes_move_as_boxes_and_their_books_balance() {
         balance.holds_to(1e-13, f64::INFINITY);
         places
     };
-    // In which sub-step another plane takes over is another one, and with friction which of two such has the bristles.
+    // The sub-step of a plane switch differs, and with friction so does the choice of planes with bristles.
     for (friction, allowed) in [(0.0, 1e-6), (0.4, 2e-4)] {
         let boxes = run(halves.map(box_of), friction);
         let mixed = run([box_of(halves[0]), hull(&corners(halves[1]))], friction);

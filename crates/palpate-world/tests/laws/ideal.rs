@@ -1,14 +1,14 @@
-//! A second, plain integration of worlds of spheres and half-spaces in continuous time, and of devices under held
-//! forces: fourth-order Runge-Kutta steps, so short that a contact may begin between two. It shares no code with the
-//! renderer.
+//! Independent reference solution for worlds of spheres and half-spaces in continuous time, and for devices under
+//! held forces. It uses fourth-order Runge-Kutta steps, short enough for a contact to begin between two steps. It
+//! shares no code with the renderer.
 
 use palpate_world::{Sample, Vector, WorldRenderer};
 
 const STEPS: usize = 200;
-/// So many more in one in which a contact begins or ends.
+/// Subdivision of a step in which a contact begins or ends.
 const FINER: usize = 500;
 
-/// A sphere: a tool, with a mass for each axis and a hand, or a body.
+/// A sphere: a tool with a mass per axis and a hand, or a body.
 #[derive(Clone, Copy, Debug)]
 pub struct Ball {
     pub position: Vector,
@@ -17,7 +17,7 @@ pub struct Ball {
     pub radius: f64,
     /// Constant force `[N]`.
     pub force: Vector,
-    /// Spring `[N/m]` and damper `[N s/m]` of the hand, with its place of rest.
+    /// Spring `[N/m]` and damper `[N s/m]` of the hand, and its rest position.
     pub hand: (f64, f64, Vector),
     pub turning: Vector,
     pub is_tool: bool,
@@ -61,7 +61,7 @@ fn cross(a: Vector, b: Vector) -> Vector {
     ]
 }
 
-/// Derivatives of a ball: velocity, acceleration, angular acceleration; and the contact force on it.
+/// Derivatives of a ball (velocity, acceleration, angular acceleration), and the contact force on it.
 #[derive(Clone, Copy, Default)]
 struct Rate {
     velocity: Vector,
@@ -204,7 +204,7 @@ impl Ideal {
         next
     }
 
-    /// One step of `h` `[s]`; the mean force of the contacts on each ball.
+    /// Performs one step of `h` `[s]`. Returns the mean contact force on each ball.
     fn step(&mut self, h: f64) -> Vec<Vector> {
         let (a, sa) = self.rates();
         let (b, sb) = self.moved(&a, &sa, 0.5 * h).rates();
@@ -236,7 +236,7 @@ impl Ideal {
         mean.iter().map(|rate| rate.contact).collect()
     }
 
-    /// Keeps the bristles within what the normal forces hold.
+    /// Limits the bristles to what the normal forces hold.
     fn cut(&mut self) {
         let mut pair = 0;
         for i in 0..self.balls.len() {
@@ -279,13 +279,13 @@ impl Ideal {
         }
     }
 
-    /// Which pairs touch.
+    /// Returns whether each pair touches.
     fn touching(&self) -> Vec<bool> {
         let (_, slides) = self.rates();
         slides.iter().map(|slide| !slide[0].is_nan()).collect()
     }
 
-    /// The mean contact force on each ball over an interval, and the integral of the squares of those on tools.
+    /// Returns the mean contact force on each ball over an interval, and the integral of the squared forces on tools.
     pub fn interval(&mut self, h: f64) -> (Vec<Vector>, f64) {
         let mut sum = vec![[0.0; 3]; self.balls.len()];
         let mut squares = 0.0;
@@ -315,7 +315,7 @@ impl Ideal {
     }
 }
 
-/// Devices alone under held forces.
+/// Advances devices alone under held forces.
 pub fn hold(tools: &mut Ideal, forces: &[Vector], h: f64) {
     let own: Vec<_> = tools.balls.iter().map(|ball| ball.force).collect();
     for (ball, force) in tools.balls.iter_mut().zip(forces) {
@@ -329,12 +329,12 @@ pub fn hold(tools: &mut Ideal, forces: &[Vector], h: f64) {
     }
 }
 
-/// Actuators of one axis each: commands begin after a delay and go through a lag, with a gain.
+/// Actuators with one axis each: commands begin after a delay and pass through a lag, with a gain.
 pub struct Actuators {
     pub delay: f64,
     pub lag: f64,
     pub gain: f64,
-    /// Commands, each with the instant of its sample.
+    /// Commands, each with the time of its sample.
     pub sent: Vec<(f64, Vec<Vector>)>,
     pub felt: Vec<Vector>,
     /// Constant force of each hand `[N]`.
@@ -342,7 +342,7 @@ pub struct Actuators {
 }
 
 impl Actuators {
-    /// Moves the devices from `from` to `to` `[s]`; returns the impulse on each.
+    /// Moves the devices from `from` to `to` `[s]`. Returns the impulse on each.
     pub fn hold(&mut self, devices: &mut Ideal, from: f64, to: f64) -> Vec<Vector> {
         const PARTS: usize = 50;
         let h = (to - from) / PARTS as f64;
@@ -387,19 +387,19 @@ impl Actuators {
     }
 }
 
-/// What a renderer does in a world against its ideal.
+/// Comparison of a renderer in a world with its reference solution.
 #[derive(Clone, Debug)]
 pub struct Trial {
     pub ideal: Ideal,
     pub period: f64,
     pub quantum: f64,
-    /// Samples from a force to its beginning.
+    /// Delay from a force to its beginning, in samples.
     pub delay: usize,
     pub samples: usize,
 }
 
 impl Trial {
-    /// E in percent: the mean-force error over all tools.
+    /// Returns E in percent: the mean-force error over all tools.
     pub fn error(&self, renderer: &WorldRenderer) -> f64 {
         let mut ideal = self.ideal.clone();
         let mut devices = Ideal::new(

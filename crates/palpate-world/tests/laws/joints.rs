@@ -1,4 +1,4 @@
-//! Hinges and sliders: what moves along them moves freely, and nothing else moves far; books and momenta.
+//! Hinges and sliders: free motion along the joint, small motion otherwise, energy ledger and momenta.
 
 use std::f64::consts::TAU;
 
@@ -49,7 +49,7 @@ fn started(bodies: Vec<Body>, joints: Vec<Joint>) -> (WorldRenderer, WorldState)
     (renderer, state)
 }
 
-/// Moments of inertia of a block `[kg m^2]`.
+/// Returns the moments of inertia of a block `[kg m^2]`.
 fn moments(mass: f64) -> Vector {
     let [a, b, c] = SIZE.map(|x| x * x * mass / 12.0);
     [b + c, a + c, a + b]
@@ -61,7 +61,7 @@ fn a_block_on_a_hinge_is_a_pendulum() {
     let block = block("one", mass, |free| free.pulled_by([0.0, 0.0, -9.81 * mass]));
     let law = JointLaw::of(stiffness, 0.03);
     let lean: f64 = 0.02;
-    // The block begins beside the hinge's vertical, by a small angle.
+    // The block starts at a small angle from the hinge's vertical.
     let place = [arm * lean.sin(), 0.0, -arm * lean.cos()];
     let turned = [(0.5 * lean).cos(), 0.0, -(0.5 * lean).sin(), 0.0];
     let hinge = joint(JointKind::Hinge, None, [0.0; 3], [0.0, 1.0, 0.0], law);
@@ -83,7 +83,7 @@ fn a_block_on_a_hinge_is_a_pendulum() {
     }
     let swings = crossings.len() - 1;
     let measured = (crossings[swings] - crossings[0]) / swings as f64;
-    // The bearing gives way by the weight, and the block hangs so much lower.
+    // The bearing yields to the weight, so the block hangs lower by this distance.
     println!(
         "pendulum: {measured:.5} s instead of {period:.5} s, energy to {drift:.1e} J, beside its way by {aside:.1e} m"
     );
@@ -138,7 +138,7 @@ fn a_block_on_a_slider_swings_on_its_spring_and_comes_back_from_its_stops() {
         (least, most) = (least.min(q), most.max(q));
         drift = drift.max((energy(&state) / start - 1.0).abs());
     }
-    // How far a stop of 20 kN/m gives way.
+    // Deflection of a stop of 20 kN/m.
     let beyond = 0.3 * (mass / 2e4).sqrt();
     println!("stops: from {least:.5} to {most:.5} m, energy to {drift:.1e}");
     assert!((most - 0.015 - beyond).abs() < 0.03 * beyond, "{most}");
@@ -146,7 +146,7 @@ fn a_block_on_a_slider_swings_on_its_spring_and_comes_back_from_its_stops() {
     assert!(drift < 1e-4, "{drift}");
 }
 
-/// Two blocks that fly and tumble, held to each other: by a hinge and by a slider, with springs, stops and damping or none.
+/// Two flying, tumbling blocks connected by a hinge and by a slider, with or without springs, stops and damping.
 #[test]
 fn two_blocks_on_a_joint_keep_momentum_and_angular_momentum_and_without_damping_energy() {
     for kind in [JointKind::Hinge, JointKind::Slider] {
@@ -210,7 +210,8 @@ fn two_blocks_on_a_joint_keep_momentum_and_angular_momentum_and_without_damping_
     }
 }
 
-/// A button on a spring at its stop, for a minute: where it is after a second, and how far from there in the last second.
+/// A button on a spring at its stop, for a minute: its position after a second, and the deviation from it in the last
+/// second.
 #[test]
 fn a_button_pressed_for_a_minute_does_not_creep() {
     use crate::ideal::{Ball, Ideal, Law, hold};

@@ -1,4 +1,4 @@
-//! What nobody reckons with: a device that stops within a sample, a sensor that jumps, samples that are missing.
+//! Unexpected events: a device that stops within a sample, a sensor that jumps, lost samples.
 
 use palpate_world::{
     ContactLaw, CoupledParams, Sample, Shape, Tool, Vector, World, WorldLoop, WorldRenderer,
@@ -20,7 +20,7 @@ fn renderer(world: &World, mass: f64, quantum: f64) -> WorldRenderer {
     WorldRenderer::new(world, WorldLoop::new(PERIOD), told).unwrap()
 }
 
-/// Forces along z on a tool that somebody else moves along a path.
+/// Returns the forces along z on a tool with a prescribed path.
 fn along(path: impl Fn(u32) -> f64, samples: u32, mass: f64, quantum: f64) -> Vec<f64> {
     let renderer = renderer(&floor(), mass, quantum);
     let mut state = renderer.start();
@@ -53,7 +53,8 @@ fn a_device_that_stops_within_a_sample_feels_the_depth_at_which_it_stopped() {
     }
 }
 
-/// A device of 0.2 kg pressed with 3 N, and what its sensor makes of its position at each sample; `is_lost` samples do not come.
+/// Returns the results for a device of 0.2 kg pressed with 3 N. `measured` is its sensor reading per sample; samples
+/// with `is_lost` do not arrive.
 fn pressed(
     measured: impl Fn(u32, f64) -> f64,
     is_lost: impl Fn(u32) -> bool,
@@ -100,7 +101,7 @@ fn a_sample_that_is_wrong_once_is_over_with_the_next_ones() {
 
 #[test]
 fn a_floor_comes_back_to_its_place_after_missing_samples() {
-    // The device falls into the floor while no sample comes.
+    // The device falls into the floor while no sample arrives.
     let told = pressed(
         |_, at| at,
         |sample| (30..60).contains(&sample) && sample % 8 != 0,
@@ -122,7 +123,7 @@ fn a_floor_comes_back_to_its_place_after_missing_samples() {
     assert!(furthest > 1.2e-3, "{furthest} m");
 }
 
-/// A box of six axes lies on the floor under 4 N; its sensors are wrong once.
+/// A six-axis box lies on the floor under 4 N; its sensors fail once.
 #[test]
 fn a_pose_that_is_wrong_once_is_over_with_the_next_ones() {
     let law = ContactLaw::spring(4000.0).with_damping(1.0);
@@ -138,7 +139,7 @@ fn a_pose_that_is_wrong_once_is_over_with_the_next_ones() {
             let is_wrong = sample == 600;
             let (jump, turn) = if is_wrong { (jump, turn) } else { (0.0, 0.0) };
             let (sine, cosine) = (0.5_f64 * turn).sin_cos();
-            // Nobody moves it: it is held where it presses with 4 N, after a slow approach.
+            // Prescribed position: held where it presses with 4 N, after a slow approach.
             let depth = 1e-3 * (f64::from(sample) / 300.0).min(1.0);
             let at = [[0.0, 0.0, 0.01 - depth + jump]];
             let orientations = [[cosine, sine, 0.0, 0.0]];

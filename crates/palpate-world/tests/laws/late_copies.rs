@@ -1,4 +1,4 @@
-//! Copies of a host's bodies in a loop whose ticks are sometimes late: they stand where the host's bodies stand.
+//! Copies of a host's bodies in a loop with late ticks: their positions equal those of the host's bodies.
 
 use palpate_world::engine::BodyNow;
 use palpate_world::engine::local::{LocalContact, LocalParams, LocalProgress, LocalRenderer};
@@ -8,7 +8,7 @@ use crate::late_ticks::TICKS;
 
 const PERIOD: f64 = 0.002;
 const UP: Vector = [0.0, 0.0, 1.0];
-/// Of a model every so many samples.
+/// Number of samples between models.
 const EVERY: usize = 20;
 
 fn renderer(radius: f64, device: f64) -> LocalRenderer {
@@ -18,17 +18,17 @@ fn renderer(radius: f64, device: f64) -> LocalRenderer {
     LocalRenderer::new(&[tool], room, WorldLoop::new(PERIOD), params).unwrap()
 }
 
-/// How the host knows how long to step.
+/// Source of the host's step length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Clock {
-    /// By the time of the ticks, which the loop tells.
+    /// Tick time, as reported by the loop.
     Ticks,
-    /// By its own clock.
+    /// The host's own clock.
     Own,
 }
 
-/// A body that nothing touches goes at 0.3 m/s. The largest distances of its copy from it `[m]`, by the time of the ticks and by the
-/// time that has passed.
+/// A body without contacts moves at 0.3 m/s. Returns the largest distances of its copy from it `[m]`, by tick time
+/// and by elapsed time.
 fn passing(durations: fn(usize) -> f64, clock: Clock) -> [f64; 2] {
     const SPEED: f64 = 0.3;
     let renderer = renderer(0.005, 0.2);
@@ -43,7 +43,7 @@ fn passing(durations: fn(usize) -> f64, clock: Clock) -> [f64; 2] {
     };
     let model = renderer.model(0, &[at(0.0)], &[]).unwrap();
     let mut coming = Some(model);
-    // When the last sample's period is to end.
+    // Due time of the end of the last sample's period.
     let (mut ends, mut elapsed) = (0.0, PERIOD);
     let mut off = [0.0_f64; 2];
     for sample in 0..2000 {
@@ -68,7 +68,7 @@ fn passing(durations: fn(usize) -> f64, clock: Clock) -> [f64; 2] {
 
 #[test]
 fn a_copy_stands_where_the_host_s_body_stands_after_a_late_tick() {
-    // What goes at 0.3 m/s makes 0.6 mm in a period.
+    // Displacement in one period at 0.3 m/s: 0.6 mm.
     const WAY: f64 = 0.3 * PERIOD;
     for clock in [Clock::Ticks, Clock::Own] {
         for ticks in &TICKS {
@@ -87,8 +87,9 @@ fn a_copy_stands_where_the_host_s_body_stands_after_a_late_tick() {
     }
 }
 
-/// A ball on a floor of the host's own is pressed from above by a hand, with late ticks. Mean force on the device and on the ball over
-/// the last second `[N]`, and the largest distance of the copy from where floor and hand hold it `[m]`.
+/// A hand presses a ball on a floor of the host from above, with late ticks. Returns the mean forces on the device
+/// and on the ball over the last second `[N]`, and the largest distance of the copy from its equilibrium between
+/// floor and hand `[m]`.
 fn pressed(durations: fn(usize) -> f64) -> [f64; 3] {
     const MASS: f64 = 0.1;
     const DEVICE: f64 = 0.25;

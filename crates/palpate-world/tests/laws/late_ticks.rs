@@ -1,5 +1,5 @@
-//! A tool that is pressed on a floor in a loop whose ticks are sometimes late: force and avatar are where floor and hand are in
-//! balance, whoever moves the bodies.
+//! A tool pressed on a floor in a loop with late ticks: force and proxy are at the equilibrium of floor and hand for
+//! each kind of simulation of the bodies.
 
 use palpate_world::engine::local::{LocalContact, LocalParams, LocalRenderer};
 use palpate_world::engine::{
@@ -16,17 +16,17 @@ const RADIUS: f64 = 0.01;
 const STIFFNESS: f64 = 300.0;
 const UP: Vector = [0.0, 0.0, 1.0];
 
-/// A hand that holds a device `[kg]`, `[N/m]`, `[N s/m]`: 5 mm below where the tool touches the floor.
+/// A hand that holds a device `[kg]`, `[N/m]`, `[N s/m]`, 5 mm below first contact of the tool with the floor.
 const DEVICE: f64 = 0.25;
 const HAND: f64 = 400.0;
 const HAND_DAMPING: f64 = 8.0;
 const HELD_AT: f64 = RADIUS - 0.005;
 
-/// Where floor and hand are in balance: how deep the tool is `[m]`, and the force `[N]`.
+/// Equilibrium of floor and hand: depth of the tool `[m]`, and force `[N]`.
 const DEPTH: f64 = 0.005 * HAND / (HAND + STIFFNESS);
 const FORCE: f64 = STIFFNESS * DEPTH;
 
-/// Durations of intervals, in periods, over and over.
+/// Interval durations in periods, repeated.
 pub struct Ticks {
     pub name: &'static str,
     pub durations: fn(usize) -> f64,
@@ -61,17 +61,18 @@ pub const TICKS: [Ticks; 4] = [
     },
 ];
 
-/// Over the last second.
+/// Results over the last second.
 struct Settled {
-    /// Mean force over time `[N]`.
+    /// Time-averaged force `[N]`.
     force: f64,
-    /// Largest distance of a force from the one of the balance `[N]`.
+    /// Largest deviation of a force from the equilibrium `[N]`.
     unrest: f64,
-    /// Largest distance of the avatar from its device `[m]`.
+    /// Largest distance of the proxy from its device `[m]`.
     offset: f64,
 }
 
-/// The device for 12 s, in sub-steps of its own. `step` gives the force and the avatar's offset along the normal.
+/// Simulates the device for 12 s with its own sub-steps. `step` returns the force and the proxy offset along the
+/// normal.
 fn pressed(ticks: &Ticks, mut step: impl FnMut(&Sample<'_>) -> (f64, f64)) -> Settled {
     let (mut position, mut velocity) = (HELD_AT + DEPTH, 0.0);
     let mut elapsed = PERIOD;
@@ -151,7 +152,7 @@ fn by_local_model(ticks: &Ticks) -> Settled {
     })
 }
 
-/// An engine that does two steps in a period.
+/// An engine with two steps per period.
 fn by_engine(ticks: &Ticks) -> Settled {
     let floor = EngineBody {
         name: "floor".into(),
@@ -242,7 +243,7 @@ fn a_large_offset_goes_back_in_contact() {
     let [early, late] = [10, 249].map(|tick: usize| offsets[tick]);
     println!("{early} m, then {late} m");
     assert!(early > 8e-4 && late < 5.5e-4, "{early} m, then {late} m");
-    // What is left of it is how far the floor is from its place.
+    // The remaining offset is the displacement of the floor.
     let depth = RADIUS - position;
     assert!(
         (depth - 1.0 / STIFFNESS).abs() < 6e-4,

@@ -1,5 +1,5 @@
-//! A local model of a slow host: what comes, goes, gets old or is no number makes no step in the force and no energy that no
-//! book has.
+//! Local model of a low-rate simulator: models that are new, lost, stale or invalid cause no step in the force and no
+//! energy without a ledger entry.
 
 mod bad_numbers;
 
@@ -24,12 +24,12 @@ fn renderer(params: LocalParams, device_mass: f64) -> LocalRenderer {
     LocalRenderer::new(&[tool()], params, WorldLoop::new(PERIOD), coupled).unwrap()
 }
 
-/// A renderer for a device that no force moves: the force is that of the contact, wherever the device is put.
+/// Returns a renderer for a device that no force moves: the force is the contact force at the prescribed position.
 fn led(params: LocalParams) -> LocalRenderer {
     renderer(params, f64::INFINITY)
 }
 
-/// The plane z = `height`.
+/// Returns the plane z = `height`.
 fn plane(height: f64, law: ContactLaw) -> Option<LocalContact> {
     Some(LocalContact::of_tool(0, None, [0.0, 0.0, height], UP, law))
 }
@@ -38,7 +38,7 @@ fn soft() -> ContactLaw {
     ContactLaw::spring(1000.0)
 }
 
-/// The tool's lowest point is this deep below z = 0.
+/// Returns the position with the tool's lowest point at this depth below z = 0.
 fn at_depth(depth: f64) -> [Vector; 1] {
     [[0.0, 0.0, RADIUS - depth]]
 }
@@ -65,7 +65,7 @@ impl Led {
         self.renderer.model(tick, &[], contacts).unwrap()
     }
 
-    /// A tick at a depth; the force, and by how much it has changed.
+    /// Performs a tick at a depth. Returns the force and its change.
     fn step(&mut self, depth: f64, model: Option<&LocalModel>) -> (Vector, f64) {
         let position = at_depth(depth);
         let sample = Sample::at(&position);
@@ -78,7 +78,8 @@ impl Led {
         (force, change)
     }
 
-    /// Presses 2 mm deep into the plane z = 0, which was published in the air and is published again in every tick.
+    /// Presses 2 mm deep into the plane z = 0, which was published before contact and is published again in every
+    /// tick.
     fn pressed(params: LocalParams, law: ContactLaw) -> Self {
         let mut led = Self::new(params);
         for tick in 0..100 {
@@ -98,7 +99,7 @@ fn a_model_that_gets_too_old_fades_and_comes_back_without_a_step() {
         ..LocalParams::new(0, 1)
     };
     let mut led = Led::pressed(params, soft());
-    // The host hangs: its last model is of the tick before.
+    // The host hangs: its last model is from the previous tick.
     for tick in 1..200_u32 {
         let (force, change) = led.step(0.002, None);
         let age = f64::from(tick) * PERIOD;
@@ -107,7 +108,7 @@ fn a_model_that_gets_too_old_fades_and_comes_back_without_a_step() {
         assert!(change < 0.11, "{tick}: {change}");
     }
     assert_eq!(led.last, [0.0; 3]);
-    // It is back, and finds the tool inside.
+    // The host is back, and finds the tool inside.
     let model = led.model(&[plane(0.0, soft())]);
     led.step(0.002, Some(&model));
     for tick in 1..=40 {
@@ -132,7 +133,7 @@ fn a_hang_is_said_with_its_age() {
     }
     let age = stale_from.unwrap();
     assert!((age - 0.2).abs() < 2.5 * PERIOD, "{age}");
-    // Before any model there is none, and no contact.
+    // Before any model there is no age and no contact.
     let fresh = led.renderer.start();
     assert_eq!(fresh.progress().model_tick, None);
     let output_state = &mut fresh.clone();
@@ -159,7 +160,7 @@ fn contacts_come_go_and_move_without_a_step() {
     ] {
         let mut led = Led::pressed(LocalParams::new(0, 2), rough);
         let (before, _) = led.step(0.002, None);
-        // The host comes every 20 ms.
+        // The host publishes every 20 ms.
         for _ in 0..19 {
             led.step(0.002, None);
         }
@@ -178,7 +179,7 @@ fn contacts_come_go_and_move_without_a_step() {
             "{name}: {largest:.3} N a tick, {:.3} N in all",
             whole.sqrt()
         );
-        // 10 ms: a tenth of the whole in each tick; more where the law changes too.
+        // 10 ms: a tenth of the change in each tick; more if the law changes too.
         let most = if name.starts_with("stiffer") {
             0.6
         } else {
@@ -210,7 +211,7 @@ fn a_contact_that_begins_inside_comes_in_and_its_energy_is_from_outside() {
     let slots: Vec<_> = led.state.contacts().collect();
     assert_eq!(slots.len(), 2);
     for (number, (slot, contact)) in slots.into_iter().enumerate() {
-        // No body: what never moves.
+        // No body: a fixed surface.
         assert_eq!((slot, contact.tool, contact.body), (number, 0, 0));
         assert!((contact.force[2] - 2.0).abs() < 1e-9 && contact.normal == UP);
     }
@@ -246,7 +247,7 @@ fn models_that_do_not_fit_are_refused_by_name_and_change_nothing() {
         assert_eq!(output.refusal, Some(refusal));
         assert!((output.forces[0][2] - 2.0).abs() < 1e-9, "{output:?}");
     }
-    // Of a host that is slower than what is allowed, each model is too old.
+    // For a host slower than allowed, each model is stale.
     let old = led.model(&contacts);
     for _ in 0..300 {
         led.step(0.002, None);
@@ -348,7 +349,7 @@ fn what_cannot_be_published_is_said_with_its_number() {
     }
 }
 
-/// A ball of a host, which only weight and the tool move.
+/// A ball of a host, moved only by its weight and the tool.
 struct Host {
     now: BodyNow,
     taken: LocalProgress,
@@ -391,7 +392,8 @@ impl Host {
     }
 }
 
-/// What the host's ball gets is what the device gives, and every book closes, with a host at 50 Hz that is late by half a step.
+/// The host's ball and the device receive opposite impulses, and every ledger closes, with a host at 50 Hz that is
+/// late by half a step.
 #[test]
 fn body_and_device_get_the_same_impulse_and_the_books_close() {
     const DEVICE: f64 = 0.15;
@@ -434,7 +436,7 @@ fn body_and_device_get_the_same_impulse_and_the_books_close() {
         };
         let left = book.observed + book.outside - book.work - book.dissipated + book.step_error;
         assert!((book.stored - left).abs() < 1e-12, "{sample}: {book:?}");
-        // All that the tick knows: what hand and host were given, what is stored and what is lost.
+        // All energy known to the tick: given to hand and host, stored, and dissipated.
         let work_on_copy = book.work - book.work_on_avatar;
         let port = books.slow_ports[0];
         let ports = books.devices[0].port_work + port.host_work;
@@ -444,7 +446,7 @@ fn body_and_device_get_the_same_impulse_and_the_books_close() {
             "{sample}: {balance}"
         );
     }
-    // The rest of what has been given to the ball since the host's last step.
+    // Remaining impulse on the ball since the host's last step.
     let h = state.progress().time_since(&host.taken);
     given += h * state.progress().wrench_since(&host.taken, 0).force[2];
     println!("{given} N s to the ball, {held} N s to the device, {effort:?}");
@@ -453,12 +455,12 @@ fn body_and_device_get_the_same_impulse_and_the_books_close() {
     let books = state.books();
     println!("{books:?}: {} J", books.created());
     let turned_over = books.slow_ports[0].work.abs();
-    // A host's ball that is pushed by the mean takes less than the copy: energy is lost, and not made.
+    // A host's ball pushed by the mean force takes less energy than the copy: energy is lost, not generated.
     assert!(turned_over > 1e-3, "{books:?}");
     assert!(books.created() < 0.01 * turned_over, "{books:?}");
 }
 
-/// A host that puts its body elsewhere does not kick the hand.
+/// A host that displaces its body does not kick the hand.
 #[test]
 fn a_body_that_the_host_puts_elsewhere_makes_no_step() {
     let renderer = renderer(LocalParams::new(1, 1), f64::INFINITY);

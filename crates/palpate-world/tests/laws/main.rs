@@ -1,6 +1,6 @@
-//! Physical laws that a rendered world keeps.
+//! Physical laws that a rendered world obeys.
 #![allow(missing_docs)]
-#![allow(clippy::print_stdout)] // a law prints what it has measured
+#![allow(clippy::print_stdout)] // the tests print measured values
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // numbers of samples
 
 mod adversary;

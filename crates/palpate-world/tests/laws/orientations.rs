@@ -1,4 +1,4 @@
-//! Which measured orientations are believed.
+//! Validation of measured orientations.
 
 use palpate_world::{CoupledParams, Sample, WorldLoop, WorldRenderer};
 
@@ -36,12 +36,12 @@ fn an_orientation_that_is_none_gives_no_wrench_and_a_fault() {
         );
         assert_eq!(fault.tool, Some(0));
         assert_eq!((output.forces[0], output.torques[0]), ([0.0; 3], [0.0; 3]));
-        // Of nearly length 1 it is brought to that, and its negative is the same.
+        // An orientation of nearly length 1 is normalised, and its negative is equivalent.
         let near = turned.map(|part| -1.0005 * part);
         let output = renderer.step(&mut state, &Sample::at(&pressed).turned(&[near]));
         assert_eq!(output.fault, None);
     }
-    // A turn by a radian within a sample is not believed until the next confirms it.
+    // A rotation by a radian within a sample is rejected until the next one confirms it.
     let mut state = renderer.start();
     for _ in 0..2 {
         let _ = renderer.step(&mut state, &Sample::at(&pressed).turned(&[turned]));
@@ -54,7 +54,7 @@ fn an_orientation_that_is_none_gives_no_wrench_and_a_fault() {
     assert_eq!(output.fault, None);
 }
 
-/// A tool that turns by 0.15 rad from sample to sample, which is more than is believed of a jump.
+/// A tool that rotates by 0.15 rad per sample, more than the limit for a jump.
 #[test]
 fn a_tool_that_spins_is_pushed() {
     let (world, device) = on_a_ball();
@@ -65,7 +65,7 @@ fn a_tool_that_spins_is_pushed() {
     let mut state = renderer.start();
     let mut refused = 0;
     for sample in 0..100_u32 {
-        // About the vertical axis, from 0 on.
+        // About the vertical axis, starting at 0.
         let half = 0.5 * 0.15 * f64::from(sample);
         let [w, x, y, z] = turned;
         let (s, c) = half.sin_cos();
@@ -77,9 +77,9 @@ fn a_tool_that_spins_is_pushed() {
             "{sample}: {output:?}"
         );
     }
-    // The first turn is not believed, and the second has turned on by as much.
+    // The first rotation is rejected; the second continues it by the same angle.
     assert_eq!(refused, 1);
-    // One that shakes as fast does not turn on.
+    // A tool that shakes as fast does not continue its rotation.
     for sample in 0..8_u32 {
         let half = if sample % 2 == 0 { 0.5 } else { -0.5_f64 };
         let shaken = [[half.cos(), 0.0, 0.0, half.sin()]];

@@ -1,4 +1,4 @@
-//! What cannot be rendered is refused, with what it is and what is allowed.
+//! Descriptions that cannot be rendered are rejected with cause and allowed values.
 #![allow(missing_docs)]
 
 use palpate::Actuation;

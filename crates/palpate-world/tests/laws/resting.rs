@@ -1,4 +1,4 @@
-//! What is pressed for long, or lies on a tool, stays.
+//! Objects that are pressed for a long time, or lie on a tool, stay at rest.
 
 use palpate_world::CoupledParams;
 
@@ -6,7 +6,7 @@ use crate::held::{PRESSED, TRAY, pressed, resting};
 
 #[test]
 fn pressed_into_a_groove_for_a_minute_the_offset_does_not_drift() {
-    // The largest offset [m] and error of the mean force: at 10 ms the device swings by millimetres in its hand.
+    // Largest offset [m] and error of the mean force: at 10 ms the device swings by millimetres in its hand.
     for (period, stiffness, friction, largest, off) in [
         (0.001, 2e4, 0.0, 5e-5, 0.001),
         (0.001, 2e4, 0.4, 5e-5, 0.001),
@@ -32,8 +32,8 @@ fn pressed_into_a_groove_for_a_minute_the_offset_does_not_drift() {
 #[test]
 fn a_light_box_on_a_tool_at_rest_presses_with_a_steady_force() {
     for kc in [8.0, 15.0, 30.0] {
-        // A quantum of 2 um is K q = 1.6 to 6 % of the weight. At Kc 8 the box swings at half the rate of the samples: an observer
-        // that puts each step of the sensor down to the hand drives it there, by 13 %.
+        // A quantum of 2 um is K q = 1.6 to 6 % of the weight. At Kc 8 the box oscillates at half the sample rate. An
+        // observer that attributes each sensor step to the hand excites this oscillation by 13 %.
         for (quantum, told, most) in [
             (0.0, 1.0, 0.001),
             (0.0, 1.5, 0.001),

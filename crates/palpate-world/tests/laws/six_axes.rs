@@ -1,4 +1,4 @@
-//! Devices of six axes: with mass, inertia and hand known exactly, each held wrench is the interval mean of the ideal
+//! Six-axis devices: with mass, inertia and hand known exactly, each held wrench is the interval mean of the ideal
 //! one.
 
 use palpate_world::{
@@ -9,7 +9,7 @@ use palpate_world::{
 use crate::common::plane;
 use crate::ideal::dot;
 
-/// A rigid tool of points and spheres over planes, integrated in small steps of order 4.
+/// A rigid tool of points and spheres over planes, integrated in small fourth-order steps.
 #[derive(Clone)]
 pub struct Rigid {
     pub mass: f64,
@@ -17,17 +17,17 @@ pub struct Rigid {
     /// Centres in the tool's axes, and radii.
     spheres: Vec<(Vector, f64)>,
     planes: Vec<Vector>,
-    /// Of each sphere.
+    /// Stiffness for each sphere.
     stiffness: f64,
     damping: f64,
     /// Constant force and torque of the hand.
     pub hand: [Vector; 2],
-    /// Whether the hand alone turns it.
+    /// Whether the hand alone sets the orientation.
     pub led: bool,
     pub state: State,
 }
 
-/// Position, quaternion, velocity, angular momentum, and the integrals of the contacts' force and torque and their
+/// Position, quaternion, velocity, angular momentum, and the integrals of contact force and torque and of their
 /// squares.
 pub type State = [f64; 21];
 
@@ -43,7 +43,7 @@ fn three(slice: &[f64]) -> Vector {
     [slice[0], slice[1], slice[2]]
 }
 
-/// `v` turned by a quaternion of any length.
+/// Rotates `v` by a quaternion of any length.
 fn turn(q: &[f64], v: Vector) -> Vector {
     let size: f64 = q[..4].iter().map(|x| x * x).sum();
     let axis = three(&q[1..]);
@@ -62,7 +62,7 @@ impl Rigid {
         turn(&state[3..7], [0, 1, 2].map(|i| own[i] / self.moments[i]))
     }
 
-    /// Force and torque of the contacts.
+    /// Returns the force and torque of the contacts.
     fn wrench(&self, state: &State) -> [Vector; 2] {
         let (place, velocity, omega) = (three(state), three(&state[7..]), self.turning(state));
         let mut wrench = [[0.0; 3]; 2];
@@ -111,7 +111,7 @@ impl Rigid {
         rates
     }
 
-    /// Moves on; means of force and torque, and their weighted squares.
+    /// Advances an interval. Returns the mean force and torque, and their weighted squares.
     pub fn interval(
         &mut self,
         h: f64,
@@ -268,8 +268,8 @@ pub fn as_world(case: &Case) -> World {
     }
 }
 
-/// E of force and torque together, of the force and of the torque, in percent, with sensors of these quanta `[m]` and
-/// `[rad]`.
+/// Returns E of force and torque together, of the force and of the torque, in percent, with sensors of these quanta
+/// `[m]` and `[rad]`.
 pub fn errors_with(
     case: &Case,
     (quantum, angle): (f64, f64),
@@ -297,7 +297,7 @@ pub fn errors_with(
         };
         let position = position.map(|x| round(x, quantum));
         let [w, parts @ ..] = orientation;
-        // The vector part is half the rotation vector, nearly.
+        // The vector part is approximately half the rotation vector.
         let [x, y, z] = parts.map(|part| round(part, 0.5 * angle));
         let size = (w * w + x * x + y * y + z * z).sqrt();
         let orientation = [w, x, y, z].map(|part| part / size);
@@ -340,7 +340,7 @@ pub fn fine() -> SubSteps {
     }
 }
 
-/// Coupled rendering that knows the device and gives no offset back.
+/// Returns coupled rendering with exact device knowledge and without decay of the offset.
 pub fn exact(case: &Case) -> CoupledParams {
     CoupledParams {
         offset_return: 0.0,
@@ -397,7 +397,7 @@ fn told_another_mass_and_inertia_it_is_near_that_mean() {
     }
 }
 
-/// A box that the device presses onto a ball on a floor and past it onto the floor, with friction, in a hand.
+/// Returns a box that the device presses onto a ball on a floor and past it onto the floor, with friction, in a hand.
 pub fn on_a_ball() -> (World, Rigid) {
     let case = cases().swap_remove(0);
     let mut free = palpate_world::Free::of_mass(0.06);
@@ -494,8 +494,8 @@ fn every_identity_of_the_books_holds_to_rounding_for_six_axes() {
     }
 }
 
-/// Samples come irregularly, so each torque acts longer or shorter than was planned. What it gave too much or too little
-/// is in the next one.
+/// Samples arrive irregularly, so each torque acts for longer or shorter than planned. The next torque corrects the
+/// excess or deficit.
 #[test]
 fn what_a_torque_gave_too_much_the_next_one_takes_back() {
     let mut mean = 0.0;
@@ -525,6 +525,6 @@ fn what_a_torque_gave_too_much_the_next_one_takes_back() {
         println!("{}: angular momentum off by {apart:.2} %", case.name);
         mean += apart / cases().len() as f64;
     }
-    // Not taken back, it is 1.25 %.
+    // Without this correction it is 1.25 %.
     assert!(mean < 0.6, "{mean}");
 }

@@ -1,4 +1,4 @@
-//! Momentum, angular momentum and energy of two bodies that fly into each other and tumble.
+//! Momentum, angular momentum and energy of two bodies that collide and tumble.
 
 use palpate_world::{
     Body, ContactLaw, CoupledParams, Free, Motion, Vector, World, WorldLoop, WorldRenderer,
@@ -7,7 +7,7 @@ use palpate_world::{
 
 use crate::common::{leave_alone, world};
 
-/// Angular momentum R I Rᵀ ω of a body with these moments along its own axes [kg m^2/s].
+/// Returns the angular momentum R I Rᵀ ω of a body with these moments along its axes [kg m^2/s].
 fn spin_of([w, x, y, z]: [f64; 4], omega: Vector, moments: Vector) -> Vector {
     let axes = [
         [
@@ -36,7 +36,8 @@ fn spin_of([w, x, y, z]: [f64; 4], omega: Vector, moments: Vector) -> Vector {
     spin
 }
 
-/// Momentum [kg m/s] and angular momentum about the origin [kg m^2/s] of bodies of these masses [kg] and moments [kg m^2].
+/// Returns momentum [kg m/s] and angular momentum about the origin [kg m^2/s] of bodies with these masses [kg] and
+/// moments [kg m^2].
 pub fn momenta(state: &WorldState, of_bodies: &[(f64, Vector)]) -> [f64; 6] {
     let mut sums = [0.0; 6];
     for (body, &(mass, moments)) in state.bodies().iter().zip(of_bodies) {
@@ -51,25 +52,25 @@ pub fn momenta(state: &WorldState, of_bodies: &[(f64, Vector)]) -> [f64; 6] {
     sums
 }
 
-/// The unit quaternion along `[1, a, b, c]`.
+/// Returns the unit quaternion along `[1, a, b, c]`.
 pub fn turned(a: f64, b: f64, c: f64) -> [f64; 4] {
     let q = [1.0, a, b, c];
     let size = q.iter().map(|x| x * x).sum::<f64>().sqrt();
     q.map(|x| x / size)
 }
 
-/// From -1 to 1, by the number of a case.
+/// Returns a number from -1 to 1 for a case.
 pub fn part(case: u32, prime: f64) -> f64 {
     2.0 * (f64::from(case + 1) * prime).fract() - 1.0
 }
 
-/// A renderer of a world of one device without a hand, at 1 kHz.
+/// Returns a renderer of a world with one device without a hand, at 1 kHz.
 pub fn renderer(world: &World) -> WorldRenderer {
     let method = CoupledParams::new(vec![[0.1; 3]]);
     WorldRenderer::new(world, WorldLoop::new(0.001), method).unwrap()
 }
 
-/// Two bodies of 0.1 and 0.06 kg, turned anyhow, that fly into each other at 1 m/s.
+/// Returns two bodies of 0.1 and 0.06 kg with arbitrary orientations that approach each other at 1 m/s.
 pub fn thrown(case: u32, shapes: [palpate_world::Shape; 2]) -> [Body; 2] {
     let turn = |prime: f64| part(case, prime);
     let free = |sign: f64, mass: f64| Free {
@@ -90,7 +91,7 @@ pub fn thrown(case: u32, shapes: [palpate_world::Shape; 2]) -> [Body; 2] {
     ]
 }
 
-/// Mass `[kg]` and moments of inertia `[kg m^2]` of a body that moves.
+/// Returns mass `[kg]` and moments of inertia `[kg m^2]` of a moving body.
 pub fn mass_and_moments(body: &Body) -> (f64, Vector) {
     let Motion::Free(free) = &body.motion else {
         panic!("{} is fixed", body.name);
@@ -98,9 +99,10 @@ pub fn mass_and_moments(body: &Body) -> (f64, Vector) {
     (free.mass, body.shape.moments(free.mass).unwrap())
 }
 
-/// What two bodies have and change by over 0.25 s without damping and friction, at 8 kN/m.
+/// Tests the conservation laws for two bodies over 0.25 s without damping and friction, at 8 kN/m.
 ///
-/// Momentum and angular momentum stay to round-off, energy but for the steps; more than `least_hits` of the pairs meet.
+/// Momentum and angular momentum are conserved to rounding, energy up to the sub-step error. More than `least_hits`
+/// of the pairs must collide.
 pub fn conserves(what: &str, pairs: impl IntoIterator<Item = [Body; 2]>, least_hits: usize) {
     let (mut worst, mut hits, mut count) = ([0.0_f64; 3], 0, 0);
     for bodies in pairs {

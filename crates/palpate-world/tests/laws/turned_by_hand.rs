@@ -1,5 +1,5 @@
-//! Tools that their hands turn: the devices measure six axes and push along three. With the device known exactly, each held force
-//! is the interval mean of the ideal one, in which no contact turns the tool.
+//! Tools turned by their hands: the devices measure six axes and push along three. With the device known exactly,
+//! each held force is the interval mean of the ideal one, in which no contact rotates the tool.
 
 use palpate_world::{
     BasicParams, Books, ContactBook, ContactLaw, CoupledParams, DeviceBook, Limited, Prior,
@@ -10,7 +10,7 @@ use palpate_world::{
 use crate::ideal::dot;
 use crate::six_axes::{self, Case, as_world, errors, errors_with, exact, fine, on_a_ball};
 
-/// The tools of six axes, each turned by its hand.
+/// Returns the six-axis tools, each turned by its hand.
 fn cases() -> Vec<Case> {
     let mut cases = six_axes::cases();
     for case in &mut cases {
@@ -58,7 +58,7 @@ fn told_another_mass_and_inertia_it_is_near_that_mean() {
     }
 }
 
-/// A virtual coupling of tools that feel no torque.
+/// Returns a virtual coupling of tools that feel no torque.
 fn coupling() -> VirtualCouplingParams {
     VirtualCouplingParams {
         stiffness: vec![2000.0],
@@ -89,7 +89,7 @@ fn methods() -> [WorldMethod; 4] {
     ]
 }
 
-/// What the identities of the books are off by: of the world, of the port, and of the leak.
+/// Returns the residuals of the ledger identities: of the world, of the port, and of the leak.
 fn off(books: &Books, at_start: f64) -> [f64; 3] {
     let sum = |of: fn(&ContactBook) -> f64| -> f64 { books.contacts.iter().map(of).sum() };
     let bodies: f64 = books
@@ -116,7 +116,8 @@ fn off(books: &Books, at_start: f64) -> [f64; 3] {
     [world, port, leak]
 }
 
-/// Four ways to render a box that is pressed onto a ball and past it onto the floor, with friction, and turned there.
+/// Four methods render a box that is pressed onto a ball and past it onto the floor, with friction, and rotated
+/// there.
 #[test]
 fn the_books_balance_and_no_torque_is_sent() {
     for (number, method) in methods().into_iter().enumerate() {
@@ -136,7 +137,7 @@ fn the_books_balance_and_no_torque_is_sent() {
             assert_eq!(output.fault, None);
             assert_eq!(output.torques, [[0.0; 3]]);
             let held = [output.forces[0], [0.0; 3]];
-            // What a driver says of a torque that nobody has asked for is of no account.
+            // A driver's report of a torque that was not commanded is ignored.
             renderer.report_sent_torque(&mut state, 0, [0.1, 0.2, 0.3]);
             device.interval(0.001, 64, Some(held));
         }
@@ -154,7 +155,7 @@ fn the_books_balance_and_no_torque_is_sent() {
             books.created()
         );
         assert!(turned_over > 1e-3);
-        // The hand really turns the box against what it touches.
+        // The hand really rotates the box against the touched bodies.
         assert!(carried.abs() > 1e-3 * turned_over, "{carried}");
         assert!(books.contacts.iter().all(|it| it.dissipated >= 0.0));
         assert!(off[0].abs() < 1e-12 && off[1].abs() < 1e-12, "{off:?}");
@@ -166,7 +167,7 @@ fn the_books_balance_and_no_torque_is_sent() {
     }
 }
 
-/// A bar with a ball at its end, held at its other end, which a hand turns down onto a floor and up again.
+/// Returns a bar with a ball at one end, held at the other end, which a hand turns down onto a floor and up again.
 fn bar() -> World {
     let mut case = cases().swap_remove(2);
     case.shape = palpate_world::Shape::Spheres {
@@ -180,8 +181,9 @@ fn bar() -> World {
     world
 }
 
-/// A hand that holds the bar's height and turns it, and pulls the device up whenever the ball is pressed: what it gives by
-/// turning it takes by lifting. Returns the most energy that it was given, and how often the guard acted.
+/// A hand that sets the bar's height and angle, and pulls the device up while the ball is pressed: it recovers by
+/// lifting the energy that it put in by rotating. Returns the largest energy delivered to the hand, and how often the
+/// guard acted.
 fn taken(method: WorldMethod, guard: WorldGuard) -> (f64, u32, WorldState) {
     let in_loop = WorldLoop::new(0.001).with_guard(guard);
     let renderer = WorldRenderer::new(&bar(), in_loop, method).unwrap();
@@ -190,7 +192,7 @@ fn taken(method: WorldMethod, guard: WorldGuard) -> (f64, u32, WorldState) {
     let mut force: Vector = [0.0; 3];
     let mut before: Option<Vector> = None;
     for sample in 0..1000 {
-        // It begins high up. Low, it is turned down; so it is lifted, turned back in the air, and lowered.
+        // It starts high. When low it is turned down; then it is lifted, turned back in the air, and lowered.
         let phase = std::f64::consts::TAU * (f64::from(sample) / 200.0 + 0.5);
         let place = [0.0, 0.0, 0.011 - 0.008 * phase.cos()];
         let turn = 0.15 * phase.sin();
@@ -211,7 +213,7 @@ fn taken(method: WorldMethod, guard: WorldGuard) -> (f64, u32, WorldState) {
     (most, acted, state)
 }
 
-/// Energy that the hand puts in by turning is not there to be given out: it was put in without a motor against it.
+/// Energy that the hand puts in by rotating is not available for delivery: no motor opposed it.
 #[test]
 fn the_guard_does_not_count_what_the_hand_puts_in_by_turning() {
     let guard = |allowance| {
@@ -256,7 +258,7 @@ fn what_turns_is_refused_where_it_makes_no_sense() {
     let said = refused[0].to_string();
     assert!(said.contains("is turned by its hand"), "{said}");
 
-    // A virtual coupling has no spring for a turn that nobody feels.
+    // A virtual coupling has no rotational spring without a torque output.
     let springs = VirtualCouplingParams {
         rotational_stiffness: vec![1.0, 1.0],
         ..coupling()

@@ -1,5 +1,5 @@
-//! Ticks to measure: the paper's Fig. 2 scene, run once in closed loop with a point-mass device,
-//! with the state before every tick and the sample it got.
+//! Ticks for measurements: the paper's Fig. 2 scene, run once in closed loop with a point-mass device, with the state
+//! and the sample of every tick.
 
 use std::hint::black_box;
 
@@ -13,7 +13,7 @@ const WEIGHT: f64 = -0.981;
 /// Ten collisions and more.
 const TICK_COUNT: usize = 300;
 
-/// What a tick is about.
+/// Class of a tick.
 pub const CLASSES: [&str; 6] = ["free", "contact", "enters", "leaves", "late", "fault"];
 
 pub const METHODS: [&str; 8] = [
@@ -27,7 +27,7 @@ pub const METHODS: [&str; 8] = [
     "coupled",
 ];
 
-/// One tick, ready to be run again and again.
+/// A tick that can be repeated.
 #[derive(Clone, Copy)]
 pub struct Tick {
     pub state: State<f64, AnyMemory<f64>>,
@@ -35,7 +35,7 @@ pub struct Tick {
 }
 
 impl Tick {
-    /// Takes it. Run it only once: the state is then that after the tick.
+    /// Runs the tick. Only once: the state is afterwards that after the tick.
     #[inline(always)]
     pub fn take(&mut self, renderer: &AnyRenderer<f64>) {
         black_box(&renderer.step(&mut self.state, self.sample));
@@ -85,8 +85,8 @@ impl Recorded {
         }
     }
 
-    /// The ticks of a class, none if the method has no such ticks. A late tick is one of sustained
-    /// contact whose sample came 1.3 periods after the last; a fault is one whose sample is NaN.
+    /// Returns the ticks of a class, empty if the method has no such ticks. A late tick is one of sustained contact
+    /// whose sample came 1.3 periods after the last; a fault is one whose sample is NaN.
     pub fn of_class(&self, class: &str) -> Vec<Tick> {
         let phase = match class {
             "free" => Phase::Free,

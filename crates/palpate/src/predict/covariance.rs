@@ -1,9 +1,8 @@
-//! The covariance of the observer's state, in factors.
+//! Factorised covariance of the observer's state.
 //!
-//! It is kept as U D U' with U unit upper triangular and D diagonal (Bierman, *Factorization Methods
-//! for Discrete Sequential Estimation*, 1977; the time step after Thornton). It cannot lose its
-//! symmetry or its sign, in single precision as in double, however small a sensor's quantum is
-//! against the motion.
+//! It is stored as U D U' with U unit upper triangular and D diagonal (Bierman, *Factorization Methods for Discrete
+//! Sequential Estimation*, 1977; time update after Thornton). It stays symmetric and positive semidefinite, in single
+//! and double precision, however small a sensor's quantum is relative to the motion.
 
 use crate::Scalar;
 
@@ -13,7 +12,7 @@ pub(super) const VELOCITY: usize = 1;
 pub(super) const MOBILITY: usize = 3;
 pub(super) const DAMPING_RATE: usize = 4;
 
-/// A covariance of the parts of the state as U D U'.
+/// Covariance of the state as U D U'.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Covariance<S> {
     /// U above its diagonal of ones: rows 0 to 3, columns 1 to 4.
@@ -22,7 +21,7 @@ pub(crate) struct Covariance<S> {
     pub(super) diagonal: [S; PARTS],
 }
 
-/// What a sample is expected to tell before it comes.
+/// Expected innovation of the next sample.
 pub(super) struct ExpectedInnovation<S> {
     /// Variance of the innovation `[m^2]`.
     pub variance: S,
@@ -33,8 +32,8 @@ pub(super) struct ExpectedInnovation<S> {
 }
 
 impl<S: Scalar> Covariance<S> {
-    /// What the next sample is expected to add to what is known, by the transition's first row, and
-    /// by the variance that is in no part of the state.
+    /// Returns the expected innovation of the next sample, from the first row of the transition and the variance
+    /// `unseen`, which is in no part of the state.
     #[inline]
     pub(super) fn expected_innovation(
         &self,
@@ -65,7 +64,7 @@ impl<S: Scalar> Covariance<S> {
         }
     }
 
-    /// Adds `variance` to that of a part of the state, by no doing of the others (Agee and Turner).
+    /// Adds `variance` to that of one part of the state, independent of the others (Agee and Turner).
     pub(super) fn widen(&mut self, part: usize, variance: S) {
         let mut left = variance.max(S::ZERO);
         let mut along = [S::ZERO; PARTS];
@@ -73,7 +72,7 @@ impl<S: Scalar> Covariance<S> {
         for j in (0..=part).rev() {
             let old = self.diagonal[j];
             let new = old + left * along[j] * along[j];
-            // A part without any variance has nothing to share.
+            // A part without variance contributes nothing.
             if new <= S::ZERO {
                 continue;
             }
@@ -87,8 +86,8 @@ impl<S: Scalar> Covariance<S> {
         }
     }
 
-    /// The time step: the transition times U, D, and the jerk as a column of its own, made
-    /// orthogonal from the last row up. `row` is the first row of that product.
+    /// Time update: the transition times U, D, and the jerk as an additional column, orthogonalised from the last row
+    /// upwards. `row` is the first row of that product.
     #[inline]
     pub(super) fn stepped(
         &self,
@@ -134,8 +133,8 @@ impl<S: Scalar> Covariance<S> {
         }
     }
 
-    /// The measurement step (Bierman) for a position of this variance: what is known after it, and
-    /// what a unit of innovation adds to the state.
+    /// Measurement update (Bierman) for a position of this variance. Returns the new covariance and the change of the
+    /// state per unit of innovation.
     #[inline]
     pub(super) fn measured(&self, variance: S) -> (Self, [S; PARTS]) {
         let mut next = *self;
@@ -150,7 +149,7 @@ impl<S: Scalar> Covariance<S> {
         (next, gain.map(|g| g / alpha))
     }
 
-    /// The measurement step for one part of the state.
+    /// Measurement update for one part of the state.
     #[inline(always)]
     fn take_in<const PART: usize>(&mut self, gain: &mut [S; PARTS], alpha: &mut S) {
         let column: [S; PART] = core::array::from_fn(|i| self.upper[i][PART - 1]);
@@ -167,7 +166,7 @@ impl<S: Scalar> Covariance<S> {
         gain[PART] = v;
     }
 
-    /// All of it.
+    /// Returns the full matrix.
     pub fn dense(&self) -> [[S; PARTS]; PARTS] {
         let [
             [u01, u02, u03, u04],

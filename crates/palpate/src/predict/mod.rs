@@ -1,4 +1,4 @@
-//! Where the device will be: what a method may know of the device beyond its samples.
+//! Prediction of the device's motion beyond its samples.
 
 mod covariance;
 mod lateness;

@@ -1,12 +1,10 @@
-//! The device observer: a Kalman filter of the device's motion under the forces it is known to
-//! have felt.
+//! Device observer: a Kalman filter of the device's motion under the known forces.
 //!
 //! # The model
 //!
-//! Over one interval the device is a mass m pushed by an acceleration a_u that changes slowly (the
-//! user, friction, gravity) and by the force f that is held. What damps it, in the hand or in the
-//! device, changes a_u when the velocity changes, at a rate lambda = b/m. Theta = 1/m and lambda are
-//! parts of the state:
+//! Over one interval the device is a mass m with an acceleration a_u that changes slowly (the user, friction, gravity)
+//! and the held force f. Damping, in the hand or in the device, changes a_u with the velocity at a rate lambda = b/m.
+//! Theta = 1/m and lambda are parts of the state:
 //!
 //! ```text
 //! xi+     = xi + u h + (a_u - theta f) h^2/2 + r h^3/6
@@ -16,16 +14,16 @@
 //! lambda+ = lambda              r = -lambda (a_u - theta f), the ramp of a_u
 //! ```
 //!
-//! The force is known, so but for the products with lambda one interval is linear.
+//! The force is known, so one interval is linear except for the products with lambda.
 //!
-//! Its covariance is kept in factors: see [`Covariance`].
+//! The covariance is factorised: see [`Covariance`].
 //!
-//! # What it adapts to
+//! # Adaptation
 //!
 //! - **q** follows the observed innovations: see [`ObserverParams`].
-//! - **theta** learns from excitation only. A force that does not change tells nothing that a_u
-//!   could not have done as well, and then the variance of theta stays what it is, for hours. A
-//!   sample far from what was expected puts theta in doubt again: a hand may have grabbed the device.
+//! - **theta** is estimated from excitation only. The effect of a constant force cannot be distinguished from that of
+//!   a_u; the variance of theta then stays constant, for hours. A sample far from the expected one widens the variance
+//!   of theta: a hand may have grabbed the device.
 
 use super::covariance::{Covariance, DAMPING_RATE, MOBILITY, PARTS, VELOCITY};
 use crate::Scalar;
@@ -33,24 +31,24 @@ use crate::actuator::Held;
 use crate::contact::Mass;
 use crate::parameter::{Parameter, ParameterError};
 
-/// What the observer starts from.
+/// Initial values of the observer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ObserverParams<S> {
-    /// 1/m as told `[1/kg]`; 0 for a device that no force can move.
+    /// Model value of 1/m `[1/kg]`; 0 for a device that no force can move.
     pub mobility: S,
-    /// Standard deviation of 1/m to begin with, as a part of it.
+    /// Initial standard deviation of 1/m, relative to it.
     pub mobility_deviation: S,
     /// Variance of a measured position `[m^2]`.
     pub measurement_variance: S,
-    /// Variance of the jerk to begin with `[m^2/s^6]`.
+    /// Initial variance of the jerk `[m^2/s^6]`.
     pub jerk_variance: S,
-    /// Least variance of the jerk `[m^2/s^6]`.
+    /// Minimum variance of the jerk `[m^2/s^6]`.
     pub least_jerk_variance: S,
 }
 
 impl<S: Scalar> ObserverParams<S> {
-    /// From what a user knows: the device's effective mass within a factor of 2 `[kg]`, and its
-    /// sensor's quantum `[m]`, 0 if it is not known to have one.
+    /// Creates parameters from the device's effective mass within a factor of 2 `[kg]`, and the sensor's quantum `[m]`,
+    /// 0 if it has no known quantum.
     pub fn new(device_mass: Mass<S>, encoder_quantum: S) -> Result<Self, ParameterError> {
         let mobility = match device_mass {
             Mass::Finite(mass) => S::ONE / Parameter::DeviceMass.positive(mass)?,
@@ -63,15 +61,15 @@ impl<S: Scalar> ObserverParams<S> {
         Ok(Self {
             mobility,
             mobility_deviation: S::from_f64(FIRST_MOBILITY),
-            // A position is anywhere within its quantum.
+            // The error is uniform within the quantum.
             measurement_variance: quantum * quantum * S::from_f64(1.0 / 12.0),
             jerk_variance: square(FIRST_JERK),
             least_jerk_variance: square(LEAST_JERK),
         })
     }
 
-    /// The same for a device of two masses with a spring between them, which is known from a calibration: so
-    /// its mass is known better than within a factor of 2.
+    /// Returns parameters for a device of two masses and a spring, known from a calibration. Its mass is known better
+    /// than within a factor of 2.
     pub fn with_flexure(self) -> Self {
         Self {
             mobility_deviation: S::from_f64(FIRST_MOBILITY_CALIBRATED),
@@ -80,34 +78,34 @@ impl<S: Scalar> ObserverParams<S> {
     }
 }
 
-/// What the sample at an interval's end tells.
+/// Measurement at the end of an interval.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Measurement<S> {
-    /// By how much the measured position has changed over the interval `[m]`.
+    /// Change of the measured position over the interval `[m]`.
     pub moved: S,
     /// Duration of the interval `[s]`.
     pub elapsed: S,
-    /// Force on the object that was held; the device felt its opposite.
+    /// Held force on the object; the device felt the opposite force.
     pub held: Held<S>,
 }
 
-/// The device at a sample, as far as it is known.
+/// Estimated motion of the device at a sample.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EstimatedMotion<S> {
-    /// Position, counted from the measured one `[m]`.
+    /// Position relative to the measured one `[m]`.
     pub offset: S,
     /// Velocity u `[m/s]`.
     pub velocity: S,
-    /// Acceleration by everything but the contact, a_u `[m/s^2]`.
+    /// Acceleration a_u by everything except the contact `[m/s^2]`.
     pub external: S,
     /// theta = 1/m `[1/kg]`.
     pub mobility: S,
-    /// lambda: damping of hand and device over their mass `[1/s]`.
+    /// lambda: damping of hand and device divided by their mass `[1/s]`.
     pub damping_rate: S,
 }
 
 impl<S: Scalar> EstimatedMotion<S> {
-    /// Displacement and change of velocity over `h` `[s]` under the force `held` on the object.
+    /// Returns the displacement and velocity change over `h` `[s]` under the force `held` on the object.
     #[inline]
     pub fn under(&self, held: &Held<S>, h: S) -> (S, S) {
         let gained = (self.external - self.mobility * held.mean) * h;
@@ -116,84 +114,83 @@ impl<S: Scalar> EstimatedMotion<S> {
         (travel * h - self.mobility * held.lead, gained + ramped)
     }
 
-    /// Rate at which the external acceleration changes under `force` `[N]` on the object `[m/s^3]`.
+    /// Returns the rate of change of the external acceleration under `force` `[N]` on the object `[m/s^3]`.
     #[inline]
     pub fn ramp(&self, force: S) -> S {
         self.damping_rate * (self.mobility * force - self.external)
     }
 }
 
-/// What a sample has told of the interval it ends.
+/// Result of a measurement update.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Update<S> {
-    /// By how much the position was another than expected `[m]`.
+    /// Measured minus expected position `[m]`.
     pub innovation: S,
     /// Its expected variance `[m^2]`.
     pub variance: S,
-    /// Innovation over its variance `[1/m]`.
+    /// Innovation divided by its variance `[1/m]`.
     pub weight: S,
-    /// Covariance at the interval's beginning, before the sample.
+    /// Covariance at the interval's beginning, before the update.
     pub before: Covariance<S>,
-    /// How position, velocity and external acceleration at the interval's end come from the state
-    /// at its beginning.
+    /// Transition from the state at the interval's beginning to position, velocity and external acceleration at its
+    /// end.
     pub transition: [[S; PARTS]; 3],
-    /// What a unit of innovation adds to the state.
+    /// Change of the state per unit of innovation.
     pub gain: [S; PARTS],
-    /// What a unit of jerk does to position, velocity and acceleration.
+    /// Effect of a unit of jerk on position, velocity and acceleration.
     pub jerk: [S; 3],
     /// Variance of the jerk `[m^2/s^6]`.
     pub jerk_variance: S,
 }
 
-/// The state of the observer. Positions count from the last sample, so that an origin far away
-/// costs no digits.
+/// State of the observer. Positions are relative to the last sample, so that a distant origin costs no precision.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Observer<S> {
-    /// The device at the last sample.
+    /// Device motion at the last sample.
     pub motion: EstimatedMotion<S>,
     covariance: Covariance<S>,
     /// q `[m^2/s^6]`.
     jerk_variance: S,
 }
 
-/// Quantum of a sensor that is not known to have one `[m]`.
+/// Quantum of a sensor without a known quantum `[m]`.
 const FINEST_QUANTUM: f64 = 1e-9;
-/// Standard deviation of a hand's jerk to begin with `[m/s^3]`.
+/// Initial standard deviation of a hand's jerk `[m/s^3]`.
 const FIRST_JERK: f64 = 50.0;
-/// Standard deviation of the jerk that is always reckoned with `[m/s^3]`.
+/// Minimum standard deviation of the jerk `[m/s^3]`.
 const LEAST_JERK: f64 = 0.1;
-/// Largest standard deviation of the jerk that innovations are put down to `[m/s^3]`. Beyond it the
-/// filter would follow every quantum.
+/// Maximum standard deviation of the jerk inferred from innovations `[m/s^3]`. Above it the filter would follow every
+/// quantum.
 const MOST_JERK: f64 = 2e4;
-/// Standard deviation of the velocity to begin with `[m/s]`.
+/// Initial standard deviation of the velocity `[m/s]`.
 const FIRST_SPEED: f64 = 0.1;
-/// Standard deviation of the external acceleration to begin with `[m/s^2]`.
+/// Initial standard deviation of the external acceleration `[m/s^2]`.
 const FIRST_ACCELERATION: f64 = 20.0;
-/// Standard deviation of 1/m to begin with, as a part of what was told.
+/// Initial standard deviation of 1/m, relative to its model value.
 const FIRST_MOBILITY: f64 = 0.5;
-/// The same of a mass that was calibrated together with a transmission: a hand may hold the device otherwise.
+/// The same for a mass that was calibrated together with a transmission: a hand may hold the device differently.
 const FIRST_MOBILITY_CALIBRATED: f64 = 0.1;
-/// Standard deviation of lambda to begin with `[1/s]`: a hand of some 0.3 kg damps with 1 or 2 N s/m.
+/// Initial standard deviation of lambda `[1/s]`: a hand of about 0.3 kg has a damping of 1 or 2 N s/m.
 const FIRST_DAMPING_RATE: f64 = 4.0;
-/// The estimate of lambda stays within this `[1/s]`.
+/// Limit of the estimate of lambda `[1/s]`.
 const MOST_DAMPING_RATE: f64 = 100.0;
-/// The device is taken for no lighter than this part of what was told,
+/// Lower limit of the estimated mass, relative to the model value.
 const LIGHTEST: f64 = 0.05;
-/// and for no heavier than this multiple of it: a device may be clamped.
+/// Upper limit of the estimated mass, relative to the model value: a device may be clamped.
 const HEAVIEST: f64 = 1e3;
-/// Innovations whose square is beyond this multiple of what is expected put the mass in doubt.
+/// A squared innovation above this multiple of its expected variance widens the variance of the mass.
 const SURPRISE: f64 = 25.0;
-/// Square of the standard deviations that are left of a surprise when a kick has been reckoned with.
+/// Squared innovation that remains after allowing for a kick, in units of its variance.
 const EXPLAINED: f64 = 4.0;
-/// Largest standard deviation of a mobility in doubt, as a part of it.
+/// Largest standard deviation of a widened mobility, relative to it.
 const DOUBT: f64 = 0.25;
-/// How fast the jerk's variance follows the innovations, per sample.
+/// Adaptation rate of the jerk's variance to the innovations, per sample.
 const JERK_GAIN: f64 = 0.2;
-/// Innovation variances beyond this multiple of the expected one count as this.
+/// Limit of a squared innovation, in units of its expected variance.
 const JERK_CAP: f64 = 9.0;
 
-/// The part by which a kick of `kicked` `[m/s]` changes a velocity of `speed` `[m/s]`: [`DOUBT`] at most. A surprise is
-/// rare: as a call of its own it takes no stack of every tick.
+/// Returns the fraction by which a kick of `kicked` `[m/s]` changes a velocity of `speed` `[m/s]`, at most [`DOUBT`].
+/// Not inlined: a surprise is rare, and its stack must not burden every tick.
 #[cold]
 #[inline(never)]
 fn part_kicked<S: Scalar>(kicked: S, speed: S) -> S {
@@ -231,11 +228,11 @@ impl<S: Scalar> Observer<S> {
         }
     }
 
-    /// Takes the sample at the end of an interval. Returns the device at the interval's beginning as
-    /// the sample makes it look now (the one-step smoothed state, but for theta and lambda, which are
-    /// the same at both ends), and what else it tells: nothing, where its numbers overflow and it
-    /// begins anew. `measurement_variance`: of the sample's position, not below the one that is told `[m^2]`.
-    // A function of its own wherever a tick is compiled: it needs most of the registers, and a tick around it more.
+    /// Processes the sample at the end of an interval. Returns the device motion at the interval's beginning given this
+    /// sample (the one-step smoothed state; theta and lambda are the same at both ends) and the details of the update,
+    /// or `None` if numbers overflow and the observer restarts. `measurement_variance`: variance of the sample's
+    /// position, not below the model value `[m^2]`.
+    // Not inlined: it needs most of the registers, and the surrounding tick needs more.
     #[inline(never)]
     pub fn update(
         &mut self,
@@ -257,7 +254,7 @@ impl<S: Scalar> Observer<S> {
         let sixth = half * h * S::from_f64(1.0 / 3.0);
         let jerk = [sixth, half, h];
         let q = self.jerk_variance;
-        // Of the ramp by a_u, theta and lambda.
+        // Factors of a_u, theta and lambda in the ramp.
         let by_a = -before.damping_rate;
         let by_theta = before.damping_rate * f;
         let by_lambda = before.mobility * f - before.external;
@@ -279,7 +276,7 @@ impl<S: Scalar> Observer<S> {
             ],
             [o, o, l + h * by_a, h * by_theta, h * by_lambda],
         ];
-        // What is not known of the force that was held: a kick that is not there, or is there twice.
+        // Uncertainty of the held force: a kick that is missing or occurs twice.
         let kicked = before.mobility * held.impulse_deviation * h;
         let measurement_variance = measurement_variance + kicked * kicked;
         let unseen = measurement_variance + q * sixth * sixth;
@@ -288,8 +285,8 @@ impl<S: Scalar> Observer<S> {
         let square = innovation * innovation;
         let surprised = square > S::from_f64(SURPRISE) * expected.variance;
         if surprised {
-            // Nothing the filter reckons with: something kicked the device, or it was grabbed. Let
-            // the kick come first in the interval, which makes the velocity that of the last step.
+            // Outside the model: the device was kicked or grabbed. Assume the kick at the beginning of the interval, so
+            // that the velocity is that of the last step.
             let kick = square / S::from_f64(EXPLAINED) - expected.variance;
             covariance.widen(VELOCITY, kick / (h * h));
             expected = covariance.expected_innovation(&transition[0], unseen);
@@ -308,9 +305,9 @@ impl<S: Scalar> Observer<S> {
         let most = S::from_f64(MOST_DAMPING_RATE);
         let damping_rate = within(before.damping_rate + gain[4] * innovation, -most, most);
         if surprised {
-            // The device may have been grabbed or let go. That part of its mass which came or went changes the
-            // velocity, and what a force does to it, by the same part. A kick that is small against both is of
-            // friction or of a hand, and says as little of the mass.
+            // The device may have been grabbed or released. A change of its mass changes the velocity, and the effect
+            // of a force, by the same factor. A kick that is small against both comes from friction or a hand and gives
+            // no information on the mass.
             let speed = before.velocity.abs() + S::HALF * h * mobility * f.abs();
             let deviation = part_kicked(innovation.abs() / h, speed) * mobility;
             let u = known.upper[MOBILITY][DAMPING_RATE - 1];
@@ -360,7 +357,7 @@ impl<S: Scalar> Observer<S> {
         (smoothed, Some(update))
     }
 
-    /// Changes the motion by what was learned beside it.
+    /// Adds a correction to the motion.
     pub fn shift(&mut self, by: [S; PARTS]) {
         let [offset, velocity, external, ..] = by;
         self.motion.offset += offset;
@@ -368,8 +365,8 @@ impl<S: Scalar> Observer<S> {
         self.motion.external += external;
     }
 
-    /// How certain lambda is: 1 where it is known, 0 where it cannot be told from none. A damping that is
-    /// only an error of the mass weighs next to nothing by it.
+    /// Returns the certainty of lambda: 1 if it is known, 0 if it is not significantly different from zero. A damping
+    /// that is only an error of the mass then has almost no weight.
     pub fn damping_certainty(&self) -> S {
         let square = self.motion.damping_rate * self.motion.damping_rate;
         let sum = square + self.covariance.diagonal[DAMPING_RATE];

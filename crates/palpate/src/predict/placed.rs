@@ -1,26 +1,23 @@
-//! How well the place of an object is known that is placed by the device.
+//! Uncertainty of the position of an object that is placed relative to the device.
 //!
-//! While device and object touch, the object is put where it belongs against the device as it is
-//! known then. Its position is what it is; what is uncertain is whether it belongs there. That
-//! error hangs together with the errors in the device's motion: a device that was faster than was
-//! thought has met the object sooner, and both should part faster. So when later samples tell the
-//! velocity better, they tell where the object belongs as well. This is the smoothing of a past
-//! collision, in the form of a covariance that a Kalman filter of device and object together would
-//! have.
+//! During contact, the object is placed relative to the current estimate of the device. Its position is exact; whether
+//! it belongs there is uncertain. That error is correlated with the errors in the device's motion: a device that was
+//! faster than estimated has reached the object earlier, and both should separate faster. Later samples that improve
+//! the velocity estimate therefore also improve the object's position. This is smoothing of a past collision, in the
+//! form of the covariance of a Kalman filter of device and object together.
 
 use super::covariance::PARTS;
 use super::observer::{EstimatedMotion, Update};
 use crate::Scalar;
 use crate::response::Response;
 
-/// Covariance of the errors of the object's position and velocity with those of the device's motion:
-/// zero, the default, where the object is by definition.
+/// Covariance of the errors of the object's position and velocity with those of the device's motion: zero, the default,
+/// if the object's position is exact by definition.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Placed<S>([[S; PARTS]; 2]);
 
 impl<S: Scalar> Placed<S> {
-    /// By how much position `[m]` and velocity `[m/s]` of the object should have been others at the
-    /// beginning of the interval.
+    /// Returns the corrections of the object's position `[m]` and velocity `[m/s]` at the beginning of the interval.
     #[inline]
     pub fn correction(&self, update: &Update<S>) -> [S; 2] {
         self.0.map(|row| {
@@ -32,7 +29,7 @@ impl<S: Scalar> Placed<S> {
         })
     }
 
-    /// At the end of the interval, with the sample that ends it. `device`: its motion at the
+    /// Returns the covariance at the end of the interval, after the sample that ends it. `device`: its motion at the
     /// beginning, `touched`: whether there was contact or a force.
     pub fn after(
         &self,
@@ -59,8 +56,8 @@ impl<S: Scalar> Placed<S> {
         };
         let mut after = [[S::ZERO; PARTS]; 2];
         for (i, answer) in [response.penetration, response.speed].iter().enumerate() {
-            // Where the relative motion ends is that of device and object at the beginning; the
-            // object is the device less it.
+            // The relative motion at the end follows from device and object at the beginning; the object is the device
+            // minus the relative motion.
             let own = update.transition[i];
             let unlike = [
                 own[0] - answer[0],

@@ -1,5 +1,4 @@
-//! How fast the device moves, and where it will be at the next sample: one choice for every method that
-//! needs it.
+//! Velocity of the device, and its position at the next sample: one choice for every method that needs it.
 
 use super::observer::{EstimatedMotion, Measurement, Observer, ObserverParams};
 use super::steps::{Step, Steps};
@@ -11,10 +10,10 @@ use crate::render::{
     Basis, MethodName, Setting, SettingKey, SettingValues, Settings, SettingsError,
 };
 
-/// How a method tells how fast the device moves, and where it will be at the next sample, xi~.
+/// Estimator of the device's velocity, and of its position at the next sample, xi~.
 ///
-/// The virtual damper takes from it the velocity of the penetration in its force, HFCR the displacement
-/// `d = xi~ - xi_i`. Every choice but the observer needs samples only.
+/// The virtual damper uses the velocity of the penetration in its force, HFCR the displacement `d = xi~ - xi_i`. Every
+/// choice except the observer uses samples only.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -30,11 +29,10 @@ pub enum Prediction<S> {
     #[default]
     #[cfg_attr(feature = "serde", serde(alias = "constant-velocity"))]
     LastStep,
-    /// At the velocity of end-fit first-order adaptive windowing (Janabi-Sharifi, Hayward and Chen,
-    /// IEEE Trans. Control Systems Technology 8(6), 2000): that of the longest straight line from the
-    /// last sample to an earlier one that passes every sample in between within the noise bound. A
-    /// quantised ramp keeps the whole window if the bound is the quantum; with a bound of 0 this is
-    /// the last step wherever the motion is curved.
+    /// At the velocity of end-fit first-order adaptive windowing (Janabi-Sharifi, Hayward and Chen, IEEE Trans. Control
+    /// Systems Technology 8(6), 2000): that of the longest straight line from the last sample to an earlier one that
+    /// passes every sample in between within the noise bound. A quantised ramp keeps the whole window if the bound is
+    /// the quantum; with a bound of 0 this is the last step whenever the motion is curved.
     FirstOrderAdaptiveWindow {
         /// Largest error of a measured position `[m]`, not below 0: the quantum of the sensor.
         noise_bound: S,
@@ -45,12 +43,12 @@ pub enum Prediction<S> {
     /// On the parabola through the last three samples, at constant acceleration:
     /// `xi~ = 3 xi_i - 3 xi_{i-1} + xi_{i-2}`.
     Extrapolation,
-    /// By an observer of the device's motion, at the acceleration it has now. There to be compared:
-    /// what the force about to be held will do to the device is still left out.
+    /// By an observer of the device's motion, at its current acceleration. For comparison: the effect of the next held
+    /// force on the device is omitted.
     Observer {
         /// Effective mass of the device, within a factor of 2 `[kg]`.
         device_mass: Mass<S>,
-        /// Quantum of the position sensor `[m]`, 0 if it is not known to have one.
+        /// Quantum of the position sensor `[m]`, 0 if it has no known quantum.
         encoder_quantum: S,
     },
 }
@@ -64,7 +62,7 @@ pub(crate) enum Predictor<S> {
     Observer(ObserverParams<S>),
 }
 
-/// What a method remembers of the device's motion: nothing, if it needs the last step only.
+/// Memory of the device's motion: empty if the method needs the last step only.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PredictionMemory<S>(Past<S>);
 
@@ -81,7 +79,7 @@ enum Past<S> {
 }
 
 impl<S: Scalar> Prediction<S> {
-    /// The choice's name, as files, flags and reports spell it.
+    /// Returns the choice's name in files, flags and reports.
     pub fn name(&self) -> &'static str {
         match self {
             Self::LastStep => PredictionName::LastStep,
@@ -92,7 +90,7 @@ impl<S: Scalar> Prediction<S> {
         .name()
     }
 
-    /// As of a method's parameters; what an observer is told of the device is told to it elsewhere.
+    /// Describes the choice as parameters of a method; the observer's parameters are described elsewhere.
     pub(crate) fn describe(&self, take: &mut dyn FnMut(&'static str, ParameterValue<S>)) {
         take(PREDICTION.key.as_str(), ParameterValue::Word(self.name()));
         if let Self::FirstOrderAdaptiveWindow {
@@ -125,7 +123,7 @@ impl<S: Scalar> Prediction<S> {
     }
 }
 
-/// How the methods that predict the device say it by name.
+/// Setting that selects the prediction by name.
 pub(crate) const PREDICTION: Setting = Setting {
     key: SettingKey::PREDICTION,
     values: SettingValues::Words {
@@ -135,7 +133,7 @@ pub(crate) const PREDICTION: Setting = Setting {
             PredictionName::Extrapolation.name(),
             PredictionName::Observer.name(),
         ],
-        // Its name of before there were others at constant velocity.
+        // Earlier name, from before there were other choices at constant velocity.
         earlier: &[("constant-velocity", PredictionName::LastStep.name())],
     },
     help: "how it tells where the device will be, or how fast the penetration grows; \
@@ -154,17 +152,17 @@ pub(crate) const LONGEST_WINDOW_SETTING: Setting = Setting {
     default: "15 periods",
 };
 
-/// Periods in the longest window of first-order adaptive windowing where nothing is said.
+/// Default longest window of first-order adaptive windowing, in periods.
 const PERIODS_OF_WINDOW: f64 = 15.0;
 
 impl SettingKey {
-    /// How the virtual damper and HFCR predict the device, one of [`PredictionName`].
+    /// Prediction of the device by the virtual damper and HFCR, one of [`PredictionName`].
     pub const PREDICTION: Self = Self::new("prediction");
     /// Longest window of first-order adaptive windowing `[s]`.
     pub const LONGEST_WINDOW: Self = Self::new("longest_window_s");
 }
 
-/// A [`Prediction`] without what it is derived from.
+/// A [`Prediction`] without its parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PredictionName {
     /// At the velocity of its last step, as in the paper.
@@ -179,7 +177,7 @@ pub enum PredictionName {
 }
 
 impl PredictionName {
-    /// Every choice.
+    /// All choices.
     pub const ALL: [Self; 4] = [
         Self::LastStep,
         Self::FirstOrderAdaptiveWindow,
@@ -187,7 +185,7 @@ impl PredictionName {
         Self::Observer,
     ];
 
-    /// The name, as files, flags and reports spell it.
+    /// Returns the name in files, flags and reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -198,7 +196,7 @@ impl PredictionName {
         }
     }
 
-    /// The choice of that name.
+    /// Returns the choice with this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|choice| choice.name() == name)
@@ -212,7 +210,7 @@ impl From<PredictionName> for ParameterValue<f64> {
 }
 
 impl<S: Scalar> Prediction<S> {
-    /// How `method` predicts the device.
+    /// Returns the prediction of the device by `method`.
     pub(crate) fn from_settings(
         method: MethodName,
         given: &Settings,
@@ -245,16 +243,16 @@ impl<S: Scalar> Prediction<S> {
     }
 }
 
-/// What is not the last step stands in functions of its own: their frames would lie on the stack of every
-/// tick otherwise.
+/// Choices other than the last step have functions of their own; otherwise their frames would use the stack of every
+/// tick.
 impl<S: Scalar> Predictor<S> {
     fn is_last_step(&self) -> bool {
         matches!(self, Self::LastStep)
     }
 
-    /// Takes the sample at an interval's end. What is followed moves against something that has moved
-    /// by `against` `[m]`: 0 for the device itself, the object's displacement for the penetration. An
-    /// observer follows the device itself.
+    /// Processes the sample at an interval's end. `against` `[m]` is the displacement of the reference of the tracked
+    /// motion: 0 for the device itself, the object's displacement for the penetration. An observer tracks the device
+    /// itself.
     #[inline]
     pub fn update(
         &self,
@@ -267,8 +265,8 @@ impl<S: Scalar> Predictor<S> {
         }
     }
 
-    /// Velocity at the last sample against something that moves at `against` `[m/s]`. None where the
-    /// last step says it all.
+    /// Returns the velocity at the last sample relative to a reference that moves at `against` `[m/s]`; `None` if the
+    /// last step is used.
     #[inline]
     pub fn velocity(&self, memory: &PredictionMemory<S>, against: S) -> Option<S> {
         if self.is_last_step() {
@@ -277,8 +275,8 @@ impl<S: Scalar> Predictor<S> {
         self.followed_velocity(memory, against)
     }
 
-    /// Mean velocity of the device predicted for the coming `period` `[s]`: `(xi~ - xi_i) / T`. None
-    /// where the last step says it all.
+    /// Returns the predicted mean velocity of the device for the coming `period` `[s]`: `(xi~ - xi_i) / T`; `None` if
+    /// the last step is used.
     #[inline]
     pub fn mean_velocity(&self, memory: &PredictionMemory<S>, period: S) -> Option<S> {
         if self.is_last_step() {
@@ -355,7 +353,7 @@ impl<S: Scalar> Predictor<S> {
 }
 
 impl<S: Scalar> PredictionMemory<S> {
-    /// The device as an observer knows it, and the force held over the last interval `[N]`.
+    /// Returns the device motion by the observer, and the force held over the last interval `[N]`.
     #[inline]
     fn observed(&self, params: &ObserverParams<S>) -> (EstimatedMotion<S>, S) {
         match &self.0 {

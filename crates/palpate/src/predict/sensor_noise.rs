@@ -1,83 +1,84 @@
-//! By how much a position sensor errs beyond its quantum, found while nothing is touched.
+//! Estimate of a position sensor's error beyond its quantum, from free motion.
 
 use crate::Scalar;
 
-/// The white noise of a position sensor, learned from free motion.
+/// White noise of a position sensor, estimated from free motion.
 ///
-/// White noise of variance R in the positions gives two third differences in a row, d_(k-1) and d_k, the covariance
-/// -15 R. A motion that is smooth over four samples gives them the same sign. So the mean of -d_k d_(k-1)/15 is
-/// at most R, as long as the motion is smooth over four samples. Intervals with a held force are left out, because the force
-/// bends the motion at each sample. Intervals in which the device moves by less than a few told quanta are left out, because the
-/// rounding errors then have a pattern.
+/// White noise of variance R in the positions gives two successive third differences, d_(k-1) and d_k, the covariance
+/// -15 R. A motion that is smooth over four samples gives them the same sign. The mean of -d_k d_(k-1)/15 is therefore
+/// at most R if the motion is smooth over four samples. Intervals with a held force are excluded, because the force
+/// bends the motion at each sample. Intervals in which the device moves by less than a few model quanta are excluded,
+/// because the rounding errors then have a pattern.
 ///
-/// Along one axis. Coupled rendering has one of its own; this type is public for programs that observe a device themselves.
+/// The estimate applies to one axis. Coupled rendering contains its own; this type is public for programs that observe
+/// a device themselves.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SensorNoise<S> {
     /// Duration of the last interval `[s]`.
     elapsed: S,
-    /// Velocity over the last interval `[m/s]`,
+    /// Velocity over the last interval `[m/s]`.
     velocity: S,
-    /// by how much it differed from the one before `[m/s]`,
+    /// Its difference from the previous velocity `[m/s]`.
     change: S,
-    /// and that difference from the one before it `[m/s]`.
+    /// The difference of that from the previous difference `[m/s]`.
     bend: S,
-    /// How many free intervals came in a row: at most [`BEFORE_ONE_COUNTS`].
+    /// Number of successive free intervals, at most [`BEFORE_ONE_COUNTS`].
     in_a_row: u8,
-    /// Sum of -d_k d_(k-1) `[m^2]`,
+    /// Sum of -d_k d_(k-1) `[m^2]`.
     sum: S,
-    /// of so many intervals.
+    /// Number of intervals in the sum.
     count: S,
-    /// The variance that is reckoned with `[m^2]`; 0 where that is what was told.
+    /// Estimated variance in use `[m^2]`; 0 if the model value is used.
     found: S,
-    /// The variance that an observer has reckoned with when it began `[m^2]`; 0 where that is what was told.
+    /// Estimated variance in use when an observer began `[m^2]`; 0 if it was the model value.
     begun_with: S,
 }
 
-/// What an interval says of the sensor.
+/// Measurement of one interval.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorInterval<S> {
-    /// By how much the measured position has changed `[m]`.
+    /// Change of the measured position `[m]`.
     pub moved: S,
     /// Duration of the interval `[s]`.
     pub elapsed: S,
-    /// By how much the force that was held has moved the device `[m]`.
+    /// Displacement of the device by the held force `[m]`.
     pub pushed: S,
-    /// By how much the device was expected to move `[m]`.
+    /// Expected displacement of the device `[m]`.
     pub expected: S,
 }
 
-/// Two third differences take four intervals.
+/// Number of intervals in two third differences.
 const BEFORE_ONE_COUNTS: u8 = 4;
-/// Covariance of two third differences in a row over the variance of a position, less its sign.
+/// Covariance of two successive third differences divided by the variance of a position, without its sign.
 const COVARIANCE: f64 = 15.0;
-/// Standard deviation of the estimate of R from n intervals, as a part of it: this over the square root of n, for Gaussian noise
+/// Relative standard deviation of the estimate of R from n intervals, times the square root of n, for Gaussian noise
 /// (Bartlett's formula for a sample covariance, with the covariances 20, -15, 6 and -1 of third differences).
 const DEVIATION: f64 = 2.51;
-/// A variance is believed that is more than what was told times this factor: rounding errors are not quite white, and what is less
-/// matters little,
+/// An estimate is accepted if it exceeds the model value times this factor: rounding errors are not exactly white, and
+/// smaller differences matter little.
 const MUCH: f64 = 2.0;
-/// by so many of its deviations more.
+/// Additional number of standard deviations for acceptance.
 const DOUBTS: f64 = 3.0;
-/// Number of intervals that are remembered: beyond it both sums are halved, so that a noise that changes is followed.
+/// Number of intervals after which both sums are halved, so that the estimate follows a changing noise.
 const REMEMBERED: f64 = 1024.0;
-/// Intervals of which one is longer than the other by more than this part are not in a row.
+/// Largest relative difference of the durations of two intervals that count as successive.
 const UNEVEN: f64 = 0.2;
-/// A device that moves by less than so many quanta a sample shows the pattern of its rounding, and no noise.
+/// Smallest motion in quanta per sample; below it the rounding errors have a pattern.
 const QUANTA: f64 = 4.0;
-/// Part of the sensor's deviation that a held force may move the device by, in an interval that counts as free.
+/// Largest displacement by a held force in a free interval, relative to the sensor's standard deviation.
 const UNSEEN: f64 = 0.1;
-/// What one interval says counts as this multiple of the mean at most: who knocks on a device kicks it once.
+/// Limit of one interval's contribution, as a multiple of the mean: knocking on the device kicks it once.
 const OUTLIER: f64 = 10.0;
-/// Number of intervals from which on that holds: before, what is usual is not known.
+/// Number of intervals from which the limit applies; before, the mean is unknown.
 const BEFORE_OUTLIERS: f64 = 16.0;
-/// An observer that has reckoned with less than the variance over this factor has learned the noise as a motion.
+/// An observer that began with less than the variance divided by this factor has interpreted the noise as motion.
 const MISJUDGED: f64 = 4.0;
-/// Largest standard deviation that is believed `[m]`: what is more is the hand of somebody who shakes the device.
+/// Largest accepted standard deviation `[m]`: larger values come from a hand that shakes the device.
 const MOST: f64 = 2e-5;
 
 impl<S: Scalar> SensorNoise<S> {
-    /// Takes an interval that a sample ends, of a sensor that is told to have this variance `[m^2]`. Whether the sensor errs by so much
-    /// more than an observer has reckoned with so far that what the observer has learned is wrong: it should begin anew.
+    /// Processes an interval of a sensor with the model variance `told` `[m^2]`. Returns whether the variance exceeds
+    /// the one used by the observer by so much that the observer should restart.
     pub fn take(&mut self, interval: &SensorInterval<S>, told: S) -> bool {
         let square = |x: S| x * x;
         let longer = interval.elapsed.max(self.elapsed);
@@ -99,7 +100,7 @@ impl<S: Scalar> SensorNoise<S> {
         counts && self.count_in(product, told)
     }
 
-    // A call of its own: it has a root and divisions, and in contact nothing counts.
+    // Not inlined: it has a root and divisions, and does not run in contact.
     #[inline(never)]
     fn count_in(&mut self, product: S, told: S) -> bool {
         let mut product = product;
@@ -121,7 +122,7 @@ impl<S: Scalar> SensorNoise<S> {
         misjudged
     }
 
-    /// The estimate less one of its standard deviations, where there is more beyond doubt than `told` `[m^2]`; or 0.
+    /// Returns the estimate minus one standard deviation if it significantly exceeds `told` `[m^2]`, otherwise 0.
     fn beyond(&self, told: S) -> S {
         let count = self.count.max(S::ONE);
         let deviation = S::from_f64(DEVIATION) / count.sqrt();
@@ -133,22 +134,22 @@ impl<S: Scalar> SensorNoise<S> {
         (mean * (S::ONE - deviation)).min(S::from_f64(MOST * MOST))
     }
 
-    /// The variance of a measured position `[m^2]`: what is `told`, or, where free motion shows beyond doubt that there is more,
-    /// the estimate less one of its standard deviations.
+    /// Returns the variance of a measured position `[m^2]`: the model value `told`, or the estimate minus one standard
+    /// deviation if free motion shows a significantly larger variance.
     #[inline]
     #[must_use]
     pub fn variance(&self, told: S) -> S {
         self.found.max(told)
     }
 
-    /// Standard deviation of the sensor's error, as far as free motion shows any `[m]`: the estimate less its own deviation, whatever
-    /// was told; or 0.
+    /// Returns the standard deviation of the sensor's error shown by free motion `[m]`, independent of the model value:
+    /// the estimate minus its standard deviation, or 0.
     #[must_use]
     pub fn deviation(&self) -> S {
         self.beyond(S::ZERO).sqrt()
     }
 
-    /// Samples are missing: what comes now does not follow on what was there.
+    /// Notes missing samples: the next interval does not follow the last one.
     pub fn interrupted(&mut self) {
         self.in_a_row = 0;
     }
@@ -160,7 +161,7 @@ mod tests {
 
     const PERIOD: f64 = 0.001;
 
-    /// Normal numbers of deviation 1, always the same: sums of twelve of a linear congruential generator's.
+    /// Reproducible normal numbers of deviation 1: sums of twelve numbers of a linear congruential generator.
     fn normal() -> impl FnMut() -> f64 {
         let mut state = 1_u64;
         move || {
@@ -175,7 +176,7 @@ mod tests {
         }
     }
 
-    /// What is found in the positions of so many samples, with a quantum that is told.
+    /// Returns the deviation found in the positions of `samples` samples with the model value `quantum`.
     fn found(samples: usize, quantum: f64, mut position: impl FnMut(f64) -> f64) -> f64 {
         let told = (quantum * quantum).max(1e-18) / 12.0;
         let mut noise = SensorNoise::default();
@@ -194,7 +195,7 @@ mod tests {
         noise.variance(told).sqrt()
     }
 
-    /// A hand that swings and trembles.
+    /// Position of a swinging, trembling hand.
     fn hand(t: f64) -> f64 {
         0.05 * (6.0 * t).sin() + 0.0005 * (60.0 * t).sin()
     }
@@ -226,7 +227,7 @@ mod tests {
     #[test]
     fn a_hand_alone_is_no_noise() {
         assert!(found(3000, 0.0, hand) < 1e-9);
-        // Nor is dry friction, whose acceleration changes its sign.
+        // Dry friction, whose acceleration changes its sign, does not count as noise.
         let rubbed = |t: f64| {
             let phase = (5.0 * t).fract();
             let (sign, half) = if phase < 0.5 {
@@ -241,7 +242,7 @@ mod tests {
 
     #[test]
     fn a_knock_is_no_noise() {
-        // A device that is stopped and pushed back, a quarter of a metre a second each way, five times a second.
+        // A device that is stopped and pushed back at 0.25 m/s in each direction, five times a second.
         let knocked = |t: f64| 0.05 * ((5.0 * t).fract() - 0.5).abs();
         let found = found(3000, 1e-6, knocked);
         assert!(found < 1e-6, "{found:e}");
@@ -268,7 +269,7 @@ mod tests {
             let interval = SensorInterval {
                 moved: 1e-3 + 1e-5 * normal(),
                 elapsed: PERIOD,
-                // Never four in a row without a force.
+                // Never four successive intervals without a force.
                 pushed: if k % 4 == 0 { 1e-6 } else { 0.0 },
                 expected: 1e-3,
             };

@@ -1,21 +1,20 @@
-//! The last steps of a sampled position, and what they tell of its velocity.
+//! Last steps of a sampled position, and velocity estimates from them.
 //!
-//! Steps count from sample to sample, so that an origin far away costs no digits; each has its own
-//! duration, so that samples need not be evenly spaced.
+//! Positions are differences between samples, so a distant origin costs no precision. Each step has its own duration,
+//! so samples need not be evenly spaced.
 
 use crate::Scalar;
 
-/// Largest number of steps that an adaptive window can hold.
+/// Largest number of steps in an adaptive window.
 pub const LONGEST_WINDOW: usize = 16;
 
 #[expect(clippy::cast_possible_truncation, reason = "16")]
 const ROOM: u8 = LONGEST_WINDOW as u8;
 
-/// A window this much longer than allowed, relatively, is still allowed: sums of decimal periods
-/// are never exact.
+/// Relative tolerance of the longest window: sums of decimal periods are never exact.
 const LONGER_BY: f64 = 1e-6;
 
-/// What happened from one sample to the next.
+/// Change from one sample to the next.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Step<S> {
     /// Change of the position `[m]`.
@@ -24,16 +23,16 @@ pub(super) struct Step<S> {
     pub elapsed: S,
 }
 
-/// The last steps, [`LONGEST_WINDOW`] at most.
+/// Last steps, at most [`LONGEST_WINDOW`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steps<S> {
     ring: [Step<S>; LONGEST_WINDOW],
-    /// Place of the newest step.
+    /// Index of the newest step.
     newest: u8,
     count: u8,
 }
 
-/// The parabola through the last three samples, at the last of them.
+/// Parabola through the last three samples, at the last of them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Parabola<S> {
     /// Velocity `[m/s]`.
@@ -51,27 +50,26 @@ impl<S: Scalar> Steps<S> {
         }
     }
 
-    /// Adds the step that a sample ends, in place of the oldest one if there is no room.
+    /// Adds the step that a sample ends; replaces the oldest one if the buffer is full.
     pub fn push(&mut self, step: Step<S>) {
         self.newest = (self.newest + 1) % ROOM;
         self.ring[usize::from(self.newest)] = step;
         self.count = (self.count + 1).min(ROOM);
     }
 
-    /// From the newest step back.
+    /// Iterates from the newest step backwards.
     fn back(&self) -> impl Iterator<Item = &Step<S>> {
         let place = |age| usize::from((self.newest + ROOM - age) % ROOM);
         (0..self.count).map(move |age| &self.ring[place(age)])
     }
 
-    /// Velocity by end-fit first-order adaptive windowing `[m/s]`; none without a step.
+    /// Returns the velocity by end-fit first-order adaptive windowing `[m/s]`; `None` without a step.
     ///
-    /// It is that of the straight line from the last sample to an earlier one, the earliest whose
-    /// line passes every sample in between within `noise_bound` `[m]`. Windows are tried from one
-    /// step on, and the search ends with the first that fails, or that is longer than `longest`
-    /// `[s]`. The line from the last sample passes one that is older by t and lies back by x if its
-    /// slope is in `[(x - bound)/t, (x + bound)/t]`, so what all of them allow is an interval, and
-    /// the search takes one pass. The last step alone always counts.
+    /// It is that of the straight line from the last sample to an earlier one, the earliest whose line passes every
+    /// sample in between within `noise_bound` `[m]`. The search starts with one step, and ends with the first window
+    /// that fails or is longer than `longest` `[s]`. The line from the last sample passes one that is older by t and
+    /// lies back by x if its slope is in `[(x - bound)/t, (x + bound)/t]`. The slopes allowed by all samples form an
+    /// interval, so the search takes one pass. The last step alone is always used.
     ///
     /// Source: Janabi-Sharifi, Hayward and Chen, "Discrete-time adaptive windowing for velocity
     /// estimation", IEEE Trans. Control Systems Technology 8(6), 2000, the end-fit variant.
@@ -94,8 +92,8 @@ impl<S: Scalar> Steps<S> {
         velocity
     }
 
-    /// The parabola through the last three samples, or after a single step the straight line; none
-    /// without a step.
+    /// Returns the parabola through the last three samples, or the straight line after a single step; `None` without a
+    /// step.
     pub fn parabola(&self) -> Option<Parabola<S>> {
         let mut steps = self.back();
         let late = steps.next()?;
@@ -121,7 +119,7 @@ mod tests {
 
     const PERIOD: f64 = 0.001;
 
-    /// The steps of samples at `times` `[s]` of a motion.
+    /// Returns the steps of samples at `times` `[s]` of a motion.
     fn along(times: impl IntoIterator<Item = f64>, position: impl Fn(f64) -> f64) -> Steps<f64> {
         let mut steps = Steps::none();
         let mut times = times.into_iter();
@@ -136,7 +134,7 @@ mod tests {
         steps
     }
 
-    /// Samples at even instants.
+    /// Returns the steps of samples at equal intervals.
     fn evenly(samples: u32, position: impl Fn(f64) -> f64) -> Steps<f64> {
         along((0..samples).map(|i| f64::from(i) * PERIOD), position)
     }
@@ -172,9 +170,9 @@ mod tests {
         }
     }
 
-    /// The error of a line between two samples within half a quantum of the truth is at most a quantum
-    /// over the window's duration, and such a line passes all samples between within a quantum. So a
-    /// bound of one quantum always lets a quantised ramp have the whole window.
+    /// The error of a line between two samples within half a quantum of the truth is at most a quantum over the
+    /// window's duration, and such a line passes all samples between within a quantum. A bound of one quantum therefore
+    /// always gives a quantised ramp the whole window.
     #[test]
     fn a_quantised_ramp_has_the_whole_window_and_an_error_of_a_quantum_over_it() {
         let quantum = 1e-5;
@@ -192,7 +190,7 @@ mod tests {
                 assert!(error <= quantum / (window * PERIOD) + 1e-9, "{error}");
             }
         }
-        // The last step alone is off by up to a quantum over a period, sixteen times as much.
+        // The last step alone has an error of up to a quantum over a period, sixteen times as much.
         let steps = evenly(60, |t| quantised(0.003 * t, quantum));
         let last_step = steps.adaptive_window(0.0, 1.0).unwrap();
         let window = steps.adaptive_window(quantum, 1.0).unwrap();
@@ -205,8 +203,8 @@ mod tests {
             // At rest for 20 samples, then 0.2 m/s either way.
             let corner = |t: f64| speed * (t - 20.0 * PERIOD).max(0.0);
             for after in 1..12_u32 {
-                // A line to before the corner is off there by more than a twentieth of what the device
-                // moves in a period, the bound.
+                // A line to a sample before the corner misses it by more than the bound, a twentieth of the device's
+                // motion in a period.
                 let steps = evenly(21 + after, corner);
                 let velocity = steps.adaptive_window(1e-5, 1.0).unwrap();
                 assert!((velocity - speed).abs() < 1e-11, "{after}: {velocity}");
@@ -244,8 +242,8 @@ mod tests {
 
     #[test]
     fn the_end_fit_looks_at_every_sample_between() {
-        // The chord over n steps of a parabola is off by a T^2 j (n - j)/2 at its sample j: most in the
-        // middle, by 16 um for 8 steps and 20 um for 9, and by less than the bound at its ends.
+        // The chord over n steps of a parabola has an error of a T^2 j (n - j)/2 at its sample j: largest in the
+        // middle, 16 um for 8 steps and 20 um for 9, and less than the bound at its ends.
         for acceleration in [2.0, -2.0] {
             let steps = evenly(40, |t| 0.5 * acceleration * t * t);
             let velocity = steps.adaptive_window(1.8e-5, 1.0).unwrap();

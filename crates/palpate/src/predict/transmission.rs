@@ -1,4 +1,4 @@
-//! A flexible transmission between the motor, where the sensor is, and the rest of the device.
+//! Flexible transmission between the motor, which carries the sensor, and the rest of the device.
 
 use crate::Scalar;
 use crate::actuation::Transmission;
@@ -8,16 +8,15 @@ use crate::response::Response;
 
 /// A device of two masses with a spring between them.
 ///
-/// The motor's side has the part 1 - phi of the mass m. With the centre of mass X, the stretch d of the
-/// spring from where it rests, and the force f on the object, at the motor:
+/// The motor's side has the fraction 1 - phi of the mass m. With the centre of mass X, the stretch d of the spring from
+/// rest, and the force f on the object, at the motor:
 ///
 /// ```text
 /// x = X - phi d,   X'' = a_u - theta f,   d'' = -omega^2 d - 2 zeta omega d' + theta f / (1 - phi)
 /// ```
 ///
-/// X moves as a rigid device does. So the observer and the books of an interval follow X, and only the
-/// contact, which is at the motor, needs d. A slow force stretches the spring without moving it: d leaves
-/// that part out.
+/// X moves as a rigid device does. Observer and interval prediction therefore use X, and only the contact, which acts
+/// at the motor, needs d. A slow force stretches the spring quasi-statically: d excludes that part.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Flexure<S> {
     /// omega^2 `[1/s^2]`.
@@ -32,7 +31,7 @@ pub(crate) struct Flexure<S> {
     longest_step: S,
 }
 
-/// How far the spring of a transmission is stretched.
+/// Stretch of the spring of a transmission.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sway<S> {
     /// d `[m]`.
@@ -41,14 +40,14 @@ pub(crate) struct Sway<S> {
     speed: S,
 }
 
-/// Longest step in radians of the resonance: the steps' error of its frequency is 1/24 of the square of
-/// this, 0.3 %, less than a calibration's.
+/// Longest step in radians of the resonance: the relative error of its frequency is 1/24 of the square of this, 0.3 %,
+/// less than that of a calibration.
 const LONGEST_ANGLE: f64 = 0.25;
-/// Most steps in an interval: a resonance that is too fast for them is taken for the fastest that is not.
+/// Maximum number of steps in an interval: a faster resonance is replaced by the fastest that they resolve.
 const MOST_STEPS: f64 = 16.0;
 
 impl<S: Scalar> Flexure<S> {
-    /// Of a transmission without faults.
+    /// Creates the model of a valid transmission.
     pub fn new(transmission: &Transmission<S>) -> Self {
         let Transmission {
             resonance,
@@ -65,20 +64,20 @@ impl<S: Scalar> Flexure<S> {
         }
     }
 
-    /// By how much the motor is behind the centre of mass `[m]`.
+    /// Returns the distance of the motor behind the centre of mass `[m]`.
     #[inline]
     pub fn behind(&self, sway: &Sway<S>) -> S {
         self.fraction * sway.stretch
     }
 
-    /// Number of steps over `h` `[s]`, and the duration of one `[s]`.
+    /// Returns the number of steps over `h` `[s]`, and the duration of one `[s]`.
     fn steps(&self, h: S) -> (S, S) {
         let wanted = (h / self.longest_step).floor() + S::ONE;
         let steps = wanted.max(S::ONE).min(S::from_f64(MOST_STEPS));
         (steps, h / steps)
     }
 
-    /// The first half of a step, and the second, of the spring's force on the stretch.
+    /// Applies the spring's force to the stretch in the first or second half of a step.
     #[inline]
     fn kick(&self, sway: &mut Sway<S>, half: S, is_second: bool) {
         let pushed = sway.speed - self.stiffness * sway.stretch * half;
@@ -89,12 +88,12 @@ impl<S: Scalar> Flexure<S> {
         };
     }
 
-    /// The stretch after `h` `[s]` of the force `held` on the object, on a device of 1/m = `mobility`.
+    /// Returns the stretch after `h` `[s]` of the force `held` on the object, on a device of 1/m = `mobility`.
     pub fn under(&self, sway: Sway<S>, mobility: S, held: &Held<S>, h: S) -> Sway<S> {
         let mut sway = sway;
         let (steps, step) = self.steps(h);
         let per_force = mobility * self.of_motor;
-        // A straight line with the impulse and the moment of what was held.
+        // A linear force with the impulse and moment of the held one.
         let slope = S::from_f64(-12.0) * held.lead / (h * h * h);
         let mut number = S::ZERO;
         while number < steps {
@@ -110,9 +109,8 @@ impl<S: Scalar> Flexure<S> {
         sway
     }
 
-    /// The relative motion of object and centre of mass over `h` `[s]`, from `start`, where the contact is
-    /// at the motor: `rigid` is what moves them against each other, `mobility` the device's 1/m. With the
-    /// stretch at its end.
+    /// Computes the relative motion of object and centre of mass over `h` `[s]` from `start`, with the contact at the
+    /// motor, and the stretch at the end. `rigid` is the drive of the relative motion, `mobility` the device's 1/m.
     pub fn over(
         &self,
         rigid: &Drive<S>,
@@ -134,8 +132,8 @@ impl<S: Scalar> Flexure<S> {
         (motion.course, motion.sway)
     }
 
-    /// The same, with how its end answers to what it starts from, as
-    /// [`Drive::over_with_response`] says of a rigid device: by the stretch it starts from none is asked.
+    /// Computes the same motion with the sensitivity of its end to its start, as [`Drive::over_with_response`] does for
+    /// a rigid device. The sensitivity to the initial stretch is omitted.
     pub fn over_with_response(
         &self,
         rigid: &Drive<S>,
@@ -173,12 +171,12 @@ impl<S: Scalar> Flexure<S> {
 /// Centre of mass, object and stretch in motion.
 struct Swaying<S> {
     fraction: S,
-    /// What moves object and centre of mass against each other, and object and motor.
+    /// Drives of the relative motion of object and centre of mass, and of object and motor.
     rigid: Drive<S>,
     drive: Drive<S>,
-    /// What a newton does to the stretch `[1/kg]`.
+    /// Acceleration of the stretch per newton `[1/kg]`.
     per_force: S,
-    /// Of the centre of mass.
+    /// Course of the centre of mass.
     course: Course<S>,
     sway: Sway<S>,
 }
@@ -216,7 +214,7 @@ impl<S: Scalar> Swaying<S> {
         }
     }
 
-    /// Integral of (h - s) f(s) over a step that goes as `course` says, from here.
+    /// Returns the integral of (h - s) f(s) over a step with the given `course`.
     fn moment(&self, course: &Course<S>, h: S) -> S {
         if self.drive.mobility > S::ZERO {
             let at = self.at_motor();
@@ -227,7 +225,7 @@ impl<S: Scalar> Swaying<S> {
         }
     }
 
-    /// A step that goes as `course` says, which began `before` after the interval `[s]`.
+    /// Adds a step with the given `course`, which began `before` `[s]` after the interval.
     fn take(&mut self, course: &Course<S>, h: S, before: S) {
         let (moment, impulse) = (self.moment(course, h), course.impulse);
         let (a, mobility) = (self.rigid.acceleration, self.rigid.mobility);
@@ -242,12 +240,12 @@ impl<S: Scalar> Swaying<S> {
     }
 }
 
-/// Derivatives of a motion by what it starts from: by penetration, speed, acceleration and mobility, and by
-/// a ramp and a damping as in [`Response`].
+/// Derivatives of a motion by its start: by penetration, speed, acceleration and mobility, and by a ramp and a damping
+/// as in [`Response`].
 #[derive(Clone, Copy)]
 struct Changes<S>([Change<S>; 6]);
 
-/// One of them.
+/// One of the derivatives.
 #[derive(Clone, Copy)]
 struct Change<S> {
     penetration: S,
@@ -275,7 +273,7 @@ impl<S: Scalar> Changes<S> {
         Self(changes)
     }
 
-    /// Half a step of the spring's force, of the ramp, and of the damping, `at` so long after the beginning.
+    /// Applies half a step of the spring's force, of the ramp, and of the damping, `at` after the beginning.
     fn kicked(
         mut self,
         flexure: &Flexure<S>,
@@ -297,7 +295,7 @@ impl<S: Scalar> Changes<S> {
         self
     }
 
-    /// Over a step from `motion` that goes as `course` and its `response` say.
+    /// Advances the derivatives over a step from `motion` with the given `course` and `response`.
     fn after(
         mut self,
         flexure: &Flexure<S>,
@@ -367,7 +365,7 @@ impl<S: Scalar> Changes<S> {
 mod tests {
     use super::*;
 
-    /// A device of two masses and an object, in short steps of its own equations.
+    /// A device of two masses and an object, integrated in short steps.
     struct TwoMasses {
         transmission: Transmission<f64>,
         mobility: f64,
@@ -375,8 +373,8 @@ mod tests {
     }
 
     impl TwoMasses {
-        /// Penetration and speed at the centre of mass, stretch and its rate, and the impulse of the contact
-        /// or of `held`, after `h`: motor, end and object each by its own equation, in steps of fourth order.
+        /// Returns penetration and speed at the centre of mass, stretch and its rate, and the impulse of the contact or
+        /// of `held`, after `h`. Motor, end and object each have their own equation, in steps of fourth order.
         fn after(
             &self,
             start: Relative<f64>,
@@ -397,7 +395,7 @@ mod tests {
                 (reduced * rate * rate, 2.0 * damping_ratio * reduced * rate);
             let give = self.contact.mobility - self.mobility;
             let slope = held.map_or(0.0, |held| -12.0 * held.lead / (h * h * h));
-            // Motor and end against the object's place by its own forces, with their share of what pushes.
+            // Positions relative to the object's motion by its own forces; external forces are shared by mass.
             let slopes = |t: f64, [x, y, z, u, v, w, _]: [f64; 7]| {
                 let spring = stiffness * (y - x) + damping * (v - u);
                 let f = held.map_or_else(
@@ -570,7 +568,7 @@ mod tests {
         }
     }
 
-    /// With all of the mass on the motor's side the spring moves nothing that counts.
+    /// With all mass on the motor's side the spring moves negligible mass.
     #[test]
     fn a_transmission_with_nothing_beyond_it_is_rigid() {
         for (case, start, _, h) in cases() {

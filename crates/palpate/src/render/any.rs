@@ -1,4 +1,4 @@
-//! All methods behind one type, for programs that choose one by name.
+//! One type for all methods, for programs that select one by name.
 
 use core::fmt;
 
@@ -11,7 +11,7 @@ use crate::motion::{Displacement, ObjectMotion};
 use crate::parameter::{ParameterError, ParameterValue};
 use crate::predict::PredictionMemory;
 
-/// The memory of a method in that of any method: a field, or nothing.
+/// Memory of a method within that of any method: a field, or nothing.
 macro_rules! part {
     ($memory:ident) => {
         ()
@@ -28,13 +28,13 @@ macro_rules! any {
         $(remembers $own:ident: $Memory:ty)?,
         named $($Name:ident = $file:ident::$INFO:ident),+;
     )*) => {
-// What is public in a method's file is public in the crate.
+// Public items of a method's file are public in the crate.
 $($(
     #[allow(unused_imports)]
     pub use super::$file::*;
 )+)*
 
-/// Parameters of any method. As a serde value, they stand under the method's name in kebab case.
+/// Parameters of any method. As a serde value, the method's name in kebab case is the key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -195,13 +195,13 @@ impl<S: Scalar> Method<S> for AnyMethod<S> {
 for_all_methods!(any);
 
 impl<S: Scalar> AnyMemory<S> {
-    /// What [`Coupled`] remembers; that of a state that has not been coupled is empty.
+    /// Returns the memory of [`Coupled`]; it is empty if the state was never coupled.
     pub fn coupled(&self) -> &CoupledMemory<S> {
         &self.coupled
     }
 }
 
-/// The method and its parameters, in words: `virtual-damper (damping_n_s_per_m 2.5)`.
+/// Writes the method and its parameters: `virtual-damper (damping_n_s_per_m 2.5)`.
 impl<S: Scalar + fmt::Display> fmt::Display for AnyParams<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())?;

@@ -19,8 +19,8 @@ pub(super) const BASIC: MethodInfo = MethodInfo {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BasicParams;
 
-/// The basic model, Eqs. (4), (6a), (6b): `f_i = K p_i` while `p_i > 0`. The device is taken to
-/// stand still over the interval, which leaks energy whenever it moves.
+/// The basic model, Eqs. (4), (6a), (6b): `f_i = K p_i` while `p_i > 0`. It assumes a device at rest over the interval,
+/// and therefore leaks energy whenever the device moves.
 #[derive(Clone, Copy, Debug)]
 pub struct Basic;
 

@@ -1,5 +1,4 @@
-//! Coupled rendering: device and object are predicted together, and the mean of the contact force
-//! between them is held.
+//! Coupled rendering: predicts device and object together, and holds the mean of the contact force between them.
 
 mod interval;
 mod saturation;
@@ -45,9 +44,9 @@ const CORRECTION: Setting = Setting {
 };
 
 impl SettingKey {
-    /// Whether coupled rendering places the object.
+    /// Whether coupled rendering shifts the object.
     pub const PLACEMENT: Self = Self::new("placement");
-    /// Whether coupled rendering predicts an interval anew when it has ended.
+    /// Whether coupled rendering repeats the prediction of an interval when the interval has ended.
     pub const CORRECTION: Self = Self::new("correction");
 }
 
@@ -68,7 +67,7 @@ impl<S: Scalar> FromSettings<S> for CoupledParams<S> {
 
 /// Parameters of coupled rendering.
 ///
-/// The two steps are there to be compared; both are on by default.
+/// The two steps can be switched off for comparison; both are on by default.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
@@ -80,17 +79,17 @@ impl<S: Scalar> FromSettings<S> for CoupledParams<S> {
     ))
 )]
 pub struct CoupledParams<S> {
-    /// Effective mass of the device at its end-point, within a factor of 2 `[kg]`. The hand's
-    /// share is learned. [`Mass::Infinite`] is a device that no force moves: a recorded motion.
+    /// Effective mass of the device at its end-point, within a factor of 2 `[kg]`. The hand's share is estimated.
+    /// [`Mass::Infinite`] is a device that no force moves: a recorded motion.
     pub device_mass: Mass<S>,
-    /// Quantum of the position sensor `[m]`, 0 if it is not known to have one.
+    /// Quantum of the position sensor `[m]`, 0 if it has no known quantum.
     #[cfg_attr(feature = "serde", serde(default))]
     pub encoder_quantum: S,
-    /// Whether the object is placed so that device and object move against each other as
-    /// predicted. Without it the object keeps to its own momentum.
+    /// Whether the object is shifted so that the relative motion of device and object is the predicted one. Without the
+    /// shift the object follows its own momentum.
     #[cfg_attr(feature = "serde", serde(default = "on"))]
     pub placement: bool,
-    /// Whether the interval that a sample ends is predicted anew with what the sample tells.
+    /// Whether the prediction of an interval is repeated with the sample that ends it.
     #[cfg_attr(feature = "serde", serde(default = "on"))]
     pub correction: bool,
 }
@@ -101,8 +100,8 @@ fn on() -> bool {
 }
 
 impl<S: Scalar> CoupledParams<S> {
-    /// Coupled rendering on a device of about `device_mass` `[kg]` (infinite: one that no force
-    /// moves), with a position sensor of no known quantum.
+    /// Creates parameters for a device of about `device_mass` `[kg]` (infinite: no force moves it) with a position
+    /// sensor of unknown quantum.
     pub fn new(device_mass: S) -> Self {
         Self {
             device_mass: if device_mass == S::INFINITY {
@@ -116,7 +115,7 @@ impl<S: Scalar> CoupledParams<S> {
         }
     }
 
-    /// The same with a position sensor of `encoder_quantum` `[m]`.
+    /// Returns the parameters with a position sensor of `encoder_quantum` `[m]`.
     #[must_use]
     pub fn with_encoder_quantum(self, encoder_quantum: S) -> Self {
         Self {
@@ -128,13 +127,12 @@ impl<S: Scalar> CoupledParams<S> {
 
 /// Coupled rendering.
 ///
-/// A held force moves the device to another place than the force it stands for would have, and the
-/// device's own prediction has to know that force. So an observer estimates what else pushes the
-/// device, and how heavy it is; the relative motion of device and object over the coming interval
-/// follows in closed form, with any number of transitions; its mean contact force is held; and the
-/// object is placed so that the *relative* motion comes out as predicted although the force is
-/// held. With the device's mass and external acceleration known exactly, the rendered force is the
-/// interval mean of the ideal one: no held force can be nearer.
+/// A held force moves the device to another position than the continuous contact force, and the prediction of the
+/// device must include that force. An observer therefore estimates the other forces on the device, and its mass. The
+/// relative motion of device and object over the coming interval follows in closed form, with any number of
+/// transitions. Its mean contact force is held, and the object is shifted so that the *relative* motion is the
+/// predicted one although the force is held. If the device's mass and external acceleration are known exactly, the
+/// rendered force is the interval mean of the ideal one, the best possible held force.
 #[derive(Clone, Copy, Debug)]
 pub struct Coupled<S> {
     observer: ObserverParams<S>,
@@ -146,75 +144,75 @@ pub struct Coupled<S> {
     saturation: Saturation<S>,
 }
 
-/// What coupled rendering remembers.
+/// Memory of coupled rendering.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CoupledMemory<S> {
     observer: Option<Observer<S>>,
-    /// Impulse that contact has had by what is known now, less the impulse of the forces that stood
-    /// for it `[N s]`. A wall takes any momentum, so it is owed nothing.
+    /// Impulse error: contact impulse by the current estimate minus the impulse of the corresponding held forces `[N
+    /// s]`. Zero for a wall, which absorbs any momentum.
     impulse_error: S,
     /// Durations of the last intervals, the newest last `[s]`.
     periods: [Option<S>; 3],
-    /// How well it is known where the object belongs.
+    /// Uncertainty of the object's position.
     placed: Placed<S>,
     avatar: Avatar<S>,
     /// Stretch of the device's transmission at the last sample.
     sway: Sway<S>,
     lateness: Lateness<S>,
     sensor_noise: SensorNoise<S>,
-    /// Part of the avatar's speed that no force is going to make up for `[m/s]`.
+    /// Part of the proxy's relative speed that no force will correct `[m/s]`.
     given_up: S,
-    /// Whether the force limit acts in the interval that the last force is for.
+    /// Whether the force limit acts in the interval of the last force.
     is_limited: bool,
-    /// Shift of the object by placement over the last interval `[m]`.
+    /// Shift of the object over the last interval `[m]`.
     shift: S,
 }
 
 impl<S: Scalar> CoupledMemory<S> {
-    /// How long the next interval will be `[s]`: the median of the last three, so that a loop that
-    /// has become slower is planned for after two samples, and a single late one changes nothing.
+    /// Returns the expected duration of the next interval `[s]`: the median of the last three. A slower loop takes
+    /// effect after two samples, and a single late sample has no effect.
     fn likely_period(&self, nominal: S) -> S {
         let [a, b, c] = self.periods.map(|period| period.unwrap_or(nominal));
         a.min(b).max(a.max(b).min(c))
     }
 
-    /// By how much later than told the commands begin, as far as it has been learned `[s]`.
+    /// Returns the estimated actuation delay minus its model value `[s]`.
     pub fn lateness(&self) -> S {
         self.lateness.mean
     }
 
-    /// Standard deviation of the position sensor's noise, its rounding included, as far as free motion has shown any `[m]`: the
-    /// estimate less its own deviation. 0 where nothing was found.
+    /// Returns the standard deviation of the position sensor's noise shown by free motion, including its rounding
+    /// `[m]`: the estimate minus its standard deviation. 0 without a significant estimate.
     pub fn sensor_noise(&self) -> S {
         self.sensor_noise.deviation()
     }
 
-    /// Effective mass of the device with the hand that holds it, as far as it has been learned
-    /// `[kg]`: infinite for one that no force moves, none before the first sample.
+    /// Returns the estimated effective mass of the device with the hand that holds it `[kg]`: infinite if no force
+    /// moves it, `None` before the first sample.
     pub fn device_mass(&self) -> Option<S> {
         let observer = self.observer.as_ref()?;
         Some(S::ONE / observer.motion.mobility)
     }
 }
 
-/// Part of the impulse owed that the next force makes up for. All of it would pass on the noise of
-/// one estimate as a force of the other sign in the next; on random plants a half has the least
-/// error, with and without delay.
+/// Part of the residual impulse that the next force corrects. A correction of the whole residual turns the noise of one
+/// estimate into a force of the opposite sign in the next interval. On random plants a half has the smallest error,
+/// with and without delay.
 const REPAID: f64 = 0.5;
 
-/// A wall's avatar may be faster than the device. The next force makes up for that difference, by an impulse
-/// of at most kappa times this factor times the contact's impulse, and never more than the contact's impulse.
-/// An adversary who moves the device gets more energy out of a wall without this bound. With a larger factor,
-/// a soft wall with an untold delay alternates between two forces; with a smaller one, a stiff wall keeps
-/// swinging.
+/// A wall's proxy may be faster than the device. The next force corrects that difference with an impulse of at most
+/// kappa times this factor times the contact's impulse, and never more than the contact's impulse. Without this bound,
+/// an adversary who moves the device extracts more energy from a wall. With a larger factor, a soft wall with an
+/// unmodelled delay alternates between two forces; with a smaller one, the oscillation of a stiff wall persists.
 const REPAID_BY_WALLS: f64 = 0.3;
 
-/// What is owed to an object that is apart is forgotten when it would change its velocity by less than
-/// this part.
+/// The residual impulse of a free object is discarded if it would change the object's velocity by less than this
+/// fraction.
 const NEGLIGIBLE: f64 = 1e-7;
 
-/// A told transmission is predicted where its resonance times the period exceeds this. With twenty samples in a period of
-/// the resonance or more, an observer that takes the device for one mass follows the transmission's force, and does better.
+/// Threshold of resonance times period above which a modelled transmission is predicted. With twenty or more samples in
+/// a resonance period, an observer that models the device as one mass follows the transmission's force, and performs
+/// better.
 const FAST_RESONANCE: f64 = 0.05;
 
 impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
@@ -231,7 +229,7 @@ impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
         let transmission = transmission.filter(|told| is_fast(told.resonance));
         let flexure = transmission.as_ref().map(Flexure::new);
         let largest = match loop_params.force_limit {
-            // Command and delivered force are both limited.
+            // Both the command and the delivered force are limited.
             Some(limit) => {
                 let actuation = &loop_params.actuation;
                 actuation.gain * limit / actuation.limit_gain()
@@ -293,13 +291,13 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         let sway = memory.sway;
         let mut measurement = ended.measurement();
         if self.timing_deviation > S::ZERO {
-            // A delay that has been learned is certain.
+            // An estimated delay is certain.
             measurement.held.impulse_deviation = measurement.held.impulse_deviation
                 * memory.lateness.remaining(self.timing_deviation);
         }
         let mut behind = S::ZERO;
         if let Some(flexure) = &self.flexure {
-            // The centre of mass, by what the motor shows and how far the transmission is stretched.
+            // Motion of the centre of mass, from the motor position and the stretch of the transmission.
             memory.sway = flexure.under(sway, before.mobility, &ended.held, ended.elapsed);
             behind = flexure.behind(&sway);
             measurement.moved += flexure.behind(&memory.sway) - behind;
@@ -311,7 +309,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             pushed: before.mobility * ended.held.mean * ended.elapsed * ended.elapsed,
             expected: before.velocity * ended.elapsed,
         };
-        // Without a force the device's mass is not learned, so there is nothing to unlearn.
+        // Without a force the device's mass is not estimated, so the observer need not restart.
         let _ = memory.sensor_noise.take(&interval, told);
         let variance = memory.sensor_noise.variance(told);
         let (smoothed, lesson) = observer.update(&self.observer, &measurement, variance);
@@ -324,13 +322,13 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         }
         let certainty = observer.damping_certainty();
         let device = if self.correction { smoothed } else { before };
-        // A wall is where it is.
+        // The position of a wall is exact.
         let lesson = lesson
             .as_ref()
             .filter(|_| self.correction && self.placement && !motion.is_wall());
         let [object_off, object_slow] =
             lesson.map_or([S::ZERO; 2], |lesson| memory.placed.correction(lesson));
-        // What no force makes up for: the object takes it, a wall and its avatar come together.
+        // No force corrects this part of the speed: the object takes it over, and a wall and its proxy converge.
         let given_up = core::mem::take(&mut memory.given_up);
         memory.avatar.speed -= given_up;
         let mut object_velocity = ended.start.object_velocity + object_slow;
@@ -344,12 +342,12 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         let (interval, response) =
             self.interval_past(motion, &device, start, memory.avatar.sway, ended, certainty);
         let touched = interval.course.impulse > S::ZERO;
-        // A limited force tells nothing of where the object belongs.
+        // A limited force gives no information on the object's position.
         let response = response.filter(|_| !interval.is_saturated);
         memory.placed = match (lesson, &response) {
             (Some(lesson), Some(response)) => {
                 let placed = if touched && start.penetration <= S::ZERO {
-                    // A new collision: what the last one has left has been seen by now.
+                    // A new collision: the remaining error of the previous one has been observed by now.
                     Placed::default()
                 } else {
                     memory.placed
@@ -450,7 +448,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         let apart = interval.course.impulse == S::ZERO;
         let least = S::from_f64(NEGLIGIBLE) * object_velocity.abs();
         if apart && owed * self.object_mobility <= least {
-            // What was pushed too much is not pulled back, and rounding errors are not paid.
+            // An excess impulse is not pulled back, and rounding errors are not corrected.
             mean = S::ZERO;
             memory.impulse_error = S::ZERO;
             memory.given_up = avatar.speed;
@@ -482,7 +480,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
 
     fn begin_anew(&self, memory: &mut CoupledMemory<S>, device_known: bool, object_known: bool) {
         let observer = memory.observer.filter(|_| device_known);
-        // A loop's delay stays what it is.
+        // The estimated delay of the loop remains valid.
         let mut lateness = memory.lateness;
         lateness.begin_anew();
         let mut sensor_noise = memory.sensor_noise;
@@ -491,7 +489,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             observer,
             lateness,
             sensor_noise,
-            // A wall that waited for a sample still has to go back to its place.
+            // A wall that waited for a sample still has to return to its position.
             avatar: if object_known {
                 memory.avatar
             } else {

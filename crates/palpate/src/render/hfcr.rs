@@ -9,11 +9,11 @@ use crate::motion::{Displacement, ObjectMotion, Rule, Start};
 use crate::parameter::{Parameter, ParameterError, ParameterValue, Range, Unit};
 use crate::predict::{LONGEST_WINDOW_SETTING, PREDICTION, Prediction, PredictionMemory, Predictor};
 
-/// Device displacements shorter than this `[m]` are taken as 0 where the force divides by them.
+/// Shorter device displacements `[m]` count as 0 in divisions of the force.
 const STANDSTILL: f64 = 1e-9;
 
-/// The modified force alone, by name: a step of the method, to compare with. Where the object is leaving
-/// while the device turns round, its force is not bounded.
+/// The modified force alone, by name: a step of the method for comparison. Its force is not bounded if the object
+/// leaves while the device reverses its motion.
 pub(super) const HFCR_MOD: MethodInfo = MethodInfo {
     name: "hfcr-mod",
     summary: "energy-consistent force",
@@ -63,7 +63,7 @@ const ENTRY_HOLD: Setting = Setting {
 };
 
 impl SettingKey {
-    /// Where HFCR holds the device after an entry, one of [`EntryHold`].
+    /// Position at which HFCR holds the device after an entry, one of [`EntryHold`].
     pub const ENTRY_HOLD: Self = Self::new("entry_hold");
 }
 
@@ -100,7 +100,7 @@ impl<S: Scalar> FromSettings<S> for HfcrParams<S> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum LeakDissipation<S> {
-    /// None.
+    /// No damping.
     #[default]
     Off,
     /// A fixed b `[N s/m]`, not below 0.
@@ -117,28 +117,28 @@ pub enum LeakDissipation<S> {
     },
 }
 
-/// Where the device is held from the instant on at which contact begins within an interval, tau.
+/// Position at which the device is held from the instant tau at which contact begins within an interval.
 ///
-/// Eq. (6a) needs a device that stands still, and the paper does not say where after an entry. The
-/// force follows from the balance of energy, Eq. (9), for each of them.
+/// Eq. (6a) requires a device at rest, and the paper does not specify its position after an entry. For each choice, the
+/// force follows from the energy balance, Eq. (9).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum EntryHold {
-    /// Where it is predicted to touch the object, `xi_c = xi_i + d tau/T`: the spring is relaxed at
+    /// Position at which the device is predicted to touch the object, `xi_c = xi_i + d tau/T`: the spring is relaxed at
     /// that instant.
     #[default]
     Crossing,
-    /// Where it was sampled, xi_i: only quantities of t_i are used. A spring that begins stretched,
-    /// where the device moves towards the object.
+    /// Sampled position xi_i: only quantities of t_i are used. The spring is initially stretched if the device moves
+    /// towards the object.
     Sample,
-    /// Half-way between the crossing and where it is predicted to be at the interval's end,
-    /// `(xi_c + xi~)/2`: its mean position while in contact.
+    /// Mean of the crossing and the predicted position at the interval's end, `(xi_c + xi~)/2`: the mean position in
+    /// contact.
     Midpoint,
 }
 
 impl EntryHold {
-    /// The choice's name, as files, flags and reports spell it.
+    /// Returns the choice's name in files, flags and reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -148,7 +148,7 @@ impl EntryHold {
         }
     }
 
-    /// The choice of that name.
+    /// Returns the choice with this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         let all = [Self::Crossing, Self::Sample, Self::Midpoint];
@@ -162,8 +162,7 @@ impl From<EntryHold> for ParameterValue<f64> {
     }
 }
 
-/// Parameters of HFCR: its three steps, independently on or off. The default has the first two
-/// on and no dissipation.
+/// Parameters of HFCR with its three independent steps. By default the first two are on, and dissipation is off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
@@ -177,13 +176,13 @@ impl From<EntryHold> for ParameterValue<f64> {
 pub struct HfcrParams<S> {
     /// Modified contact force, Eq. (9), in place of the spring force K p_i.
     pub modified_force: bool,
-    /// Contact begins and ends where it is predicted to within the interval, and not at samples.
+    /// Whether contact begins and ends at the predicted instants within the interval, instead of at samples.
     pub smooth_transition: bool,
-    /// Damping that takes the remaining leak out, Eq. (11).
+    /// Damping that removes the remaining leak, Eq. (11).
     pub leak_dissipation: LeakDissipation<S>,
-    /// Where the device is taken to be at the next sample.
+    /// Prediction of the device position at the next sample.
     pub prediction: Prediction<S>,
-    /// Where the device is held after contact has begun within an interval. Of smooth transitions.
+    /// Position at which the device is held after contact has begun within an interval. For smooth transitions only.
     pub entry_hold: EntryHold,
 }
 
@@ -200,7 +199,7 @@ impl<S> Default for HfcrParams<S> {
 }
 
 impl<S> HfcrParams<S> {
-    /// Only the modified force: `hfcr-mod` of the program.
+    /// Returns the parameters of the modified force alone: `hfcr-mod` of the program.
     #[must_use]
     pub fn modified_force_only() -> Self {
         Self {
@@ -209,7 +208,7 @@ impl<S> HfcrParams<S> {
         }
     }
 
-    /// All three steps, with damping `b` `[N s/m]`.
+    /// Returns the parameters of all three steps, with damping `b` `[N s/m]`.
     pub fn with_damping(b: S) -> Self {
         Self {
             leak_dissipation: LeakDissipation::Damping(b),
@@ -218,11 +217,11 @@ impl<S> HfcrParams<S> {
     }
 }
 
-/// HFCR: a held force whose work equals the change of the object's stored energy, if the device
-/// moves on at the velocity predicted for it.
+/// HFCR: a held force whose work equals the change of the object's stored energy, if the device moves at its predicted
+/// velocity.
 ///
-/// The stored energy carries the work of the virtual force, which the paper's Eq. (8) leaves out.
-/// With it Eq. (9) has closed forms that need no division by the device's displacement.
+/// The stored energy includes the work of the virtual force, which the paper's Eq. (8) omits. With it Eq. (9) has
+/// closed forms without division by the device's displacement.
 #[derive(Clone, Copy, Debug)]
 pub struct Hfcr<S> {
     modified_force: bool,
@@ -233,8 +232,7 @@ pub struct Hfcr<S> {
 }
 
 impl<S: Scalar> Hfcr<S> {
-    /// Damping b of the leak dissipation `[N s/m]`, as given or as computed from the device's
-    /// mass.
+    /// Returns the damping b of the leak dissipation `[N s/m]`, as given or as computed from the device's mass.
     pub fn damping(&self) -> S {
         self.damping
     }
@@ -271,8 +269,7 @@ impl<S: Scalar> MethodParams<S> for HfcrParams<S> {
         })
     }
 
-    /// Without smooth transitions the method is a step of HFCR with a name of its own. HFCR without
-    /// dissipation is `hfcr`.
+    /// Without smooth transitions the method is a step of HFCR with its own name. HFCR without dissipation is `hfcr`.
     fn name(&self) -> &'static str {
         if self.smooth_transition {
             HFCR.name
@@ -334,7 +331,7 @@ impl<S: Scalar> Method<S> for Hfcr<S> {
         memory: &mut PredictionMemory<S>,
     ) -> Plan<S> {
         let predicted = self.predictor.mean_velocity(memory, motion.period());
-        // Number by number: a copy as a whole waits for the last of them to be written.
+        // Field by field: a copy of the whole waits until the last field is written.
         let start = &Start {
             penetration: now.start.penetration,
             object_velocity: now.start.object_velocity,
@@ -360,7 +357,7 @@ impl<S: Scalar> Method<S> for Hfcr<S> {
                 let force = -S::HALF * k * d * share * share;
                 (force, rule, motion.advance(rule, start, period), share)
             } else {
-                // Predicted out: the device takes back all that the held spring still stores.
+                // Contact is predicted to end: the device receives all energy that the held spring still stores.
                 let left = p - pressed.by;
                 let force = if d.abs() < S::from_f64(STANDSTILL) {
                     k * left.max(S::ZERO)
@@ -378,7 +375,7 @@ impl<S: Scalar> Method<S> for Hfcr<S> {
                 Some(after) => {
                     let waiting = after / period;
                     let share = S::ONE - waiting;
-                    // Where the device touches and where it is held then, as parts of d.
+                    // Position at which the device touches, and at which it is held, as fractions of d.
                     let touched_at = start.device_velocity * after;
                     let (hold, held_at) = match self.entry_hold {
                         EntryHold::Crossing => (waiting, touched_at),
@@ -389,11 +386,11 @@ impl<S: Scalar> Method<S> for Hfcr<S> {
                     };
                     let rule = Rule::Enters { after, held_at };
                     let moved = motion.advance(rule, start, period);
-                    // Mean of where the device is held and where it is predicted to end.
+                    // Mean of the held position and the predicted end position of the device.
                     let device = S::HALF * d * (S::ONE + hold);
                     let mut force = (S::ONE - hold) * k * (p + device - moved.by);
                     if self.entry_hold != EntryHold::Crossing {
-                        // The spring does not begin relaxed: what it then stores is put in, too.
+                        // The spring is not relaxed initially; its initial energy is supplied as well.
                         let stretched = hold - waiting;
                         force += S::HALF * k * d * stretched * stretched;
                     }

@@ -1,12 +1,12 @@
-//! The list of methods: the one place that a new method is added to.
+//! List of methods: the only place to which a new method is added.
 
-/// Hands the list to the macro `$make`, in the order of tables and figures. A line has
+/// Passes the list to the macro `$make`, in the order of tables and figures. A line has
 ///
-/// - the method: its name in [`AnyParams`](super::AnyParams) and
-///   [`AnyMethod`](super::AnyMethod), its parameters and its checked type;
-/// - where it remembers something between samples, a field of [`AnyMemory`](super::AnyMemory) and that
-///   field's type, or the field of another method whose memory it goes on with;
-/// - the names under which programs offer it, each with what the method's own file says of it.
+/// - the method: its name in [`AnyParams`](super::AnyParams) and [`AnyMethod`](super::AnyMethod), its parameters and
+///   its checked type;
+/// - if it has a memory between samples, a field of [`AnyMemory`](super::AnyMemory) and that field's type, or the field
+///   of another method with the same memory;
+/// - the names in programs, each with its description in the method's file.
 ///
 /// [`Basic`](super::Basic), which has no parameters, comes before the list.
 macro_rules! for_all_methods {

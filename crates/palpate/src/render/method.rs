@@ -1,4 +1,4 @@
-//! What a rendering method is: from the situation at a sample to a plan for the interval.
+//! Interface of a rendering method: from the situation at a sample to a plan for the interval.
 
 use core::fmt::Debug;
 
@@ -9,9 +9,9 @@ use crate::motion::{Displacement, ObjectMotion, Rule, Start};
 use crate::parameter::{ParameterError, ParameterValue};
 use crate::predict::Measurement;
 
-/// Parameters of a method, still unchecked.
+/// Unchecked parameters of a method.
 pub trait MethodParams<S: Scalar> {
-    /// The method they describe.
+    /// The method of these parameters.
     type Method: Method<S>;
 
     /// Checks the parameters against each other, the contact and the loop.
@@ -24,15 +24,15 @@ pub trait MethodParams<S: Scalar> {
         loop_params: &LoopParams<S>,
     ) -> Result<Self::Method, ParameterError>;
 
-    /// The method's name, as files, flags and reports spell it.
+    /// Returns the method's name in files, flags and reports.
     fn name(&self) -> &'static str;
 
-    /// Gives every parameter to `take`: its key as files and reports spell it, with the unit at its
-    /// end, and its value. A method without parameters gives none.
+    /// Passes every parameter to `take`: its key in files and reports, with the unit as suffix, and its value. A method
+    /// without parameters passes none.
     fn describe(&self, _take: &mut dyn FnMut(&'static str, ParameterValue<S>)) {}
 
-    /// The same parameters with the value that `method`, made from them, has derived in place of each
-    /// choice to derive one.
+    /// Returns the parameters with every value to be derived replaced by the value that `method`, made from them, has
+    /// derived.
     #[must_use]
     fn derived(self, _method: &Self::Method) -> Self
     where
@@ -42,10 +42,10 @@ pub trait MethodParams<S: Scalar> {
     }
 }
 
-/// A rendering method: a force law and the object motion that goes with it, with checked
-/// parameters. Total, like the tick it runs in.
+/// A rendering method: a force law and the object motion that belongs to it, with checked parameters. Its functions are
+/// total, like the tick.
 pub trait Method<S: Scalar>: Copy + Debug {
-    /// What it remembers between samples besides the ledger; the default begins anew.
+    /// Memory between samples besides the ledger; the default restarts the method.
     type Memory: Copy + Debug + Default;
 
     /// Plans the interval that begins with this situation.
@@ -56,8 +56,8 @@ pub trait Method<S: Scalar>: Copy + Debug {
         memory: &mut Self::Memory,
     ) -> Plan<S>;
 
-    /// How the interval that a sample ends has moved the object: as it was planned, unless the
-    /// method takes the sample into account.
+    /// Returns the displacement of the object in the interval that a sample ends: as planned, unless the method takes
+    /// the sample into account.
     #[inline]
     fn conclude(
         &self,
@@ -68,87 +68,86 @@ pub trait Method<S: Scalar>: Copy + Debug {
         ended.as_planned(motion)
     }
 
-    /// Something from outside changed the contact, so that past forces and motions no longer say
-    /// anything about it. `device_known`: the device has been followed all the time. `object_known`:
-    /// the object is where the last interval has left it, and was not put elsewhere.
+    /// Restarts the memory after a change of the contact from outside, which invalidates past forces and motions.
+    /// `device_known`: the device was tracked without interruption. `object_known`: the object is at its position at
+    /// the end of the last interval, and was not moved elsewhere.
     #[inline]
     fn begin_anew(&self, memory: &mut Self::Memory, _device_known: bool, _object_known: bool) {
         *memory = Self::Memory::default();
     }
 
-    /// How far the object was shifted in the last interval so that the held force does not
-    /// change its motion against the device `[m]`.
+    /// Returns the shift of the object in the last interval, by which the held force does not change its motion
+    /// relative to the device `[m]`.
     #[inline]
     fn placement_shift(&self, _memory: &Self::Memory) -> S {
         S::ZERO
     }
 
-    /// By how much later than it was told the commands begin, by what the method has learned `[s]`.
+    /// Returns the estimated actuation delay minus its model value `[s]`.
     #[inline]
     fn lateness(&self, _memory: &Self::Memory) -> S {
         S::ZERO
     }
 
-    /// Whether the method has planned the last force within the force limit, and without the limit it would be another.
+    /// Returns whether the force limit affected the last planned force.
     #[inline]
     fn is_limited(&self, _memory: &Self::Memory) -> bool {
         false
     }
 
-    /// Whether the object moves as if the contact were a spring up to the force limit and that force beyond it.
+    /// Returns whether the object moves as if the contact were a spring up to the force limit and that force beyond it.
     #[inline]
     fn yields_to_limit(&self) -> bool {
         false
     }
 
-    /// Damping B with which the object moves in contact `[N s/m]`.
+    /// Returns the damping B of the object's motion in contact `[N s/m]`.
     fn contact_damping(&self) -> S {
         S::ZERO
     }
 }
 
-/// What is known at a sample, on the canonical side.
+/// Information at a sample, in canonical coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct Situation<'a, S> {
     /// Penetration, velocities and virtual force.
     pub start: Start<S>,
-    /// Penetration at the previous sample, as measured: it may be negative `[m]`. Equal to the
-    /// present one where contact begins to be followed.
+    /// Penetration at the previous sample, as measured: it may be negative `[m]`. Equal to the present one if tracking
+    /// of the contact begins here.
     pub previous_penetration: S,
     /// Time since the previous sample `[s]`.
     pub elapsed: S,
-    /// Energy that has gone into the object through the port, E_i of the passivity observers
-    /// `[J]`.
+    /// Energy that has entered the object through the port, E_i of the passivity observers `[J]`.
     pub port_work: S,
-    /// Accumulated leak of the held force `[J]`: what is stored beyond what was put in.
+    /// Accumulated leak of the held force `[J]`: stored energy minus supplied energy.
     pub held_leak: S,
-    /// The forces that were computed before and still act, or have yet to.
+    /// Earlier forces that still act or have yet to act.
     pub ahead: Ahead<'a, S>,
 }
 
 /// An interval that a sample ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Ended<S> {
-    /// How it began.
+    /// State at its beginning.
     pub start: Start<S>,
-    /// How the object was to move.
+    /// Planned motion of the object.
     pub rule: Rule<S>,
-    /// Where that brings it over a nominal period.
+    /// Displacement by the rule over a nominal period.
     pub planned: Displacement<S>,
     /// Displacement of the device `[m]`.
     pub device_moved: S,
-    /// Its duration `[s]`.
+    /// Duration `[s]`.
     pub elapsed: S,
-    /// Whether that counts as the nominal period.
+    /// Whether the duration counts as the nominal period.
     pub nominal: bool,
-    /// Mean of what the method had asked for, for this interval, as a force on the object `[N]`.
+    /// Mean of the force planned by the method for this interval, as a force on the object `[N]`.
     pub intended_force: S,
     /// Force on the object that the device felt.
     pub held: Held<S>,
 }
 
 impl<S: Scalar> Ended<S> {
-    /// What its end tells of the device.
+    /// Returns the measurement of the device at the end.
     #[inline]
     pub(crate) fn measurement(&self) -> Measurement<S> {
         Measurement {
@@ -158,7 +157,7 @@ impl<S: Scalar> Ended<S> {
         }
     }
 
-    /// The object's displacement by the rule of the interval's start.
+    /// Returns the object's displacement by the rule of the interval's start.
     #[inline]
     pub fn as_planned(&self, motion: &ObjectMotion<S>) -> Displacement<S> {
         if self.nominal {
@@ -170,13 +169,13 @@ impl<S: Scalar> Ended<S> {
 }
 
 impl<S: Scalar> Situation<'_, S> {
-    /// Whether the device presses the object; touching counts as free.
+    /// Returns whether the device presses the object; touching counts as free.
     #[inline]
     pub fn in_contact(&self) -> bool {
         self.start.penetration > S::ZERO
     }
 
-    /// Force of the undamped contact spring, Eq. (6b) `[N]`: 0 when free.
+    /// Returns the force of the undamped contact spring, Eq. (6b) `[N]`: 0 when free.
     #[inline]
     pub fn spring_force(&self, motion: &ObjectMotion<S>) -> S {
         motion.stiffness() * self.start.penetration.max(S::ZERO)
@@ -202,13 +201,13 @@ impl<S: Scalar> Situation<'_, S> {
     }
 }
 
-/// What to do until the next sample.
+/// Plan until the next sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan<S> {
     /// Force on the object to hold `[N]`, before limits.
     pub force: S,
-    /// How the object moves.
+    /// Motion of the object.
     pub rule: Rule<S>,
-    /// Where that brings it over one nominal period.
+    /// Displacement of the object over one nominal period.
     pub moved: Displacement<S>,
 }

@@ -1,8 +1,8 @@
-//! The renderer: one tick from sample to force, the same for every method.
+//! Renderer: one tick from sample to force, common to all methods.
 //!
-//! Data flows one way through a tick: the sample closes the books of the interval it ends, the
-//! method plans the next one, the limits act on the planned force, and what is held is remembered.
-//! A method is a file of this folder; it sees a [`Situation`] and answers with a [`Plan`].
+//! Data flows one way through a tick. The sample closes the ledger entry of the interval that it ends, the method plans
+//! the next interval, the limits act on the planned force, and the state stores the held force. A method is a file of
+//! this folder; it receives a [`Situation`] and returns a [`Plan`].
 
 mod any;
 mod basic;
@@ -35,12 +35,12 @@ use crate::parameter::{Parameter, ParameterError};
 use crate::sample::{Fault, Limited, Output, Phase, Sample};
 use state::{DeviceTrack, Interval, Traces};
 
-/// A measured period this close to the nominal one, relatively, is the nominal one: differences
-/// of decimal time stamps are never exactly T.
+/// Relative tolerance within which a measured period counts as nominal: differences of decimal time stamps are never
+/// exactly T.
 const NOMINAL_WITHIN: f64 = 1e-6;
 
-/// A contact, rendered by one method at one nominal period. Immutable: one renderer serves any
-/// number of [`State`]s, and a tick cannot change a parameter.
+/// A contact rendered by one method at one nominal period. Immutable: one renderer serves any number of [`State`]s, and
+/// a tick cannot change a parameter.
 #[derive(Clone, Copy, Debug)]
 pub struct Renderer<S, M> {
     contact: Contact<S>,
@@ -54,26 +54,26 @@ pub struct Renderer<S, M> {
     speed_limit: S,
     force_limit: S,
     slew_limit: S,
-    /// Penetration from which on the contact yields, with the largest force; infinite where it does not `[m]`.
+    /// Penetration above which the contact yields with the largest force; infinite if it does not yield `[m]`.
     yields_at: S,
 }
 
-/// What reached the device over an interval that has ended.
+/// Force on the device over an interval that has ended.
 struct Passed<S> {
-    /// Mean force by what was told `[N]`.
+    /// Mean force by the actuation model, as recorded in the ledger `[N]`.
     booked: S,
-    /// By what the method has learned.
+    /// Force by the estimated actuation.
     passed: Piece<S>,
 }
 
-/// A renderer whose method is chosen by a value, for instance from a file.
+/// A renderer whose method is selected by a value, for example from a file.
 pub type AnyRenderer<S> = Renderer<S, AnyMethod<S>>;
 
 impl<S: Scalar, M: Method<S>> Renderer<S, M> {
-    /// Checks every parameter once and computes what depends on them only.
+    /// Checks every parameter and computes the quantities that depend on parameters only.
     ///
     /// # Errors
-    /// The first parameter outside its range, by name, with its value and what is allowed.
+    /// The first parameter outside its range, with its name, value and allowed range.
     pub fn new<P: MethodParams<S, Method = M>>(
         contact: Contact<S>,
         loop_params: LoopParams<S>,
@@ -84,10 +84,10 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         let method = method.check(&contact, &loop_params)?;
         let unlimited = S::INFINITY;
         let gain = loop_params.actuation.limit_gain();
-        // The limits hold for the command and for the force that the modelled gain makes of it.
+        // The limits apply to the command and to the force that the modelled gain makes of it.
         let force_limit = loop_params.force_limit.unwrap_or(unlimited) / gain;
         let motion = ObjectMotion::new(&contact, method.contact_damping(), loop_params.period);
-        // A wall does not move: its potential is that of the force which can be held.
+        // A wall does not move: its potential is that of the force that can be held.
         let yields_at = if motion.is_wall() || method.yields_to_limit() {
             loop_params.actuation.gain * force_limit / contact.stiffness
         } else {
@@ -109,8 +109,8 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         })
     }
 
-    /// Kinetic energy of the object and elastic energy of the contact, `K p^2/2` up to the penetration at which it yields
-    /// to the force limit `[J]`.
+    /// Returns the kinetic energy of the object plus the elastic energy of the contact, `K p^2/2` up to the penetration
+    /// at which it yields to the force limit `[J]`.
     #[inline]
     fn stored_energy(&self, penetration: S, object_velocity: S) -> S {
         let stored = self.motion.stored_energy(penetration, object_velocity);
@@ -122,37 +122,36 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         }
     }
 
-    /// The contact that is rendered.
+    /// Returns the rendered contact.
     pub fn contact(&self) -> &Contact<S> {
         &self.contact
     }
 
-    /// The loop it is rendered in.
+    /// Returns the loop parameters.
     pub fn loop_params(&self) -> &LoopParams<S> {
         &self.loop_params
     }
 
-    /// The method, with its checked parameters.
+    /// Returns the method with its checked parameters.
     pub fn method(&self) -> &M {
         &self.method
     }
 
-    /// A new state: the object is at `object`, nothing has been sampled yet, the books are empty.
-    /// The first sample finds the device at rest; a wall's velocity is taken as 0. A state put in
-    /// place of another is a reset; [`teleport`](Self::teleport) moves the object and keeps the
-    /// books.
+    /// Creates a state: the object is at `object`, without samples and with an empty energy ledger. The first sample
+    /// finds the device at rest; the velocity of a wall is set to 0. Replacing a state by a new one is a reset;
+    /// [`teleport`](Self::teleport) moves the object and keeps the ledger.
     ///
     /// # Errors
-    /// A position or velocity that is not finite.
+    /// A position or velocity is not finite.
     pub fn start(&self, object: ObjectState<S>) -> Result<State<S, M::Memory>, ParameterError> {
         Ok(State::new(self.canonical(object)?))
     }
 
-    /// Puts the object at `object` with the next sample. The energy this adds or takes is booked
-    /// as outside work; methods with a memory of past forces begin anew.
+    /// Moves the object to `object` at the next sample. The change of energy is recorded as outside work; methods with
+    /// a memory of past forces restart.
     ///
     /// # Errors
-    /// A position or velocity that is not finite; the state is then unchanged.
+    /// A position or velocity is not finite; the state is then unchanged.
     pub fn teleport(
         &self,
         state: &mut State<S, M::Memory>,
@@ -162,25 +161,23 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         Ok(())
     }
 
-    /// By how much later than told the commands begin, by what the method has learned so far `[s]`: negative where
-    /// they begin earlier. Coupled rendering learns it where a deviation of the delay is told; else it is 0.
+    /// Returns the estimated actuation delay minus its model value `[s]`. Only coupled rendering with a delay standard
+    /// deviation estimates it; otherwise the result is 0.
     pub fn learned_lateness(&self, state: &State<S, M::Memory>) -> S {
         self.method.lateness(&state.memory)
     }
 
-    /// Says what was really sent for the last output, as a force on the object `[N]`, where it is not
-    /// the output's: the motor clips it, or a driver has limited it. It acts when the output's would
-    /// have. A force that is not finite is left as it is.
+    /// Replaces the last output by the force on the object that was actually sent `[N]`, for example after saturation.
+    /// Its delay and lag are those of the output. Non-finite values are ignored.
     pub fn report_sent(&self, state: &mut State<S, M::Memory>, force_on_object: S) {
         if force_on_object.is_finite() {
             state.under_way.correct(self.sign * force_on_object);
         }
     }
 
-    /// Says which force on the object has really acted since the last sample, in the mean `[N]`, where
-    /// somebody has measured it: whatever the actuation is said to be. The ledger, and the methods that
-    /// watch energy, then use this force for the interval in progress. A force that is not finite, or a
-    /// state that waits, is left as it is.
+    /// Sets the measured mean force on the object since the last sample `[N]`, independent of the actuation model. The
+    /// ledger, and the methods that observe energy, then use this force for the interval in progress. The call has no
+    /// effect if the force is not finite or the state waits.
     pub fn report_held(&self, state: &mut State<S, M::Memory>, force_on_object: S) {
         if let DeviceTrack::Tracked(interval) = &mut state.device
             && force_on_object.is_finite()
@@ -189,11 +186,11 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         }
     }
 
-    /// Goes on with a state that another renderer, with other parameters, has left. The stored
-    /// energy that the new stiffness and mass give the last sample is booked as outside work; the
-    /// interval in progress ends under the new parameters.
+    /// Continues a state of another renderer with other parameters. The change of the stored energy by the new
+    /// stiffness and mass at the last sample is recorded as outside work. The interval in progress ends under the new
+    /// parameters.
     pub fn adopt(&self, state: &mut State<S, M::Memory>) {
-        // The slew limit goes on from a force that the new limits allow.
+        // The slew limit continues from a force within the new limits.
         (state.commanded, _) = self.bounded(state.commanded, Limited::default());
         if self.motion.is_wall() {
             state.object.velocity = S::ZERO;
@@ -220,8 +217,8 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         }
     }
 
-    /// Lets an object stand still at `position` `[m]`, as if it had stood there since the last sample, for a renderer of a wall
-    /// that is to [`adopt`](Self::adopt) the state.
+    /// Sets an object at rest at `position` `[m]`, as if it had been there since the last sample. For a renderer of a
+    /// wall that is about to [`adopt`](Self::adopt) the state.
     pub(crate) fn stand(&self, state: &mut State<S, M::Memory>, position: S) {
         state.object = ObjectState::at_rest(self.sign * position);
         if let DeviceTrack::Tracked(interval) = &mut state.device {
@@ -242,15 +239,15 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         })
     }
 
-    /// One tick: takes a sample, gives the force to hold until the next. Total: it never panics,
-    /// allocates, blocks or loops without bound, and its output is finite for any input.
+    /// Computes one tick: takes a sample and returns the force to hold until the next one. It never panics, allocates,
+    /// blocks or loops without bound, and its output is finite for any input.
     #[inline]
     pub fn step(&self, state: &mut State<S, M::Memory>, sample: Sample<S>) -> Output<S> {
         self.step_adding(state, sample, |_| None)
     }
 
-    /// The same, with a force on the object that `adds` to the method's own `[N]`: it is told what the pull and the force limit
-    /// leave of that. All limits, and the guard, hold for the sum.
+    /// Computes one tick with an additional force on the object `[N]`. `adds` receives the method's force after the
+    /// pull and force limits. All limits, and the guard, apply to the sum.
     #[inline(always)]
     pub(crate) fn step_adding(
         &self,
@@ -260,7 +257,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
     ) -> Output<S> {
         let elapsed = self.elapsed(&sample);
         let h = elapsed.map_or(self.motion.period(), |(elapsed, _)| elapsed);
-        // The books go by what was told, a method by what it has learned.
+        // The ledger uses the actuation model, the method its estimate.
         let passed = match self.learned_actuator(&state.memory) {
             None => {
                 let passed = state.under_way.pass(&self.actuator, h);
@@ -280,8 +277,8 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         }
     }
 
-    // Always, since its answer is large: where the compiler makes it a function of its own, which it did in a library
-    // that had worlds too, the answer goes through memory, and coupled rendering took 10 ns longer.
+    // Always inline: as a separate function the large result goes through memory, which made coupled rendering 10 ns
+    // slower in a library with worlds.
     #[inline(always)]
     fn try_step(
         &self,
@@ -301,7 +298,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         }
         let (elapsed, nominal) = elapsed?;
 
-        // Where the interval that ends here has brought the object.
+        // State of the object at the end of the interval.
         let mut object = state.object;
         let mut device_velocity = S::ZERO;
         let mut previous_penetration = None;
@@ -318,8 +315,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                     return Err(Fault::JumpTooFast);
                 }
                 let held = match interval.reported {
-                    // Its course is that of the actuator, its mean another, and when its commands began
-                    // has been measured.
+                    // The time course is that of the actuator. The mean and the begin of the commands are measured.
                     Some(mean) => Held {
                         mean,
                         step: S::ZERO,
@@ -351,7 +347,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                     position: object.position + moved.by,
                     velocity: moved.velocity,
                 };
-                // Nothing moves a wall, though a method may place it.
+                // A wall does not move, although a method may shift it.
                 let virtual_force = if self.motion.is_wall() {
                     S::ZERO
                 } else {
@@ -371,8 +367,8 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             }
         }
 
-        // The interval is closed. Should anything go wrong from here on, the object is where the
-        // interval has brought it, and the next one is lost.
+        // The interval is closed. If a later check fails, the object keeps its state at the end of the interval, and
+        // the next interval is lost.
         state.object = object;
         state.device = DeviceTrack::Lost(Traces {
             seen: Some(device),
@@ -380,7 +376,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             since: S::ZERO,
         });
 
-        // A fresh start, or a change from outside.
+        // Restart, or change from outside.
         let teleported = state.teleport.is_some();
         object = state.teleport.take().unwrap_or(object);
         state.object = object;
@@ -437,7 +433,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             (wanted, limited) = self.bounded(sum, limited);
         }
         let mut commanded = self.slewed(wanted, state.commanded, elapsed, &mut limited);
-        // By the actuation of the loop, as the ledger.
+        // With the actuation of the loop, as in the ledger.
         let claims = || Ahead::new(&self.actuator, &state.under_way).impulse_to_come();
         let balance = state.ledger.balance();
         if let Some((bound, kept)) = self.guard_bound(balance, claims)
@@ -473,7 +469,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             Rule::Enters { after, .. } => (Phase::Enters, after),
             Rule::Leaves(after) => (Phase::Leaves, after),
         };
-        // Adding 0 turns a mirrored -0 into 0, which reads better and commands the same.
+        // Adding 0 normalises a mirrored -0.
         let force = self.sign * commanded + S::ZERO;
         Ok(Output {
             force_on_device: S::ZERO - force,
@@ -489,14 +485,14 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         })
     }
 
-    /// The actuator as the method has learned it, if that is another than was told.
+    /// Returns the actuator with the estimated delay, if it differs from the model.
     #[inline]
     fn learned_actuator(&self, memory: &M::Memory) -> Option<Actuator<S>> {
         let later = self.method.lateness(memory);
         (later != S::ZERO).then(|| self.actuator.later(later))
     }
 
-    /// Time since the previous sample `[s]`, and whether it counts as the nominal period.
+    /// Returns the time since the previous sample `[s]`, and whether it counts as the nominal period.
     #[inline]
     fn elapsed(&self, sample: &Sample<S>) -> Result<(S, bool), Fault> {
         let period = self.motion.period();
@@ -516,7 +512,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         }
     }
 
-    /// What the contact and the force limit leave of a force.
+    /// Applies the pull limit of the contact and the force limit to a force.
     #[inline(always)]
     fn bounded(&self, planned: S, mut limited: Limited) -> (S, Limited) {
         let mut force = planned;
@@ -531,7 +527,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         (force, limited)
     }
 
-    /// What the slew limit leaves of a force that keeps the other limits, `elapsed` `[s]` after `previous` was commanded.
+    /// Applies the slew limit to a force within the other limits, `elapsed` `[s]` after the command `previous`.
     #[inline(always)]
     fn slewed(&self, force: S, previous: S, elapsed: S, limited: &mut Limited) -> S {
         let largest_change = self.slew_limit * elapsed;
@@ -543,7 +539,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         }
     }
 
-    /// Largest force that the guard lets pass, and whether it keeps to it.
+    /// Returns the largest force that the guard permits, and whether the guard keeps the bound.
     #[inline(always)]
     fn guard_bound(&self, balance: S, claims: impl FnOnce() -> S) -> Option<(S, bool)> {
         if self.loop_params.guard == Guard::Off {
@@ -553,7 +549,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         self.loop_params.guard.bound(balance, claims(), period)
     }
 
-    /// A sample that cannot be used: no force, and the object waits where it is.
+    /// Handles an unusable sample: zero force, and the object waits at its position.
     #[cold]
     fn wait(&self, state: &mut State<S, M::Memory>, sample: &Sample<S>, fault: Fault) -> Output<S> {
         let device = self.sign * sample.device_position;

@@ -1,4 +1,4 @@
-//! Methods by the names that programs offer them under.
+//! Methods by the names used in programs.
 
 use core::fmt;
 
@@ -9,23 +9,23 @@ use super::method::MethodParams;
 use super::setting::{Basis, Setting, SettingKey, Settings, SettingsError};
 use crate::Scalar;
 
-/// What a method's own file says of it to programs.
+/// Description of a method for programs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MethodInfo {
-    /// Its name in files, flags and reports, in kebab case.
+    /// Name in files, flags and reports, in kebab case.
     pub name: &'static str,
-    /// What it is, in a few words.
+    /// Summary in a few words.
     pub summary: &'static str,
-    /// Its colour in figures: a place among the colours of things that are compared.
+    /// Colour in figures: an index of the palette for comparisons.
     pub colour: u8,
-    /// What a user can set.
+    /// Settings of the method.
     pub settings: &'static [Setting],
 }
 
-/// Parameters that a user can give by name: with settings, and defaults for those that are missing.
+/// Parameters that can be created from named settings, with defaults for missing ones.
 pub(super) trait FromSettings<S: Scalar>: MethodParams<S> + Sized {
-    /// The parameters of the method offered as `method`: computed in `f64` and rounded once. No setting
-    /// is given that its [`MethodInfo`] does not have.
+    /// Creates the parameters of the method offered as `method`: computed in `f64` and rounded once. All given settings
+    /// are in its [`MethodInfo`].
     fn from_settings(
         method: MethodName,
         settings: &Settings,
@@ -55,7 +55,7 @@ macro_rules! named {
             /// Every method, in the order of tables and figures.
             pub const ALL: [Self; Self::COUNT] = [Self::Basic, $($(Self::$Name,)+)*];
 
-            /// What the method's own file says of it.
+            /// Returns the description of the method.
             pub const fn info(self) -> &'static MethodInfo {
                 match self {
                     Self::Basic => &BASIC,
@@ -63,11 +63,11 @@ macro_rules! named {
                 }
             }
 
-            /// The method's parameters, with defaults for all settings that are missing: computed in
-            /// `f64`, and rounded once to `S`.
+            /// Returns the method's parameters, with defaults for missing settings: computed in `f64`, and rounded once
+            /// to `S`.
             ///
             /// # Errors
-            /// A setting the method cannot use, or one that cannot be derived from `basis`.
+            /// A setting that the method does not have, or that cannot be derived from `basis`.
             pub fn params<S: Scalar>(
                 self,
                 settings: &Settings,
@@ -90,7 +90,7 @@ macro_rules! named {
 }
 for_all_methods!(named);
 
-/// Settings of all methods, more than have keys of their own.
+/// Number of settings of all methods; shared keys count several times.
 pub(super) const MOST_SETTINGS: usize = {
     let mut most = 0;
     let mut index = 0;
@@ -101,7 +101,7 @@ pub(super) const MOST_SETTINGS: usize = {
     most
 };
 
-/// Every setting of every method once: of a key that methods share, that of the first of them.
+/// Iterates over every setting once; for a key shared by methods, the setting is that of the first method.
 pub fn all_settings() -> impl Iterator<Item = &'static Setting> + Clone {
     let of = |method: MethodName| method.info().settings.iter();
     let all = MethodName::ALL.into_iter().flat_map(of).enumerate();
@@ -113,38 +113,38 @@ pub fn all_settings() -> impl Iterator<Item = &'static Setting> + Clone {
 }
 
 impl MethodName {
-    /// The name on the command line and in files.
+    /// Returns the name on the command line and in files.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.info().name
     }
 
-    /// What it is, in a few words.
+    /// Returns the summary in a few words.
     #[must_use]
     pub fn summary(self) -> &'static str {
         self.info().summary
     }
 
-    /// The method that is called `name`.
+    /// Returns the method with this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|method| method.name() == name)
     }
 
-    /// The method's setting of that key, if it has one.
+    /// Returns the method's setting with this key, if it has one.
     #[must_use]
     pub fn setting(self, key: SettingKey) -> Option<&'static Setting> {
         let mut settings = self.info().settings.iter();
         settings.find(|setting| setting.key == key)
     }
 
-    /// Whether the method can use a setting of that key.
+    /// Returns whether the method has a setting with this key.
     #[must_use]
     pub fn uses(self, key: SettingKey) -> bool {
         self.setting(key).is_some()
     }
 
-    /// The first of the settings that this method has no use for.
+    /// Returns the first of the settings that this method does not have.
     #[must_use]
     pub fn unused(self, settings: &Settings) -> Option<&'static Setting> {
         let given = settings.iter().map(|(setting, _)| setting);
@@ -152,7 +152,7 @@ impl MethodName {
     }
 }
 
-/// Coupled rendering: what renders where no method is named.
+/// Coupled rendering, the default method.
 impl Default for MethodName {
     fn default() -> Self {
         Self::Coupled

@@ -51,11 +51,11 @@ impl SettingKey {
     pub const DAMPING_CAP: Self = Self::new("damping_cap_n_s_per_m");
     /// Device speed up to which a passivity controller does not act `[m/s]`.
     pub const SPEED_THRESHOLD: Self = Self::new("speed_threshold_m_per_s");
-    /// Energy that the passivity controller lets out `[J]`.
+    /// Initial energy that the passivity controller may give out `[J]`.
     pub const INITIAL_ENERGY: Self = Self::new("initial_energy_j");
 }
 
-/// The cap of a passivity controller `[N s/m]`, as given or 3 K T.
+/// Returns the cap of a passivity controller `[N s/m]`, as given or 3 K T.
 pub(super) fn cap_of<S: Scalar>(given: &Settings, basis: &Basis) -> S {
     let cap = given.number(SettingKey::DAMPING_CAP);
     S::from_f64(cap.unwrap_or(3.0 * basis.impedance()))
@@ -78,7 +78,7 @@ impl<S: Scalar> FromSettings<S> for PopcParams<S> {
     }
 }
 
-/// Slowest device speed `[m/s]` at which a passivity controller acts unless told otherwise.
+/// Default device speed above which a passivity controller acts `[m/s]`.
 pub(super) const DEFAULT_SPEED_THRESHOLD: f64 = 1e-4;
 
 /// Parameters of the passivity observer and controller.
@@ -95,8 +95,8 @@ pub struct PopcParams<S> {
 }
 
 impl<S: Scalar> PopcParams<S> {
-    /// A controller that injects up to `damping_cap` `[N s/m]` above 0.1 mm/s, for an object that
-    /// may give out nothing.
+    /// Creates a controller that injects up to `damping_cap` `[N s/m]` above 0.1 mm/s, for an object that may give out
+    /// no energy.
     pub fn new(damping_cap: S) -> Self {
         Self {
             damping_cap,
@@ -106,9 +106,9 @@ impl<S: Scalar> PopcParams<S> {
     }
 }
 
-/// Passivity observer and controller (Hannaford and Ryu): when more energy has come out through
-/// the port than went in and was there at the start, inject the damping that takes it back within
-/// one period, `alpha_i = -(E_i + E_0) / (T v_i^2)`, `f_i = K p_i + alpha_i v_i` while `p_i > 0`.
+/// Passivity observer and controller (Hannaford and Ryu): if more energy has left through the port than entered and was
+/// initially stored, it injects the damping that removes the excess within one period, `alpha_i = -(E_i + E_0) / (T
+/// v_i^2)`, `f_i = K p_i + alpha_i v_i` while `p_i > 0`.
 #[derive(Clone, Copy, Debug)]
 pub struct Popc<S> {
     params: PopcParams<S>,
@@ -155,9 +155,8 @@ impl<S: Scalar> Method<S> for Popc<S> {
     }
 }
 
-/// Force `[N]` that takes `deficit` `[J]` out of the device within one `period` `[s]` while it
-/// keeps its `velocity` `[m/s]`, by no more than a damping of `cap` `[N s/m]`; 0 up to the speed
-/// `threshold` `[m/s]`.
+/// Returns the force `[N]` that removes `deficit` `[J]` from the device within one `period` `[s]` at constant
+/// `velocity` `[m/s]`, with a damping of at most `cap` `[N s/m]`; 0 up to the speed `threshold` `[m/s]`.
 #[inline]
 pub(super) fn dissipating_force<S: Scalar>(
     deficit: S,

@@ -38,15 +38,15 @@ impl<S: Scalar> FromSettings<S> for PopcRefParams<S> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct PopcRefParams<S> {
-    /// Largest injected damping alpha_max `[N s/m]`, greater than 0. Without a cap the force
-    /// explodes whenever the device turns round; 5 to 8 suits the paper's first experiment.
+    /// Largest injected damping alpha_max `[N s/m]`, greater than 0. Without a cap the force diverges whenever the
+    /// device reverses its motion; 5 to 8 suits the paper's first experiment.
     pub damping_cap: S,
     /// Device speed v_eps up to which no damping is injected `[m/s]`, not below 0.
     pub speed_threshold: S,
 }
 
 impl<S: Scalar> PopcRefParams<S> {
-    /// A controller that injects up to `damping_cap` `[N s/m]` above 0.1 mm/s.
+    /// Creates a controller that injects up to `damping_cap` `[N s/m]` above 0.1 mm/s.
     pub fn new(damping_cap: S) -> Self {
         Self {
             damping_cap,
@@ -59,7 +59,7 @@ impl<S: Scalar> PopcRefParams<S> {
 /// received, `d = (V_i - V_0) - E_i > 0`, with `alpha_i = min(alpha_max, d / (T v_i^2))` and
 /// `f_i = K p_i + alpha_i v_i` while `p_i > 0`.
 ///
-/// The deficit d is what the ledger calls the accumulated leak of the held force.
+/// The deficit d is the accumulated leak of the held force in the ledger.
 #[derive(Clone, Copy, Debug)]
 pub struct PopcRef<S> {
     params: PopcRefParams<S>,

@@ -1,4 +1,4 @@
-//! Sample-estimate-hold: hold an estimate of the mean force of the coming interval.
+//! Sample-estimate-hold: holds an estimate of the mean force of the coming interval.
 
 use super::method::{Method, MethodParams, Plan, Situation};
 use super::named::{FromSettings, MethodInfo, MethodName};
@@ -44,7 +44,7 @@ impl<S: Scalar> FromSettings<S> for SehParams {
     }
 }
 
-/// How the mean force of the coming interval is extrapolated from past spring forces.
+/// Extrapolation of the mean force of the coming interval from past spring forces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -60,7 +60,7 @@ pub enum SehEstimate {
 }
 
 impl SehEstimate {
-    /// The estimate's name, as files, flags and reports spell it.
+    /// Returns the estimate's name in files, flags and reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -70,7 +70,7 @@ impl SehEstimate {
         }
     }
 
-    /// The estimate of that name.
+    /// Returns the estimate with this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         let all = [Self::Ab2, Self::Differences, Self::Ab3];
@@ -89,14 +89,13 @@ impl From<SehEstimate> for ParameterValue<f64> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct SehParams {
-    /// Which member of the family. The paper does not say which it used.
+    /// Member of the family. The paper does not specify it.
     #[cfg_attr(feature = "serde", serde(default))]
     pub estimate: SehEstimate,
 }
 
-/// Sample-estimate-hold on the basic model: past forces are those of the basic law, 0 when free
-/// or not yet sampled, and the held force is 0 while `p_i <= 0`. Samples that are not evenly
-/// spaced enter with their true instants.
+/// Sample-estimate-hold on the basic model: past forces are those of the basic law, 0 when free or not yet sampled, and
+/// the held force is 0 while `p_i <= 0`. Unevenly spaced samples are used with their true instants.
 #[derive(Clone, Copy, Debug)]
 pub struct Seh {
     estimate: SehEstimate,
@@ -107,7 +106,7 @@ pub struct Seh {
 pub struct SehMemory<S> {
     /// f_{i-1} and f_{i-2} `[N]`.
     past: [S; 2],
-    /// Time from sample i-2 to sample i-1 `[s]`; 0 before there was one.
+    /// Time from sample i-2 to sample i-1 `[s]`; 0 before the second sample.
     spacing: S,
 }
 
@@ -133,9 +132,8 @@ impl<S: Scalar> MethodParams<S> for SehParams {
 }
 
 impl Seh {
-    /// Mean over `period` of the force extrapolated from three past ones, the later pair
-    /// `late` apart, the earlier pair `early` `[s]`. For even spacing these are the coefficients
-    /// of [`SehEstimate`].
+    /// Returns the mean over `period` of the force extrapolated from three past ones, the later pair `late` apart, the
+    /// earlier pair `early` `[s]`. For even spacing these are the coefficients of [`SehEstimate`].
     #[inline]
     fn mean_force<S: Scalar>(self, forces: [S; 3], late: S, early: S, period: S) -> S {
         let [now, last, before] = forces;

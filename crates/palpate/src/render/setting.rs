@@ -1,5 +1,5 @@
-//! Settings of methods by name, as files, flags and reports spell them: what a method's own file says
-//! of them, and the values that a user gives.
+//! Named settings of methods in files, flags and reports: their description in the method's file, and the values given
+//! by a user.
 
 use core::fmt;
 
@@ -8,7 +8,7 @@ use crate::Scalar;
 use crate::contact::Mass;
 use crate::parameter::{Parameter, ParameterError, ParameterValue, Range, Unit};
 
-/// The key of a setting in files and reports, with its unit at the end. Methods may share a key.
+/// Key of a setting in files and reports, with its unit as suffix. Methods may share a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct SettingKey(&'static str);
 
@@ -20,13 +20,13 @@ impl SettingKey {
         Self(key)
     }
 
-    /// The key, such as `damping_n_s_per_m`.
+    /// Returns the key, such as `damping_n_s_per_m`.
     #[must_use]
     pub fn as_str(self) -> &'static str {
         self.0
     }
 
-    /// The names of the methods that take it, in the order of tables, joined by commas.
+    /// Returns the names of the methods with this setting, in the order of tables, joined by commas.
     pub fn users(self) -> impl fmt::Display {
         let users = MethodName::ALL.into_iter();
         Joined(
@@ -43,20 +43,20 @@ impl fmt::Display for SettingKey {
     }
 }
 
-/// What a method's file says of one of its settings.
+/// Description of a setting in the method's file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Setting {
-    /// Its key.
+    /// Key.
     pub key: SettingKey,
-    /// What it may be.
+    /// Allowed values.
     pub values: SettingValues,
-    /// What it is, in words that follow the method's name.
+    /// Description that follows the method's name.
     pub help: &'static str,
-    /// What is taken where it is not given, in words.
+    /// Description of the default.
     pub default: &'static str,
 }
 
-/// What a setting may be.
+/// Allowed values of a setting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SettingValues {
     /// A number.
@@ -66,7 +66,7 @@ pub enum SettingValues {
         /// Its range.
         range: Range,
     },
-    /// A number, or the word `auto` where it is to be derived.
+    /// A number, or the word `auto` for a derived value.
     NumberOrAuto {
         /// Its unit.
         unit: Unit,
@@ -77,15 +77,15 @@ pub enum SettingValues {
     Words {
         /// The words.
         words: &'static [&'static str],
-        /// Words of earlier files, each with the word that has taken its place.
+        /// Words of earlier files, each with its replacement.
         earlier: &'static [(&'static str, &'static str)],
     },
-    /// On or off; on where it is not given.
+    /// On or off; the default is on.
     Switch,
 }
 
 impl Setting {
-    /// Its unit; none of words and switches.
+    /// Returns the unit; `None` for words and switches.
     #[must_use]
     pub fn unit(&self) -> Option<Unit> {
         match self.values {
@@ -96,7 +96,7 @@ impl Setting {
         }
     }
 
-    /// The range of a number; none of words and switches.
+    /// Returns the range of a number; `None` for words and switches.
     #[must_use]
     pub fn range(&self) -> Option<Range> {
         match self.values {
@@ -107,14 +107,14 @@ impl Setting {
         }
     }
 
-    /// Its key without the unit, such as `damping`: what its flag is made from.
+    /// Returns the key without the unit, such as `damping`; the flag is derived from it.
     pub fn name(&self) -> &'static str {
         let key = self.key.0;
         let suffix = self.unit().map_or("", Unit::suffix);
         key.strip_suffix(suffix).unwrap_or(key)
     }
 
-    /// The value that a word says; none for a word that it does not know.
+    /// Returns the value of a word; `None` for an unknown word.
     #[must_use]
     pub fn word(&self, given: &str) -> Option<ParameterValue<f64>> {
         match self.values {
@@ -131,20 +131,20 @@ impl Setting {
         }
     }
 
-    /// Whether it can be derived.
+    /// Returns whether the value can be derived.
     #[must_use]
     pub fn takes_auto(&self) -> bool {
         matches!(self.values, SettingValues::NumberOrAuto { .. })
     }
 
-    /// A number of it, if it is in its range.
+    /// Checks that a number is in the setting's range.
     pub(crate) fn check<S: Scalar>(&'static self, value: S) -> Result<S, ParameterError> {
         let range = self.range().unwrap_or(Range::Finite);
         Parameter::Setting(self).within(range, value)
     }
 }
 
-/// What the parameters of a method are derived from where its settings leave them open.
+/// Quantities from which the missing parameters of a method are derived.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Basis {
     /// Contact stiffness `[N/m]`.
@@ -153,16 +153,16 @@ pub struct Basis {
     pub period: f64,
     /// Effective mass of the device, if known `[kg]`.
     pub device_mass: Option<f64>,
-    /// Quantum of the device's position sensor, 0 if it is not known to have one `[m]`.
+    /// Quantum of the device's position sensor, 0 if it has no known quantum `[m]`.
     pub encoder_quantum: f64,
-    /// Whether a recording moves the device, so that no force can.
+    /// Whether the device follows a recorded motion, which no force can change.
     pub recorded: bool,
     /// Energy the object stores at the start `[J]`.
     pub stored_energy: f64,
 }
 
 impl Basis {
-    /// The mass that the contact force of `method` has to move.
+    /// Returns the mass that the contact force of `method` moves.
     pub(crate) fn pushed_mass<S: Scalar>(
         &self,
         method: MethodName,
@@ -174,44 +174,44 @@ impl Basis {
         }
     }
 
-    /// K T `[N s/m]`, the damping that a held spring force lacks in two periods.
+    /// Returns K T `[N s/m]`, the damping that a held spring force lacks in two periods.
     pub(crate) fn impedance(&self) -> f64 {
         self.stiffness * self.period
     }
 }
 
-/// Settings that do not make a method.
+/// Invalid settings of a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SettingsError {
-    /// The method has no use for a setting.
+    /// The method does not have a setting.
     Unused {
         /// The method.
         method: MethodName,
-        /// The setting it cannot use, as another method has it.
+        /// The unused setting, as described by another method.
         setting: &'static Setting,
     },
-    /// A setting to be derived, but of a method that has no rule for it.
+    /// The method has no rule to derive this setting.
     NoRule {
         /// The method.
         method: MethodName,
         /// Its setting.
         setting: &'static Setting,
     },
-    /// A setting to be derived without the device's mass, which its rule needs.
+    /// The rule of the setting requires the device's mass.
     NoDeviceMass(&'static Setting),
-    /// A method that predicts the device, without the device's mass.
+    /// The method predicts the device and requires the device's mass.
     NoPushedMass(MethodName),
-    /// A setting that counts beside one word of another setting, which has another word.
+    /// The setting requires another word of a second setting.
     OnlyBeside {
         /// The method.
         method: MethodName,
-        /// The setting that was given.
+        /// The given setting.
         setting: &'static Setting,
-        /// The other setting.
+        /// The second setting.
         other: &'static Setting,
-        /// The word it would have to be.
+        /// The required word.
         needed: &'static str,
-        /// The word it is.
+        /// The actual word.
         is: &'static str,
     },
 }
@@ -271,7 +271,7 @@ impl fmt::Display for SettingsError {
 
 impl core::error::Error for SettingsError {}
 
-/// Settings that were given; what is not given takes its default.
+/// Given settings; missing ones have their defaults.
 #[derive(Clone, Copy, Default, PartialEq)]
 pub struct Settings {
     /// The values, in the order of [`all_settings`].
@@ -283,13 +283,13 @@ impl Settings {
         all_settings().position(|setting| setting.key == key)
     }
 
-    /// The value that was given for `key`.
+    /// Returns the value given for `key`.
     #[must_use]
     pub fn get(&self, key: SettingKey) -> Option<ParameterValue<f64>> {
         self.given[Self::index(key)?]
     }
 
-    /// The number that was given for `key`, in the unit of its key.
+    /// Returns the number given for `key`, in the unit of the key.
     #[must_use]
     pub fn number(&self, key: SettingKey) -> Option<f64> {
         match self.get(key)? {
@@ -298,7 +298,7 @@ impl Settings {
         }
     }
 
-    /// The word that was given for `key`.
+    /// Returns the word given for `key`.
     #[must_use]
     pub fn word(&self, key: SettingKey) -> Option<&'static str> {
         match self.get(key)? {
@@ -307,7 +307,7 @@ impl Settings {
         }
     }
 
-    /// Whether the switch of `key` is on; none where it was not given.
+    /// Returns whether the switch of `key` is on; `None` if it was not given.
     #[must_use]
     pub fn switch(&self, key: SettingKey) -> Option<bool> {
         match self.get(key)? {
@@ -316,27 +316,27 @@ impl Settings {
         }
     }
 
-    /// Whether a value was given for `key`.
+    /// Returns whether a value was given for `key`.
     #[must_use]
     pub fn has(&self, key: SettingKey) -> bool {
         self.get(key).is_some()
     }
 
-    /// The same settings with a value for `key`, a number in the unit of the key.
+    /// Returns the settings with a value for `key`, a number in the unit of the key.
     #[must_use]
     pub fn with(mut self, key: SettingKey, value: impl Into<ParameterValue<f64>>) -> Self {
         self.set(key, Some(value.into()));
         self
     }
 
-    /// Gives `key` a value, or takes it away.
+    /// Sets or removes the value of `key`.
     pub fn set(&mut self, key: SettingKey, value: Option<ParameterValue<f64>>) {
         if let Some(index) = Self::index(key) {
             self.given[index] = value;
         }
     }
 
-    /// These settings, and where one is missing, that of `others`.
+    /// Returns these settings, completed by those of `others`.
     #[must_use]
     pub fn or(mut self, others: Self) -> Self {
         for (own, other) in self.given.iter_mut().zip(others.given) {
@@ -345,8 +345,8 @@ impl Settings {
         self
     }
 
-    /// Every setting that was given, with its value. Of a key that methods share, the setting is that
-    /// of the first of them.
+    /// Iterates over the given settings with their values. For a key shared by methods, the setting is that of the
+    /// first method.
     pub fn iter(&self) -> impl Iterator<Item = (&'static Setting, ParameterValue<f64>)> {
         let given = all_settings().zip(self.given);
         given.filter_map(|(setting, value)| Some((setting, value?)))

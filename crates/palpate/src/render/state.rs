@@ -1,55 +1,54 @@
-//! What a renderer remembers from one tick to the next.
+//! State of a renderer between ticks.
 
 use crate::Scalar;
 use crate::actuator::UnderWay;
 use crate::energy::Ledger;
 use crate::motion::{Displacement, ObjectMotion, ObjectState, Rule, Start};
 
-/// The state of one rendered contact: small and `Copy`, so it can be saved, restored, and moved
-/// between threads at will. It is made by [`Renderer::start`](super::Renderer::start) and changed
-/// by that renderer only.
+/// State of one rendered contact. It is small and `Copy`, so a program can save, restore and move it between threads.
+/// [`Renderer::start`](super::Renderer::start) creates it, and only that renderer changes it.
 #[derive(Clone, Copy, Debug)]
 pub struct State<S, Memory> {
-    /// The object at the last sample, on the canonical side.
+    /// The object at the last sample, in canonical coordinates.
     pub(super) object: ObjectState<S>,
     pub(super) device: DeviceTrack<S>,
-    /// Where the object is to be put with the next sample.
+    /// Object state to set at the next sample.
     pub(super) teleport: Option<ObjectState<S>>,
     /// Force commanded at the last sample `[N]`.
     pub(super) commanded: S,
     pub(super) under_way: UnderWay<S>,
     pub(super) memory: Memory,
     pub(super) ledger: Ledger<S>,
-    /// Whether the books have been opened by a first sample.
+    /// Whether a first sample has opened the energy ledger.
     opened: bool,
 }
 
-/// What is known of the device.
+/// Information on the device.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum DeviceTrack<S> {
-    /// Nothing yet.
+    /// No sample yet.
     Unknown,
-    /// Its last sample began this interval.
+    /// The last sample began this interval.
     Tracked(Interval<S>),
-    /// A sample was refused.
+    /// A sample was rejected.
     Lost(Traces<S>),
 }
 
-/// Where a device that is not followed has been.
+/// Last positions of a device that is not tracked.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Traces<S> {
-    /// Position of the last sample `[m]`, if it was a number.
+    /// Position of the last sample `[m]`, if it was finite.
     pub seen: Option<S>,
-    /// Position of the last sample that was used `[m]`, if there was one.
+    /// Position of the last accepted sample `[m]`, if there was one.
     pub trusted: Option<S>,
-    /// Time from that one to the last `[s]`, refused samples counted as one period each.
+    /// Time from that sample to the last one `[s]`; each rejected sample counts as one period.
     pub since: S,
 }
 
 impl<S: Scalar> Traces<S> {
-    /// Whether a device found at `device` `[m]`, `elapsed` `[s]` after the last sample, can have
-    /// come there no faster than `speed` `[m/s]`: from where it was seen last, or, should that
-    /// have been a glitch, from where it was before.
+    /// Returns whether a device found at `device` `[m]`, `elapsed` `[s]` after the last sample, can have moved there at
+    /// most at `speed` `[m/s]`: from its last position, or from the last accepted one in case the last position was a
+    /// glitch.
     pub fn lead_to(&self, device: S, elapsed: S, speed: S) -> bool {
         let near = |from: S, time: S| (device - from).abs() <= speed * time;
         match (self.seen, self.trusted) {
@@ -62,18 +61,18 @@ impl<S: Scalar> Traces<S> {
     }
 }
 
-/// The interval in progress, as planned at its first sample.
+/// Interval in progress, as planned at its first sample.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Interval<S> {
     pub start: Start<S>,
     /// Device position xi_i `[m]`.
     pub device: S,
     pub rule: Rule<S>,
-    /// What the rule does over a nominal period.
+    /// Displacement by the rule over a nominal period.
     pub planned: Displacement<S>,
     /// K p_i, or 0 `[N]`.
     pub original_force: S,
-    /// Force that was held over it by what somebody else says `[N]`.
+    /// Reported mean force over the interval `[N]`.
     pub reported: Option<S>,
 }
 
@@ -91,26 +90,25 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
         }
     }
 
-    /// Forgets what the method remembers of past forces and of the device, for a state that another
-    /// method is to [`adopt`](super::Renderer::adopt): what its own method remembered does not
-    /// describe the interval in progress. The object, its plan and the books stay.
+    /// Clears the method's memory of past forces and of the device, for a state that another method is to
+    /// [`adopt`](super::Renderer::adopt): the memory of the old method does not describe the interval in progress. The
+    /// object, its plan and the ledger are unchanged.
     pub fn forget_past(&mut self) {
         self.memory = Memory::default();
     }
 
-    /// What the method remembers.
+    /// Returns the method's memory.
     pub fn memory(&self) -> &Memory {
         &self.memory
     }
 
-    /// Books of the object's energy, up to the last sample.
+    /// Returns the energy ledger of the object up to the last sample.
     pub fn ledger(&self) -> &Ledger<S> {
         &self.ledger
     }
 
-    /// Takes the stored energy of a contact that begins anew: opens the books, or books what
-    /// changed while the contact was not followed. False, and nothing changed, if the energy is
-    /// not a finite number or an entry of the books would not be.
+    /// Records the stored energy of a contact that restarts: opens the ledger, or records the change while the contact
+    /// was not tracked. Returns false, without effect, if the energy or a ledger entry would not be finite.
     #[must_use]
     pub(super) fn account_for(&mut self, stored: S) -> bool {
         if !stored.is_finite() {
@@ -125,10 +123,10 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
         true
     }
 
-    /// The device was found at `position` `[m]`, or nowhere, by a sample that is not to be used.
-    /// The object finishes the interval it is in as planned, then waits; it stays where the
-    /// interval began if it is a wall, or the plan's energy is not a finite number. A position that is not trusted
-    /// moves no energy, so nothing is booked: the next contact accounts for it all.
+    /// Records a device position `[m]`, or none, from an unusable sample. The object completes its interval as planned,
+    /// then waits. It stays at the beginning of the interval if it is a wall or the plan's energy is not finite. A
+    /// position that is not trusted moves no energy, so nothing is recorded; the next contact accounts for the whole
+    /// change.
     pub(super) fn lose_track(&mut self, motion: &ObjectMotion<S>, position: Option<S>) {
         let mut traces = Traces {
             seen: position,

@@ -43,7 +43,7 @@ const DAMPER_OBJECT: Setting = Setting {
 };
 
 impl SettingKey {
-    /// What moves the object of the virtual damper, one of [`DamperObject`].
+    /// Forces on the object of the virtual damper, one of [`DamperObject`].
     pub const DAMPER_OBJECT: Self = Self::new("damper_object");
 }
 
@@ -69,20 +69,19 @@ impl<S: Scalar> FromSettings<S> for VirtualDamperParams<S> {
     }
 }
 
-/// What moves the object of a virtual damper in contact.
+/// Forces on the object of a virtual damper in contact.
 ///
-/// Eq. (3) gives the force that is held. The paper does not say whether its damper is in the object's
-/// equation of motion, Eq. (6a), as well.
+/// Eq. (3) gives the held force. The paper does not specify whether its damper is also in the object's equation of
+/// motion, Eq. (6a).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum DamperObject {
-    /// Spring and damper, between the object and the device where it was sampled, which moves on at its
-    /// last step's velocity v_i as far as the damper is concerned:
-    /// `M eta'' = f_V + K (xi_i - eta) + B (v_i - eta')`.
+    /// Spring and damper between the object and the sampled device position; for the damper, the device moves at its
+    /// last step's velocity v_i: `M eta'' = f_V + K (xi_i - eta) + B (v_i - eta')`.
     #[default]
     SpringAndDamper,
-    /// The spring alone, Eq. (6a): the damper is in the held force only.
+    /// The spring alone, Eq. (6a); only the held force contains the damper.
     Spring,
     /// The force that the device feels, held: `M eta'' = f_V + f_i`. Device and object then exchange
     /// the same impulse, limits and delays included.
@@ -90,7 +89,7 @@ pub enum DamperObject {
 }
 
 impl DamperObject {
-    /// The choice's name, as files, flags and reports spell it.
+    /// Returns the choice's name in files, flags and reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -100,7 +99,7 @@ impl DamperObject {
         }
     }
 
-    /// The choice of that name.
+    /// Returns the choice with this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         let all = [Self::SpringAndDamper, Self::Spring, Self::HeldForce];
@@ -128,17 +127,17 @@ impl From<DamperObject> for ParameterValue<f64> {
 pub struct VirtualDamperParams<S> {
     /// Damping B of the contact `[N s/m]`, not below 0.
     pub damping: S,
-    /// What moves the object in contact.
+    /// Forces on the object in contact.
     #[cfg_attr(feature = "serde", serde(default))]
     pub object: DamperObject,
-    /// How the velocity of the penetration in the force is told. It is that of the sampled penetration;
-    /// an observer gives the device's, from which that of the object is taken off.
+    /// Estimator of the velocity of the penetration in the force. It uses the sampled penetration; an observer
+    /// estimates the device's velocity, from which that of the object is subtracted.
     #[cfg_attr(feature = "serde", serde(default))]
     pub prediction: Prediction<S>,
 }
 
 impl<S> VirtualDamperParams<S> {
-    /// A virtual damper of `damping` `[N s/m]`.
+    /// Creates a virtual damper of `damping` `[N s/m]`.
     pub fn new(damping: S) -> Self {
         Self {
             damping,
@@ -151,9 +150,9 @@ impl<S> VirtualDamperParams<S> {
 /// A spring and a damper in parallel, Eq. (3): `f_i = K p_i + B (p_i - p_{i-1}) / T` while
 /// `p_i > 0`.
 ///
-/// By default the object feels the damper too, in closed form; [`DamperObject`] has other readings. The
-/// two damping terms then use different velocities: the force that of the penetration, the object's
-/// motion that of the device.
+/// By default the damper also acts on the object, in closed form; [`DamperObject`] has other interpretations. The two
+/// damping terms then use different velocities: the force that of the penetration, the object's motion that of the
+/// device.
 #[derive(Clone, Copy, Debug)]
 pub struct VirtualDamper<S> {
     damping: S,
@@ -215,7 +214,7 @@ impl<S: Scalar> Method<S> for VirtualDamper<S> {
         memory: &mut PredictionMemory<S>,
     ) -> Displacement<S> {
         let moved = if self.object == DamperObject::HeldForce {
-            // What was really held: a limit or a delay may have made it another one.
+            // The force that was actually held, after limits and delay.
             under(motion, &ended.start, ended.held.mean, ended.elapsed)
         } else {
             ended.as_planned(motion)
@@ -234,7 +233,7 @@ impl<S: Scalar> Method<S> for VirtualDamper<S> {
     }
 }
 
-/// The object's motion under f_V and a held `force` `[N]` over `h` `[s]`.
+/// Returns the object's motion under f_V and a held `force` `[N]` over `h` `[s]`.
 fn under<S: Scalar>(motion: &ObjectMotion<S>, start: &Start<S>, force: S, h: S) -> Displacement<S> {
     let pushed = Start {
         virtual_force: start.virtual_force + force,

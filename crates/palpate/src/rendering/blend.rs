@@ -1,12 +1,11 @@
-//! From one contact to another without a step in the force.
+//! Transition between two contacts without a step in the force.
 
 use super::{Change, Rendering};
 use crate::Scalar;
 use crate::contact::Mass;
 use crate::render::AnyRenderer;
 
-/// Time a change of stiffness, mass, virtual force or method takes `[s]`: short for a hand, long for
-/// a motor.
+/// Duration of a change of stiffness, mass, virtual force or method `[s]`: short for a hand, long for a motor.
 pub const CHANGE_DURATION: f64 = 0.1;
 
 /// A change in progress.
@@ -14,20 +13,19 @@ pub const CHANGE_DURATION: f64 = 0.1;
 pub(super) struct Blend<S> {
     from: Rendering<S>,
     to: Change<S>,
-    /// How far it has come, 0 to 1.
+    /// Progress, 0 to 1.
     part: S,
-    /// Force that the method before would have commanded beyond that of the new one at the change
-    /// `[N]`.
+    /// Command of the previous method minus that of the new one at the change `[N]`.
     pub step: S,
-    /// The first argument to the power of the second.
+    /// Function that raises its first argument to the power of the second.
     power: fn(S, S) -> S,
 }
 
-/// What is rendered on the way.
+/// Rendering during a transition.
 pub(super) struct Between<S> {
     pub renderer: AnyRenderer<S>,
     pub virtual_force: S,
-    /// What is left of the step `[N]`.
+    /// Remainder of the force step `[N]`.
     pub remainder: S,
     pub is_over: bool,
 }
@@ -43,12 +41,12 @@ impl<S: Scalar> Blend<S> {
         }
     }
 
-    /// What is left of the step now `[N]`.
+    /// Returns the current remainder of the force step `[N]`.
     pub fn remainder(&self) -> S {
         self.step * (S::ONE - self.part)
     }
 
-    /// What is rendered in the next tick.
+    /// Returns the rendering of the next tick.
     pub fn advance(&mut self) -> Between<S> {
         let period = self.to.rendering.loop_params.period;
         self.part = S::ONE.min(self.part + period / S::from_f64(CHANGE_DURATION));
@@ -69,13 +67,13 @@ impl<S: Scalar> Blend<S> {
                 remainder: self.remainder(),
                 is_over: false,
             },
-            // Both ends are allowed, but something between them is not.
+            // Both ends are valid, but an intermediate value is not.
             Err(_) => over,
         }
     }
 
-    /// What is rendered now: stiffness and mass by equal ratios (from 100 to 10000 N/m, 1000 is half
-    /// of the way), the virtual force by equal steps, the rest as it is to be.
+    /// Returns the current rendering: stiffness and mass change geometrically (from 100 to 10000 N/m, 1000 is
+    /// half-way), the virtual force linearly; other parameters have their final values.
     pub fn now(&self) -> Rendering<S> {
         let (old, new) = (&self.from, &self.to.rendering);
         let between = |old: S, new: S| old * (self.power)(new / old, self.part);

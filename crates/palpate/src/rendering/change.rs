@@ -1,4 +1,4 @@
-//! What a rendering that runs can change to.
+//! Changes of an active rendering.
 
 use core::fmt;
 
@@ -7,27 +7,27 @@ use crate::Scalar;
 use crate::parameter::ParameterError;
 use crate::render::AnyRenderer;
 
-/// A change of what is rendered that has been checked.
+/// A checked change of the rendering.
 #[derive(Clone, Copy, Debug)]
 pub struct Change<S> {
     pub(super) rendering: Rendering<S>,
     pub(super) renderer: AnyRenderer<S>,
 }
 
-/// Why a change is not taken; what was rendered goes on.
+/// Reason for rejecting a change. The current rendering continues unchanged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ChangeError {
-    /// A parameter outside its range.
+    /// A parameter is outside its range.
     Parameter(ParameterError),
-    /// The loop runs at one period.
+    /// The loop has a fixed period.
     Period {
-        /// What was asked for `[s]`.
+        /// Requested period `[s]`.
         given: f64,
-        /// What the loop runs at `[s]`.
+        /// Period of the loop `[s]`.
         running: f64,
     },
-    /// Measurement from the other side, the device would be deep in the object.
+    /// With the other side of measurement, the device would be deep in the object.
     Side,
 }
 
@@ -55,10 +55,10 @@ impl From<ParameterError> for ChangeError {
 }
 
 impl<S: Scalar> Change<S> {
-    /// The change from `running` to `rendering`.
+    /// Checks the change from `running` to `rendering`.
     ///
     /// # Errors
-    /// A parameter outside its range, another period, another side of the device.
+    /// A parameter is outside its range, or the period or the side of the device differs.
     pub fn new(running: &Rendering<S>, rendering: Rendering<S>) -> Result<Self, ChangeError> {
         let renderer = rendering.renderer()?;
         let (given, period) = (rendering.loop_params.period, running.loop_params.period);
@@ -77,13 +77,13 @@ impl<S: Scalar> Change<S> {
         })
     }
 
-    /// The change to what `running` renders already.
+    /// Returns the change to the current rendering of `running`.
     #[must_use]
     pub fn none(running: &Running<S>) -> Self {
         running.as_change()
     }
 
-    /// What is to be rendered.
+    /// Returns the new rendering.
     #[must_use]
     pub fn rendering(&self) -> &Rendering<S> {
         &self.rendering

@@ -1,4 +1,4 @@
-//! All that a renderer is made of, where its object begins, and how it changes while it runs.
+//! Parameters of a renderer with the initial state of its object, and changes at run time.
 
 mod blend;
 mod change;
@@ -16,23 +16,23 @@ pub use blend::CHANGE_DURATION;
 pub use change::{Change, ChangeError};
 pub use running::Running;
 
-/// What a loop renders: a contact, by a method, from a start.
+/// Rendering task of a loop: a contact, a method, and a start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rendering<S> {
     /// The contact.
     pub contact: Contact<S>,
-    /// The loop; its period is that of the deadlines.
+    /// The loop parameters; the period also determines the deadlines.
     pub loop_params: LoopParams<S>,
     /// The method, with its parameters.
     pub params: AnyParams<S>,
     /// Virtual force f_V on the object `[N]`.
     pub virtual_force: S,
-    /// Where the object is at the start; where a wall always is.
+    /// Initial state of the object; the position of a wall.
     pub object: ObjectState<S>,
 }
 
 impl<S: Scalar> Rendering<S> {
-    /// Checks all parameters and gives the renderer.
+    /// Checks all parameters and creates the renderer.
     ///
     /// # Errors
     /// The first parameter outside its range.
@@ -40,13 +40,13 @@ impl<S: Scalar> Rendering<S> {
         Renderer::new(self.contact, self.loop_params, self.params)
     }
 
-    /// The method's name; HFCR without dissipation is `hfcr`, whatever it was chosen as.
+    /// Returns the method's name; HFCR without dissipation is `hfcr`, however it was selected.
     #[must_use]
     pub fn method(&self) -> &'static str {
         self.params.name()
     }
 
-    /// Whether the object is a wall.
+    /// Returns whether the object is a wall.
     #[must_use]
     pub fn is_wall(&self) -> bool {
         matches!(self.contact.object_mass, Mass::Infinite)
@@ -54,7 +54,7 @@ impl<S: Scalar> Rendering<S> {
 }
 
 impl<S: Scalar + fmt::Display> fmt::Display for Rendering<S> {
-    /// Contact, virtual force and method with its parameters, in words and SI units.
+    /// Writes contact, virtual force and method with its parameters, in words and SI units.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let stiffness = &self.contact.stiffness;
         match &self.contact.object_mass {

@@ -1,4 +1,4 @@
-//! The contact as it is rendered, tick by tick.
+//! Tick-by-tick rendering of a changeable contact.
 
 use core::mem::discriminant;
 
@@ -12,8 +12,7 @@ use crate::parameter::ParameterError;
 use crate::render::{AnyMemory, AnyRenderer, State};
 use crate::sample::{Output, Sample};
 
-/// A rendering that runs: a renderer with its state, and the way from what was rendered before to
-/// what is rendered now.
+/// An active rendering: a renderer with its state, and the transition from the previous rendering to the current one.
 ///
 /// ```
 /// use palpate::{AnyParams, Contact, LoopParams, ObjectState, Rendering, Running, Sample};
@@ -40,15 +39,15 @@ pub struct Running<S> {
     state: State<S, AnyMemory<S>>,
     virtual_force: S,
     blend: Option<Blend<S>>,
-    /// What the renderer that runs was made with.
+    /// Parameters of the active renderer.
     running: Rendering<S>,
-    /// Where a wall is.
+    /// State of a wall.
     wall: ObjectState<S>,
     power: fn(S, S) -> S,
 }
 
 impl<S: Scalar> Running<S> {
-    /// Begins with `rendering`: the object is where it says, nothing has been sampled yet.
+    /// Starts with `rendering`: the object has its initial state, and there are no samples yet.
     ///
     /// # Errors
     /// The first parameter outside its range.
@@ -66,14 +65,14 @@ impl<S: Scalar> Running<S> {
         })
     }
 
-    /// The same, with another function for the first argument to the power of the second: stiffness and
-    /// mass pass over by it. That of `libm`, the default, has the same bits on every target.
+    /// Returns the rendering with another power function, which interpolates stiffness and mass. The default, that of
+    /// `libm`, gives the same bits on every target.
     #[must_use]
     pub fn with_power(self, power: fn(S, S) -> S) -> Self {
         Self { power, ..self }
     }
 
-    /// What is rendered once a change is through.
+    /// Returns the rendering after the current transition.
     pub fn rendering(&self) -> &Rendering<S> {
         &self.rendering
     }
@@ -85,66 +84,63 @@ impl<S: Scalar> Running<S> {
         }
     }
 
-    /// Books up to the last sample.
+    /// Returns the energy ledger up to the last sample.
     pub fn ledger(&self) -> &Ledger<S> {
         self.state.ledger()
     }
 
-    /// By how much later than told the commands begin, by what the method has learned so far `[s]`; 0 where it
-    /// learns nothing of it.
+    /// Returns the estimated actuation delay minus its model value `[s]`; 0 if the method does not estimate it.
     pub fn learned_lateness(&self) -> S {
         self.renderer.learned_lateness(&self.state)
     }
 
-    /// Renders `rendering` from the next tick on, without a step in the force: stiffness, mass and
-    /// virtual force pass over to the new ones in [`CHANGE_DURATION`](super::CHANGE_DURATION), and so
-    /// does the difference that another method makes. The energy of it is booked in the ledger as
-    /// outside work.
+    /// Renders `rendering` from the next tick on, without a step in the force. Stiffness, mass and virtual force change
+    /// to the new values over [`CHANGE_DURATION`](super::CHANGE_DURATION), and the force difference of another method
+    /// fades over the same time. The change of energy is recorded in the ledger as outside work.
     ///
-    /// The new limits and the new guard hold from the next tick on, for what passes over, too. An object that the device touches
-    /// and that becomes a wall stays where it is; one that is apart goes to the place of `rendering`, or to the device if that is
-    /// beyond it.
+    /// The new limits and the new guard apply from the next tick on, also to the fading force. An object in contact
+    /// that becomes a wall keeps its position. A free object moves to the position of `rendering`, or to the device if
+    /// the device is beyond it.
     ///
     /// # Errors
-    /// A parameter outside its range, another period, another side of the device.
+    /// A parameter is outside its range, or the period or the side of the device differs.
     pub fn change(&mut self, rendering: Rendering<S>) -> Result<(), ChangeError> {
         self.take(Change::new(&self.rendering, rendering)?);
         Ok(())
     }
 
-    /// [`change`](Self::change), where the change has been checked elsewhere.
+    /// Applies a change as [`change`](Self::change) does, after it has been checked elsewhere.
     pub fn take(&mut self, change: Change<S>) {
         let from = self.blend.map_or(self.rendering, |blend| blend.now());
-        // What was still to fade goes on fading.
+        // An unfinished fade continues.
         let remainder = self.blend.map_or(S::ZERO, |blend| blend.remainder());
         self.blend = Some(Blend::new(from, change, remainder, self.power));
         self.rendering = change.rendering;
     }
 
-    /// Tells the renderer the force on the object that was sent for its last output `[N]`.
+    /// Reports the force on the object that was sent for the last output `[N]`.
     pub fn report_sent(&mut self, force_on_object: S) {
         self.renderer.report_sent(&mut self.state, force_on_object);
     }
 
-    /// Tells the renderer the force on the object that was held since the last sample, or its mean
-    /// `[N]`.
+    /// Reports the mean force on the object since the last sample `[N]`.
     pub fn report_held(&mut self, force_on_object: S) {
         self.renderer.report_held(&mut self.state, force_on_object);
     }
 
-    /// Puts the object at `object` with the next sample; the energy of it is booked as outside work. A
-    /// wall stays there.
+    /// Moves the object to `object` at the next sample; the change of energy is recorded as outside work. A wall stays
+    /// there.
     ///
     /// # Errors
-    /// A position or velocity that is not finite; nothing is changed then.
+    /// A position or velocity is not finite; the state is then unchanged.
     pub fn teleport(&mut self, object: ObjectState<S>) -> Result<(), ParameterError> {
         self.renderer.teleport(&mut self.state, object)?;
         self.wall = object;
         Ok(())
     }
 
-    /// One tick, as [`Renderer::step`](crate::Renderer::step); the force on the device passes over from
-    /// what was rendered before. The virtual force of the sample adds to that of the rendering.
+    /// Computes one tick, as [`Renderer::step`](crate::Renderer::step); the force on the device changes continuously
+    /// from the previous rendering. The virtual force of the sample is added to that of the rendering.
     #[inline]
     pub fn step(&mut self, sample: Sample<S>) -> Output<S> {
         if self.blend.is_some() {
@@ -154,7 +150,7 @@ impl<S: Scalar> Running<S> {
         self.renderer.step(&mut self.state, sample)
     }
 
-    /// A tick on the way from one contact to another.
+    /// Computes a tick during a transition.
     #[cold]
     fn step_between(&mut self, sample: Sample<S>) -> Output<S> {
         let sample =
@@ -164,7 +160,7 @@ impl<S: Scalar> Running<S> {
             let (old, new) = (self.running, self.rendering);
             let other_method = discriminant(&old.params) != discriminant(&new.params)
                 || old.is_wall() != new.is_wall();
-            // What the parameters before make of this sample, on a copy.
+            // Output of the previous parameters for this sample, computed on a copy.
             let before = (other_method || old.params != new.params).then(|| {
                 let mut state = self.state;
                 self.renderer.step(&mut state, sample(self.virtual_force))
@@ -179,8 +175,8 @@ impl<S: Scalar> Running<S> {
                 }
                 if self.rendering.is_wall() {
                     if before.object_position != self.wall.position {
-                        // Another method has placed it. Where none has, what is known of the device
-                        // would be lost, and with it a damper's velocity.
+                        // Another method shifted the wall. Teleporting an unshifted wall would discard the estimate of
+                        // the device, and with it a damper's velocity.
                         let _ = self.renderer.teleport(&mut self.state, self.wall);
                     } else if !old.is_wall() {
                         self.renderer.stand(&mut self.state, self.wall.position);
@@ -208,15 +204,15 @@ impl<S: Scalar> Running<S> {
         }
         self.renderer
             .step_adding(&mut self.state, sample(self.virtual_force), |own| {
-                // Nothing is left on a device that has come free.
+                // No remainder acts on a free device.
                 (own != S::ZERO).then_some(-remainder)
             })
     }
 }
 
-/// Where an object stands that becomes a wall with a `sample`, of which the method `before` has made that. One that is
-/// touched, or waits for a good sample, stays where it is. One that is apart goes to its place, or touches a device that is
-/// beyond that: there it would strike, and no spring that fades in would soften the blow.
+/// Returns the state of an object that becomes a wall with a `sample`; `before` is the output of the previous method.
+/// An object in contact, or waiting for a good sample, keeps its position. A free object moves to its position, or to a
+/// device beyond it: otherwise the device would strike, and no spring that fades in would soften the impact.
 fn where_it_stands<S: Scalar>(
     rendering: &Rendering<S>,
     before: &Output<S>,
@@ -261,7 +257,7 @@ mod tests {
         }
     }
 
-    /// A damper at its limit, then the plain spring, which is far below it.
+    /// A damper at its limit, then the plain spring, whose force is far below the limit.
     fn fading() -> Running<f64> {
         let mut running = Running::new(damped(100.0)).unwrap();
         running.step(Sample::at(0.001));
@@ -277,7 +273,7 @@ mod tests {
         let mut running = fading();
         let before = running.ledger().port_work;
         let output = running.step(Sample::at(0.004));
-        // 4 N of the spring and almost 3 N that fade.
+        // 4 N of the spring and almost 3 N of fading force.
         assert!(output.limited.force);
         assert_eq!(output.force_on_device, -LIMIT);
         let told = running.ledger().port_work;

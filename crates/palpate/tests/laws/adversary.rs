@@ -1,4 +1,4 @@
-//! A million hostile samples to every method: the output and the books stay finite.
+//! A million hostile samples to every method: output and ledger stay finite.
 
 use crate::common::{Random, entries, every_number_is_finite, methods};
 use palpate::{Contact, LoopParams, ObjectState, Renderer, Sample, Scalar, Side};
@@ -6,7 +6,7 @@ use palpate::{Contact, LoopParams, ObjectState, Renderer, Sample, Scalar, Side};
 const SAMPLE_COUNT: usize = 1_000_000;
 const PERIOD: f64 = 0.001;
 
-/// A position, time or force of the sort that breaks things.
+/// Returns a position, time or force that is likely to cause errors.
 fn hostile(random: &mut Random, largest_exponent: f64) -> f64 {
     let special = [
         0.0,
@@ -67,7 +67,7 @@ fn survives<S: Scalar>(seed: u64, largest_exponent: f64) {
                     },
                 };
                 if random.unit() < 1e-3 {
-                    // Back to a place where forces arise; a hostile place is refused or survived.
+                    // Return to positions with forces; a hostile position is rejected or tolerated.
                     let mut place = |odds| {
                         S::from_f64(if random.unit() < odds {
                             hostile(&mut random, largest_exponent)
@@ -103,7 +103,7 @@ fn survives<S: Scalar>(seed: u64, largest_exponent: f64) {
                 previous_fault = output.fault;
             }
         }
-        // The attack is worth something only if rendering goes on under it.
+        // The attack is meaningful only if rendering continues under it.
         println!("{name}: {recovered} recoveries, {forces} forces, {pulls} pulls");
         assert!(recovered > SAMPLE_COUNT / 50, "{name}: {recovered}");
         assert!(forces > SAMPLE_COUNT / 20, "{name}: {forces}");
@@ -122,7 +122,7 @@ fn no_sample_makes_a_single_precision_output_or_ledger_infinite() {
 
 #[test]
 fn samples_near_the_edge_of_overflow_do_not_fill_the_books() {
-    // Energies of single intervals just about fit into a number here; their sum does not.
+    // Energies of single intervals are just representable here; their sum is not.
     survives::<f64>(3, 154.0);
     survives::<f32>(4, 19.0);
 }

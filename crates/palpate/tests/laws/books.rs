@@ -1,10 +1,10 @@
-//! The energy books, over the whole range of difficulty, against books kept from outside.
+//! Energy ledger over the whole range of difficulty, compared with an independent ledger.
 
 use crate::common::{Auditor, PointMass, every_number_is_finite, explained, methods};
 use palpate::{Contact, Difficulty, Fault, Ledger, LoopParams, ObjectState, Renderer, Sample};
 use proptest::prelude::*;
 
-/// Log-uniform over [1e-4, 10].
+/// Log-uniform distribution over [1e-4, 10].
 fn difficulty() -> impl Strategy<Value = f64> {
     (-4.0..1.0_f64).prop_map(|exponent| 10f64.powf(exponent))
 }
@@ -64,7 +64,7 @@ proptest! {
                 let output = renderer.step(&mut state, sample);
                 prop_assert!(every_number_is_finite(&output), "{name}: {output:?}");
                 if let Some(fault) = output.fault {
-                    // Unstable loops run away; nothing else may be refused.
+                    // Unstable loops diverge; no other sample may be rejected.
                     prop_assert_eq!(fault, Fault::JumpTooFast, "{}", name);
                     break;
                 }
@@ -90,14 +90,14 @@ proptest! {
                 let t = f64::from(tick) * PERIOD;
                 waves.iter().map(|(rate, phase, size)| size * (rate * t + phase).sin()).sum::<f64>()
             };
-            // Pressed by 1 mm at first; what comes then is up to the motion.
+            // Initial penetration of 1 mm; later ones depend on the motion.
             let object = ObjectState::at_rest(position(0) - 0.001);
             let mut state = renderer.start(object).unwrap();
             let mut auditor = Auditor::new(&contact);
             let mut start = None;
             for tick in 0..200 {
                 let position = position(tick);
-                // A virtual force that changes with every tick.
+                // A virtual force that changes in every tick.
                 let push = weight * (1.0 + (0.7 * f64::from(tick)).sin());
                 let sample = Sample::at(position).with_virtual_force(push);
                 let output = renderer.step(&mut state, sample);

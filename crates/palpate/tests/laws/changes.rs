@@ -1,4 +1,4 @@
-//! What is rendered changes while the loop runs: limits hold in every tick of it, and a wall stands where its object stood.
+//! Changes of the rendering at run time: limits hold in every tick, and a wall keeps the object's position.
 
 use palpate::{
     Actuation, AnyParams, Contact, CoupledParams, Guard, GuardParams, LoopParams, ObjectState,
@@ -19,7 +19,7 @@ fn pressed(params: AnyParams<f64>) -> Rendering<f64> {
     }
 }
 
-/// Limited to so much from one tick to the next, too: that may not keep a force up that the new limit forbids.
+/// A slew limit may not maintain a force that the new force limit forbids.
 #[test]
 fn a_new_force_limit_holds_in_every_tick_of_a_change() {
     for (name, method) in methods() {
@@ -60,7 +60,7 @@ fn a_new_force_limit_holds_in_every_tick_of_a_change() {
     }
 }
 
-/// A wall that pulls as a damper does is to pull no more: not even for as long as a slew limit would have it.
+/// A wall with a damper pulls; after the change it must not pull, not even as long as the slew limit would allow.
 #[test]
 fn a_contact_that_is_to_push_only_pulls_in_no_tick_of_a_change() {
     let before = pressed(AnyParams::VirtualDamper(VirtualDamperParams::new(100.0)));
@@ -84,14 +84,14 @@ fn a_contact_that_is_to_push_only_pulls_in_no_tick_of_a_change() {
     }
 }
 
-/// The bound of `guard.rs` in the core, by the books of the sample.
+/// The bound of `guard.rs` in the core, by the ledger at the sample.
 #[test]
 fn the_guard_holds_in_every_tick_of_a_change() {
     let guard = GuardParams {
         largest_speed: 1.0,
         allowance: 1e-4,
     };
-    // The device strikes, and a damper that knows no guard answers with 84 N.
+    // The device strikes, and a damper without a guard responds with 84 N.
     const CHANGE: i32 = 3;
     for (name, method) in methods() {
         let before = Rendering {
@@ -131,7 +131,7 @@ fn the_guard_holds_in_every_tick_of_a_change() {
     }
 }
 
-/// A device that presses an object which a virtual force pushes against it, then the object becomes a wall.
+/// A device presses an object against a virtual force, then the object becomes a wall.
 #[test]
 fn an_object_that_becomes_a_wall_keeps_its_place_and_its_force() {
     for (name, method) in methods() {
@@ -151,7 +151,7 @@ fn an_object_that_becomes_a_wall_keeps_its_place_and_its_force() {
         assert!(last.force_on_object > 0.1, "{name}: {last:?}");
         let moved = (last.object_position - place).abs();
         assert!(moved > 1e-6, "{name}: {moved} m");
-        // Where it would be at the next sample, and what it would push with.
+        // Its position and force at the next sample.
         let next = running.clone().step(Sample::at(device));
         let wall = Rendering {
             contact: Contact::wall(1000.0),
@@ -173,8 +173,8 @@ fn an_object_that_becomes_a_wall_keeps_its_place_and_its_force() {
     }
 }
 
-/// A device that a hand presses, against an object that becomes a wall: it stands where the object was, and pushes back as a
-/// spring as soon as the change has passed.
+/// A hand presses the device against an object that becomes a wall. The wall keeps the object's position, and responds
+/// as a spring as soon as the change is complete.
 #[test]
 fn coupled_goes_over_to_the_law_of_a_wall_at_once() {
     for (told_mass, delay, stiffness) in [
@@ -222,7 +222,7 @@ fn coupled_goes_over_to_the_law_of_a_wall_at_once() {
         let place = tick(&mut running, 0.01).object_position;
         let mut worst = 0.0_f64;
         for late in 1..3000 {
-            // Pressed harder, and less.
+            // Alternately harder and softer.
             let target = if (late / 700) % 2 == 0 { 0.01 } else { 0.012 };
             let output = tick(&mut running, target);
             let off = output.force_on_object / (stiffness * output.penetration) - 1.0;

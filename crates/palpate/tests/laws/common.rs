@@ -1,4 +1,4 @@
-//! What the tests share: every method, a device, a random source, and books kept from outside.
+//! Shared test code: every method, a device, a random source, and an independent energy ledger.
 
 use palpate::{
     AnyParams, Contact, CoupledParams, DamperObject, EntryHold, HfcrParams, LeakDissipation,
@@ -131,7 +131,7 @@ impl PointMass {
     }
 }
 
-/// SplitMix64: named, tiny, and the same everywhere.
+/// SplitMix64: a known, small, platform-independent generator.
 pub struct Random(pub u64);
 
 impl Random {
@@ -142,7 +142,7 @@ impl Random {
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         z ^ (z >> 31)
     }
-    /// In [0, 1).
+    /// Uniform in [0, 1).
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
@@ -184,7 +184,7 @@ pub fn entries<S: Scalar>(ledger: &Ledger<S>) -> [S; 10] {
     ]
 }
 
-/// Side of the equation that the ledger states: what the entries say is stored since the start.
+/// Right-hand side of the ledger equation: the change of the stored energy by the entries.
 pub fn explained<S: Scalar>(ledger: &Ledger<S>) -> f64 {
     [
         ledger.port_work,
@@ -197,10 +197,10 @@ pub fn explained<S: Scalar>(ledger: &Ledger<S>) -> f64 {
     .sum()
 }
 
-/// The books, kept by someone who sees only samples and outputs.
+/// Independent energy ledger, computed from samples and outputs only.
 pub struct Auditor {
     stiffness: f64,
-    /// Largest force of the contact, to which it yields `[N]`.
+    /// Largest force of the contact, at which it yields `[N]`.
     largest: f64,
     mass: f64,
     last: Option<(Sample<f64>, Output<f64>)>,
@@ -210,9 +210,9 @@ pub struct Auditor {
     pub held_leak: f64,
     pub held_leak_absolute: f64,
     pub original_leak: f64,
-    /// Sum of the absolute values of everything that was booked.
+    /// Sum of the absolute values of all entries.
     pub turned_over: f64,
-    /// Error that the rounding of the positions it sees leaves in the auditor's own sums.
+    /// Error of the auditor's own sums by the rounding of the positions.
     rounding: f64,
 }
 
@@ -238,20 +238,20 @@ impl Auditor {
         }
     }
 
-    /// The same of a contact that yields to a force limit, as a wall does and any object by coupled rendering.
+    /// Returns the auditor of a contact that yields to a force limit, as a wall and any object of coupled rendering do.
     pub fn yielding_to(self, largest: f64) -> Self {
         Self { largest, ..self }
     }
 
-    /// The spring's force at a penetration, and its stored energy.
+    /// Returns the spring's force at a penetration, and its stored energy.
     fn spring(&self, penetration: f64) -> (f64, f64) {
         let force = (self.stiffness * penetration.max(0.0)).min(self.largest);
-        // The area below the force, from the penetration of the largest one on a rectangle.
+        // The area below the force, a rectangle beyond the penetration of the largest force.
         let beyond = (penetration.max(0.0) - force / self.stiffness).max(0.0);
         (force, 0.5 * force * force / self.stiffness + force * beyond)
     }
 
-    /// For the positive side, and samples that all are good.
+    /// Records a sample. Valid for the positive side without faults.
     pub fn observe(&mut self, sample: Sample<f64>, output: Output<f64>) {
         assert_eq!(output.fault, None);
         let penetration = sample.device_position - output.object_position;
@@ -260,7 +260,7 @@ impl Auditor {
         if let Some((before, held)) = self.last {
             let moved = sample.device_position - before.device_position;
             let port = held.force_on_object * moved;
-            // No force moves a wall, though a method may place it.
+            // No force moves a wall, although a method may shift it.
             let moves = f64::from(self.mass > 0.0);
             let virtual_work =
                 moves * before.virtual_force * (output.object_position - held.object_position);
@@ -281,7 +281,7 @@ impl Auditor {
         self.last = Some((sample, output));
     }
 
-    /// Every entry of the ledger is the audited one within `tolerance` of the energy turned over.
+    /// Checks that every entry of the ledger equals the audited one within `tolerance` of the energy turned over.
     pub fn agrees_with(&self, ledger: &Ledger<f64>, tolerance: f64) {
         for (name, audited, booked) in [
             ("stored", self.stored, ledger.stored),

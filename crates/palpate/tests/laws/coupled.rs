@@ -1,4 +1,4 @@
-//! Coupled rendering: what it promises besides the books.
+//! Properties of coupled rendering besides the energy ledger.
 
 use palpate::{
     Contact, Coupled, CoupledParams, LoopParams, ObjectState, Output, Renderer, Sample, State,
@@ -24,7 +24,7 @@ fn measured(device: &PointMass, quantum: f64) -> f64 {
     }
 }
 
-/// One period of the loop on a device.
+/// Runs one period of the loop on a device.
 fn tick(
     renderer: &Loop,
     state: &mut State<f64, palpate::CoupledMemory<f64>>,
@@ -88,7 +88,7 @@ fn a_device_at_rest_teaches_nothing_however_long() {
     let quantum = 1e-5;
     let wall = renderer(Contact::wall(1000.0), 0.4, quantum);
     let mut state = wall.start(ObjectState::at_rest(0.0)).unwrap();
-    // Learned on the way to rest, then ten million samples of a device that stands pressed into it.
+    // Estimation on the way to rest, then ten million samples of a device that is pressed in at rest.
     let mut pressing = Random(3);
     for _ in 0..200 {
         let position = pressing.between(0.001, 0.0012);
@@ -113,15 +113,15 @@ fn a_device_at_rest_teaches_nothing_however_long() {
     assert!((now / learned - 1.0).abs() < 1e-6, "{learned} became {now}");
 }
 
-/// Largest difference `[N]` between the force and the spring force of the penetration, in the last
-/// 200 of `ticks` against a wall with a device held in place by a stiff hand.
+/// Returns the largest difference `[N]` between the force and the spring force of the penetration, in the last 200 of
+/// `ticks` against a wall with a device held in place by a stiff hand.
 fn a_stopped_encoder_is_survived(renderer: &Loop) -> f64 {
     let mut state = renderer.start(ObjectState::at_rest(0.01)).unwrap();
     let mut device = device(0.25);
     for _ in 0..150 {
         tick(renderer, &mut state, &mut device, 0.0);
     }
-    // The sensor stays where it was, whatever the motor does.
+    // The sensor value is constant, whatever the motor does.
     let stopped = measured(&device, 0.0);
     let mut largest = 0.0_f64;
     for _ in 0..20_000 {
@@ -136,8 +136,8 @@ fn a_stopped_encoder_is_survived(renderer: &Loop) -> f64 {
 fn a_stopped_encoder_leads_to_no_force_beyond_that_of_the_collisions_before() {
     let renderer = renderer(Contact::object(100.0, 0.1), 0.25, 1e-6);
     let largest = a_stopped_encoder_is_survived(&renderer);
-    // The object goes on bouncing on a device that is believed to stand: 0.1 kg from 0.1 m on
-    // 100 N/m is 4.5 N and its weight.
+    // The object continues to bounce on a device that is assumed at rest: 0.1 kg from 0.1 m on 100 N/m is 4.5 N plus
+    // its weight.
     assert!(largest < 8.0, "{largest} N");
 }
 
@@ -160,7 +160,7 @@ fn a_device_that_is_grabbed_or_let_go_is_learned_anew() {
             );
         }
         let learned = state.memory().device_mass().unwrap();
-        // As far as the estimate may go from what was told.
+        // Limit of the estimate relative to the model value.
         let reachable = after.min(1000.0 * 0.25);
         println!("{before} -> {after} kg: learned {learned:.3} kg");
         assert!(
@@ -172,8 +172,8 @@ fn a_device_that_is_grabbed_or_let_go_is_learned_anew() {
 
 #[test]
 fn momentum_of_the_object_is_the_impulse_it_got() {
-    // Over a whole collision, with the mass told wrong by 1.5: what the device lost is what the
-    // object gained, to the part of the last correction that is not repaid yet.
+    // Over a whole collision, with a model mass wrong by 1.5: the momentum lost by the device equals that gained by the
+    // object, except for the part of the last correction that is still pending.
     let renderer = renderer(Contact::object(400.0, 0.1), 0.375, 0.0);
     let mut state = renderer.start(ObjectState::at_rest(0.05)).unwrap();
     let mut device = device(0.25);
@@ -201,8 +201,8 @@ fn momentum_of_the_object_is_the_impulse_it_got() {
 
 #[test]
 fn a_slower_loop_is_planned_for_after_two_samples() {
-    // A device at constant speed into a heavy wall that it cannot bend: a recorded motion, which
-    // makes the mean force of an interval the spring force in its middle.
+    // A device at constant speed into a heavy wall that cannot deflect it: a recorded motion, for which the mean force
+    // of an interval is the spring force at its middle.
     let params = CoupledParams::new(f64::INFINITY);
     let renderer: Loop =
         Renderer::new(Contact::wall(100.0), LoopParams::new(PERIOD), params).unwrap();
@@ -219,7 +219,7 @@ fn a_slower_loop_is_planned_for_after_two_samples() {
         off.push((output.force_on_object - mean).abs());
     }
     assert!(off[30..39].iter().all(|off| *off < 1e-3), "{off:?}");
-    // Two intervals are planned too short; from then on it is the slow loop that is planned for.
+    // Two intervals are planned too short; afterwards the plan is for the slow loop.
     assert!(
         off[40] > 0.1 && off[43..].iter().all(|off| *off < 1e-3),
         "{off:?}"
@@ -264,7 +264,7 @@ fn a_wall_that_waited_for_a_sample_goes_back_to_its_place() {
             ..device(0.25)
         };
         for i in 0..60 {
-            // The encoder fails now and then, most often while the wall is pressed.
+            // The encoder sometimes fails, most often during contact.
             let pressed = device.position > 0.0;
             let fails = i % 7 == visit % 7;
             let at = if fails { f64::NAN } else { device.position };
@@ -274,7 +274,7 @@ fn a_wall_that_waited_for_a_sample_goes_back_to_its_place() {
             farthest = farthest.max(output.object_position.abs());
             waited += usize::from(fails && pressed && output.object_position != 0.0);
         }
-        // The hand takes it away.
+        // The hand moves the device away.
         for _ in 0..2 {
             renderer.step(&mut state, Sample::at(-0.02));
         }
@@ -289,8 +289,8 @@ fn a_wall_that_waited_for_a_sample_goes_back_to_its_place() {
     assert!((1e-5..5e-3).contains(&farthest), "{farthest}");
 }
 
-/// After a collision that has taught the mass, dry friction changes its sign: a kick of a micrometre to an exact sensor,
-/// and no reason to doubt the mass.
+/// After a collision has determined the mass, dry friction changes its sign. For an exact sensor this is a kick of a
+/// micrometre, which must not widen the variance of the mass.
 #[test]
 fn a_kick_of_friction_puts_no_learned_mass_in_doubt() {
     const FRICTION: f64 = 0.01;
@@ -318,7 +318,7 @@ fn a_kick_of_friction_puts_no_learned_mass_in_doubt() {
                 learned.push(state.memory().device_mass().unwrap());
             }
         }
-        // Two samples of delay and one to see what they did.
+        // Two samples of delay, and one to observe their effect.
         let off = |mass_now: &f64| (mass_now / mass - 1.0).abs();
         let worst = learned[6..].iter().map(off).fold(0.0, f64::max);
         println!("told {told} kg: mass off by up to {:.2} %", 100.0 * worst);

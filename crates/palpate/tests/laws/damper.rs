@@ -1,4 +1,4 @@
-//! The virtual damper: its object's motion against a fine numerical integration.
+//! Virtual damper: the object's motion compared with a fine numerical integration.
 
 use palpate::{Contact, LoopParams, ObjectState, Output, Renderer, Sample, VirtualDamperParams};
 

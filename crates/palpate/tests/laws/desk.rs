@@ -1,9 +1,9 @@
-//! A desktop device with a real actuator, and how far a rendered force is from the ideal one: by fine
-//! steps, with nothing of the renderer's in it.
+//! A desktop device with a non-ideal actuator, and the error of a rendered force relative to the ideal one. Computed in
+//! fine steps, independent of the renderer.
 
 use palpate::{AnyParams, Contact, LoopParams, Mass, ObjectState, Renderer, Sample};
 
-/// A plant: device, hand, contact and actuator as they are.
+/// A plant: true device, hand, contact and actuator.
 #[derive(Clone, Copy, Debug)]
 pub struct Desk {
     pub device_mass: f64,
@@ -12,7 +12,7 @@ pub struct Desk {
     pub object_mass: f64,
     /// Constant push on the device `[N]`.
     pub push: f64,
-    /// Stiffness `[N/m]` and damping `[N s/m]` of a hand that rests where the device starts.
+    /// Stiffness `[N/m]` and damping `[N s/m]` of a hand whose rest position is the device's initial one.
     pub hand: (f64, f64),
     pub gap: f64,
     pub period: f64,
@@ -27,7 +27,7 @@ pub struct Desk {
     pub clip: f64,
 }
 
-/// Fine steps in a period.
+/// Fine steps per period.
 const STEPS: usize = 200;
 const GRAVITY: f64 = 9.81;
 
@@ -60,7 +60,7 @@ impl Desk {
         self.push - self.hand.0 * x - self.hand.1 * v
     }
 
-    /// The ideal force, in fine steps: device and object under the contact itself.
+    /// Returns the ideal force in fine steps: device and object under the contact itself.
     pub fn ideal(&self, periods: usize) -> Vec<f64> {
         let fine = 8;
         let dt = self.period / (STEPS * fine) as f64;
@@ -89,7 +89,7 @@ impl Desk {
         forces
     }
 
-    /// The force on the object that reaches the device by this method, in fine steps.
+    /// Returns the force on the object that reaches the device with this method, in fine steps.
     pub fn rendered(
         &self,
         loop_params: LoopParams<f64>,
@@ -128,7 +128,7 @@ impl Desk {
             commands.push((begins, self.gain * sent));
             for j in 0..STEPS {
                 let from = i as f64 * self.period + j as f64 * dt;
-                // Mean of what is commanded in the step.
+                // Mean of the commands in the step.
                 let (mut mean, mut begin) = (0.0, from);
                 while acting + 1 < commands.len() && commands[acting + 1].0 < from + dt {
                     let next = commands[acting + 1].0.max(begin);
@@ -157,7 +157,7 @@ impl Desk {
         forces
     }
 
-    /// Mean-force error E `[%]` over the windows that the commands govern.
+    /// Returns the mean-force error E `[%]` over the windows that the commands govern.
     pub fn error(&self, ideal: &[f64], rendered: &[f64]) -> f64 {
         #[expect(
             clippy::cast_possible_truncation,
@@ -176,7 +176,7 @@ impl Desk {
         100.0 * (off / all).sqrt()
     }
 
-    /// Periods until the end of the ideal's third collision, or `most`.
+    /// Returns the number of periods until the end of the third ideal collision, at most `most`.
     pub fn window(&self, most: usize) -> usize {
         let ideal = self.ideal(most);
         let mut ends = 0;
@@ -192,7 +192,7 @@ impl Desk {
     }
 }
 
-/// Numbers that are the same for ever.
+/// Reproducible random numbers.
 #[derive(Clone, Debug)]
 pub struct Random(pub u64);
 
@@ -212,7 +212,7 @@ impl Random {
     }
 }
 
-/// A plant of the desk kind with a perfect actuator: 1 kHz, 0.08 to 0.4 kg, 0.5 to 10 kN/m.
+/// Draws a desktop plant with a perfect actuator: 1 kHz, 0.08 to 0.4 kg, 0.5 to 10 kN/m.
 pub fn draw(seed: u64) -> Desk {
     let mut random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
     for _ in 0..4 {

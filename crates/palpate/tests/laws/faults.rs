@@ -1,4 +1,4 @@
-//! A sample that cannot be trusted: no force, a reason, and rendering goes on with the next.
+//! Rejected samples: zero force, a reason, and continued rendering with the next sample.
 
 use crate::common::{entries, every_number_is_finite, explained, methods};
 use palpate::{
@@ -21,7 +21,7 @@ struct Pressed<S: Scalar> {
 }
 
 impl<S: Scalar> Pressed<S> {
-    /// A device that moves into the object at 0.1 m/s and is 1 mm deep in it.
+    /// Creates a device that moves into the object at 0.1 m/s to a penetration of 1 mm.
     fn new(contact: Contact<S>, loop_params: LoopParams<S>, method: AnyParams<S>) -> Self {
         let renderer = Renderer::new(contact, loop_params, method).unwrap();
         let state = renderer.start(ObjectState::at_rest(S::ZERO)).unwrap();
@@ -70,8 +70,8 @@ fn contacts<S: Scalar>() -> Vec<Contact<S>> {
     ]
 }
 
-/// Applies `bad` to every method and contact and checks everything a fault promises. The force is
-/// back after `lost` further samples.
+/// Applies `bad` to every method and contact and checks all guarantees for a fault. The force returns after `lost`
+/// further samples.
 fn is_refused_and_survived<S: Scalar>(
     loop_params: LoopParams<S>,
     bad: impl Fn(S) -> Sample<S>,
@@ -100,8 +100,8 @@ fn is_refused_and_survived<S: Scalar>(
                 let output = pressed.go_on();
                 assert_eq!(output.fault, None, "{case}");
                 assert!(every_number_is_finite(&output), "{case}: {output:?}");
-                // Taken up as if the device had come to rest: nothing here extrapolates by more
-                // than the differences of sample-estimate-hold, 2.
+                // Rendering resumes as if the device had come to rest: the largest extrapolation factor is that of the
+                // differences of sample-estimate-hold, 2.
                 let spring = STIFFNESS * output.penetration.to_f64().max(0.0);
                 let force = output.force_on_object.to_f64() * pressed.sign;
                 assert!(
@@ -314,7 +314,7 @@ fn the_object_finishes_its_interval_and_then_waits() {
         assert_eq!(output.object_position, due.object_position);
         assert_eq!(output.object_velocity, due.object_velocity);
     }
-    // What the object's own interval brought, and what the device did unseen, is outside work.
+    // The effect of the object's own interval and the device's unobserved motion is outside work.
     let before = *pressed.state.ledger();
     let output = pressed.renderer.step(&mut pressed.state, there);
     assert_eq!(output.object_position, due.object_position);

@@ -1,4 +1,4 @@
-//! A contact placed in the plane and in space, and the two numbers of difficulty.
+//! Contacts in the plane and in space, and the two numbers of difficulty.
 
 use palpate::{
     AlongAxis, Contact, Difficulty, HfcrParams, LoopParams, ObjectState, Parameter, Renderer,

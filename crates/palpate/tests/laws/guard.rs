@@ -1,4 +1,4 @@
-//! The guard, attacked by an adversary who moves the device as it suits him.
+//! The guard against an adversary who controls the device's motion.
 
 use palpate::{
     Actuation, AnyParams, AnyRenderer, Contact, CoupledParams, Guard, GuardParams, HfcrParams,
@@ -14,13 +14,13 @@ const GUARD: GuardParams<f64> = GuardParams {
     allowance: ALLOWANCE,
 };
 const WEIGHT: f64 = -0.5;
-/// Moves of an attack.
+/// Number of moves of an attack.
 const LENGTH: usize = 60;
 
-/// One attack: a device motion in parts of the largest step.
+/// An attack: device steps as fractions of the largest step.
 type Moves = [f64; LENGTH];
 
-/// A whole number below `bound`.
+/// Returns an integer below `bound`.
 fn below(random: &mut Random, bound: usize) -> usize {
     usize::try_from(random.bits() >> 32).unwrap() % bound
 }
@@ -55,9 +55,9 @@ impl Target {
         }
     }
 
-    /// The most that an attack has taken out beyond what was there, at any end of an interval with a
-    /// held force `[J]`, and in how many samples the guard acted. Kept from outside, with what the
-    /// motor really held.
+    /// Returns the largest energy that an attack extracts beyond the available energy, at any end of an interval with a
+    /// held force `[J]`, and the number of samples in which the guard acted. Computed independently with the force that
+    /// the motor actually held.
     fn taken_by(&self, moves: &Moves) -> (f64, usize) {
         let delay = self.delay;
         let mut state = self.renderer.start(ObjectState::at_rest(self.gap)).unwrap();
@@ -77,7 +77,7 @@ impl Target {
                 + if i > 0 { put_in[i - 1] } else { 0.0 };
             last_object = output.object_position;
             if i > delay && commands[i - 1 - delay] != 0.0 {
-                // What f_V had put in by the sample that the held force was computed from.
+                // Energy supplied by f_V up to the sample from which the held force was computed.
                 worst = worst.max(given_out - put_in[i - 1 - delay]);
             }
             if i < LENGTH {
@@ -90,7 +90,7 @@ impl Target {
         (worst, acted)
     }
 
-    /// The best of many attacks, each improved move by move as long as that pays.
+    /// Returns the best of many attacks, each improved move by move.
     fn attacked(&self, seed: u64) -> (f64, usize) {
         let mut random = Random(seed);
         let (mut most, mut acted) = (f64::NEG_INFINITY, 0);
@@ -98,7 +98,7 @@ impl Target {
             let mut moves = [0.0; LENGTH];
             let turn = 1 + attempt % 6;
             for (i, step) in moves.iter_mut().enumerate() {
-                // Poke and run, with another rhythm each time, or at random.
+                // Alternating pokes with a different rhythm each time, or random moves.
                 *step = if attempt < 6 {
                     if (i / turn).is_multiple_of(2) {
                         1.0
@@ -131,7 +131,7 @@ impl Target {
     }
 }
 
-/// An actuator, and a device motion in parts of the largest step.
+/// An actuator, and device steps as fractions of the largest step.
 #[derive(Clone, Copy)]
 struct Attack {
     actuation: Actuation<f64>,
@@ -139,8 +139,9 @@ struct Attack {
 }
 
 impl Attack {
-    /// The most that it takes out beyond what was there, at any time `[J]`. Kept from outside: the commands pass
-    /// through delay, lag and gain, and the device keeps its speed from sample to sample.
+    /// Returns the largest energy that it extracts beyond the available energy, at any time `[J]`. Computed
+    /// independently: the commands pass through delay, lag and gain, and the device keeps its speed from sample to
+    /// sample.
     fn takes(
         &self,
         method: AnyParams<f64>,
@@ -207,7 +208,7 @@ impl Attack {
         worst
     }
 
-    /// Of one kind: how the moves alternate, or at random, through such an actuator.
+    /// Creates alternating or random moves through an actuator of one kind.
     fn begun(random: &mut Random, attempt: usize, period: f64) -> Self {
         let turn = 1 + attempt % 20;
         let mut moves = [0.0; LENGTH];
@@ -284,13 +285,13 @@ fn no_actuator_gives_out_more_than_there_is_and_the_allowance() {
             );
             most = most.max(taken);
         }
-        // The bound is met, so it weakens no force more than it has to.
+        // The bound is reached, so the guard is not too strict.
         println!("{name}: {most} J");
         assert!(most > 0.5 * ALLOWANCE, "{name}: {most} J");
     }
 }
 
-/// By difficulty, so that the object's own motion is one at every period.
+/// Contacts by difficulty, so that the object's own motion is the same at every period.
 fn contacts(period: f64) -> [Contact<f64>; 3] {
     let per_period = 1.0 / (period * period);
     [
@@ -318,8 +319,8 @@ fn nobody_takes_out_more_than_there_is_and_the_allowance() {
 
 #[test]
 fn without_a_guard_the_same_adversary_takes_more() {
-    // The attack is worth its name: unguarded, every method of note gives out many times the
-    // allowance, and a reporting guard sees it without changing a force.
+    // The attack is effective: unguarded, every relevant method gives out many times the allowance, and a reporting
+    // guard detects it without changing a force.
     for (name, method) in [
         ("basic", AnyParams::Basic),
         ("hfcr", AnyParams::Hfcr(HfcrParams::default())),
@@ -341,7 +342,7 @@ fn without_a_guard_the_same_adversary_takes_more() {
 
 #[test]
 fn what_coupled_rendering_predicts_cannot_be_turned_against_it() {
-    // It believes in masses and accelerations; an adversary shows it motions that no mass makes.
+    // It models masses and accelerations; the adversary's motions fit no mass.
     for (which, contact) in contacts(0.004).into_iter().enumerate() {
         let taken = |method| {
             let open = Target::new(method, contact, 0.004, 0, Guard::Off);
@@ -350,8 +351,8 @@ fn what_coupled_rendering_predicts_cannot_be_turned_against_it() {
         let hfcr = taken(AnyParams::Hfcr(HfcrParams::default()));
         let coupled = taken(AnyParams::Coupled(CoupledParams::new(0.25)));
         println!("contact {which}: hfcr {hfcr:.3} J, coupled {coupled:.3} J");
-        // A kick that is taken for an acceleration costs a few times as much as one that is not; what
-        // must not happen is that it feeds on itself.
+        // A kick that is interpreted as an acceleration costs a few times as much as another; it must not grow by
+        // feedback.
         assert!(
             coupled < 5.0 * hfcr,
             "contact {which}: {coupled} J, hfcr {hfcr} J"

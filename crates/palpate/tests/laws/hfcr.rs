@@ -1,4 +1,4 @@
-//! HFCR's three switches, its damping, and what it equals on a wall.
+//! The three steps of HFCR, its damping, and its equivalents on a wall.
 
 use crate::common::{PointMass, Random};
 use palpate::{
@@ -98,7 +98,7 @@ fn each_step_does_its_own_part_whatever_the_others_do() {
                 renderer.step(&mut state, at(second))
             })
             .collect();
-        // The smooth transition may already have moved the object otherwise in the first interval.
+        // The smooth transition may already have changed the motion in the first interval.
         let (unsmooth, smooth): (Vec<usize>, Vec<usize>) = (0..8).partition(|bits| bits & 2 == 0);
         for group in [unsmooth, smooth] {
             let plain = &outputs[group[0]];
@@ -116,12 +116,12 @@ fn each_step_does_its_own_part_whatever_the_others_do() {
                 assert_eq!(output.phase, plain.phase);
                 assert_eq!(output.transition_after, plain.transition_after);
                 assert_eq!(output.object_position, plain.object_position);
-                // Without the modified force it is the spring's.
+                // Without the modified force it is the spring force.
                 if bits & 5 == 0 {
                     let spring = STIFFNESS * output.penetration.max(0.0);
                     assert_eq!(output.force_on_object, spring);
                 }
-                // The damping adds Eq. (11) to whatever the force is without it.
+                // The damping adds Eq. (11) to the force without damping.
                 if bits & 4 != 0 {
                     let without = outputs[bits & !4].force_on_object;
                     let added = share * B * (velocity - output.object_velocity);
@@ -227,7 +227,7 @@ proptest! {
             let forces = loops.each_mut().map(|(renderer, state)| {
                 renderer.step(state, Sample::at(position)).force_on_object
             });
-            // Predicted to stay in contact, and not the first sample, where SEH has no past.
+            // Contact is predicted to continue, and SEH has a past from the second sample on.
             if previous.is_some_and(|previous| 2.0 * position - previous > 0.0) {
                 for force in forces {
                     prop_assert!((force - forces[0]).abs() <= 1e-12 * stiffness * 0.02, "{forces:?}");

@@ -1,4 +1,4 @@
-//! Limits on the held force: what they do, when they say so, and what the books then hold.
+//! Limits of the held force: their effect, their flags, and the resulting ledger.
 
 use crate::common::{Auditor, PointMass, methods};
 use palpate::{
@@ -13,20 +13,20 @@ fn contact() -> Contact<f64> {
     Contact::object(100.0, 0.1)
 }
 
-/// The over-damped coupling runs away from this device when nothing limits it.
+/// Without limits, this device diverges with the over-damped coupling.
 fn stable_methods() -> impl Iterator<Item = (&'static str, AnyParams<f64>)> {
     methods()
         .into_iter()
         .filter(|(name, _)| *name != "damper, over-damped")
 }
 
-/// Coupled rendering plans within the force limit, so a limit changes what it would have held.
+/// Coupled rendering plans within the force limit, so a limit changes the planned force.
 fn plans_within(method: AnyParams<f64>, limits: &LoopParams<f64>) -> bool {
     matches!(method, AnyParams::Coupled(_)) && limits.force_limit.is_some()
 }
 
-/// A bounce under `limits`; every force is compared with the one the same state gives without
-/// them, clamped as stated. Returns how often each limit acted.
+/// A bounce under `limits`; every force is compared with the unlimited force of the same state, clamped as documented.
+/// Returns the number of actions of each limit.
 fn obeys(contact: Contact<f64>, limits: LoopParams<f64>, method: AnyParams<f64>) -> [usize; 3] {
     let renderer = AnyRenderer::new(contact, limits, method).unwrap();
     let free_contact = Contact {
@@ -133,7 +133,7 @@ fn a_pushing_contact_never_pulls_on_either_side_and_says_when_it_would_have() {
     }
 }
 
-/// So much per second: of a late sample more, of an early one less.
+/// The limit is per second: larger for a late sample, smaller for an early one.
 #[test]
 fn the_slew_limit_goes_by_the_measured_time() {
     for side in [Side::Positive, Side::Negative] {

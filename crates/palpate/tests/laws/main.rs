@@ -1,4 +1,4 @@
-//! What the core promises, each test named by the law or behaviour it shows.
+//! Guarantees of the core; each test is named by its property.
 #![allow(clippy::print_stdout)] // what a test measured is part of its answer
 
 mod adversary;

@@ -1,4 +1,4 @@
-//! Samples that do not come exactly one period apart.
+//! Samples that are not exactly one period apart.
 
 use crate::common::{PointMass, Random, entries, methods};
 use palpate::{
@@ -25,7 +25,7 @@ fn device() -> PointMass {
     }
 }
 
-/// Eq. (4) as it stands in a textbook.
+/// Textbook form of Eq. (4).
 fn fly((eta, velocity): (f64, f64), h: f64) -> (f64, f64) {
     let alpha = WEIGHT / MASS;
     (
@@ -34,7 +34,7 @@ fn fly((eta, velocity): (f64, f64), h: f64) -> (f64, f64) {
     )
 }
 
-/// Eq. (6a) as it stands in the paper.
+/// Eq. (6a) as in the paper.
 fn press((eta, velocity): (f64, f64), xi: f64, h: f64) -> (f64, f64) {
     let omega = (STIFFNESS / MASS).sqrt();
     let zeta = xi + WEIGHT / STIFFNESS;
@@ -80,7 +80,7 @@ fn a_period_within_a_millionth_of_the_nominal_is_the_nominal_bit_for_bit() {
     }
 }
 
-/// How an interval ended, seen from its plan.
+/// End of an interval relative to its plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Course {
     Free,
@@ -91,7 +91,7 @@ enum Course {
     AfterRelease,
 }
 
-/// Where the interval that `planned` began has brought the object after `h`, piece by piece.
+/// Returns the object's state after `h` in the interval that `planned` began, piece by piece.
 fn expected(
     planned: &Output<f64>,
     hold: EntryHold,
@@ -197,7 +197,7 @@ fn free_flight_is_exact_at_any_steady_rate() {
                 })
                 .unwrap();
             for tick in 0..=50 {
-                // Far below: never met.
+                // Far below: no contact.
                 let sample = Sample::at(-100.0).with_virtual_force(WEIGHT).after(h);
                 let output = renderer.step(&mut state, sample);
                 let (eta, velocity) = fly((0.5, 2.0), h * f64::from(tick));

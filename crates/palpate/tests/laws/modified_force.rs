@@ -1,12 +1,12 @@
-//! The closed forms of the held force against the energy balance they come from, Eq. (9) taken
-//! literally: `f = (V~ - V) / d`, with the work of the virtual force in V.
+//! Closed forms of the held force compared with the energy balance, Eq. (9) taken literally: `f = (V~ - V) / d`, with
+//! the work of the virtual force in V.
 
 use crate::common::Random;
 use palpate::{
     AnyParams, Contact, HfcrParams, LoopParams, ObjectState, Output, Phase, Renderer, Sample,
 };
 
-/// One random interval with everything that Eq. (9) is stated in.
+/// A random interval with all quantities of Eq. (9).
 struct Interval {
     stiffness: f64,
     mass: f64,
@@ -72,22 +72,22 @@ impl Interval {
         )
     }
 
-    /// Stored energy with the potential of the virtual force, the spring pressed by the device at
-    /// `xi` if there is contact.
+    /// Returns the stored energy with the potential of the virtual force; the spring is pressed by the device at `xi`
+    /// if there is contact.
     fn energy(&self, (eta, velocity): (f64, f64), xi: f64) -> f64 {
         let pressed = (xi - eta).max(0.0);
         0.5 * self.mass * velocity * velocity + 0.5 * self.stiffness * pressed * pressed
             - self.virtual_force * eta
     }
 
-    /// Eq. (9) with the object's end state as predicted.
+    /// Returns Eq. (9) with the object's predicted end state.
     fn balance(&self, end: (f64, f64)) -> f64 {
         let predicted = self.energy(end, self.device + self.d);
         (predicted - self.energy(self.start(), self.device)) / self.d
     }
 }
 
-/// The balance and the force over many random intervals of one row of the table.
+/// Returns balance and force over many random intervals of one row of the table.
 fn agrees(params: HfcrParams<f64>, seed: u64, row: impl Fn(&Interval) -> Option<(f64, f64)>) {
     let mut random = Random(seed);
     let mut count = 0;
@@ -100,8 +100,7 @@ fn agrees(params: HfcrParams<f64>, seed: u64, row: impl Fn(&Interval) -> Option<
         count += 1;
         let balance = interval.balance(end);
         let force = interval.plan.force_on_object;
-        // Rounding of energies and positions, magnified by the division that the closed form
-        // avoids.
+        // Rounding of energies and positions, magnified by the division that the closed form avoids.
         let energy = interval.energy(interval.start(), interval.device).abs()
             + interval.energy(end, interval.device).abs()
             + (interval.virtual_force * end.0).abs()
@@ -133,7 +132,7 @@ fn entering_contact_balances_the_predicted_energy() {
         let held_at = interval.device + interval.d * tau / interval.period;
         let touch = interval.fly(interval.start(), tau);
         let end = interval.press(touch, held_at, interval.period - tau);
-        // The literal balance knows no spring that pulls.
+        // The literal balance has no pulling spring.
         (end.0 < interval.device + interval.d).then_some(end)
     });
 }
@@ -147,7 +146,7 @@ fn leaving_contact_balances_the_predicted_energy() {
         let tau = interval.plan.transition_after;
         let apart = interval.press(interval.start(), interval.device, tau);
         let end = interval.fly(apart, interval.period - tau);
-        // Nor one that the object has flown back into.
+        // Nor a spring into which the object has flown back.
         (end.0 > interval.device + interval.d).then_some(end)
     });
 }
@@ -163,7 +162,7 @@ fn leaving_contact_without_smooth_transition_balances_the_predicted_energy() {
     });
 }
 
-/// A wall that the device leaves: p = `penetration` now, and `d` in the coming interval.
+/// Returns the force of a wall that the device leaves: p = `penetration` now, and `d` in the coming interval.
 fn leaving_a_wall(penetration: f64, d: f64) -> f64 {
     let wall = Contact::wall(400.0);
     let params = AnyParams::Hfcr(HfcrParams::modified_force_only());

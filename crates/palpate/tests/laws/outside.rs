@@ -1,4 +1,4 @@
-//! What changes the object from outside: placing it anew, and other parameters.
+//! Changes of the object from outside: teleports, and other parameters.
 
 use crate::common::{every_number_is_finite, explained, methods};
 use palpate::{
@@ -23,7 +23,7 @@ fn device_at(tick: i32) -> Sample<f64> {
     Sample::at(1e-4 * f64::from(tick)).with_virtual_force(WEIGHT)
 }
 
-/// A device at 0.1 m/s, sampled up to and without `tick`; the object at rest at 0.
+/// Runs a device at 0.1 m/s, sampled up to but excluding `tick`; the object is at rest at 0.
 fn pressed(renderer: &AnyRenderer<f64>, tick: i32) -> State<f64, AnyMemory<f64>> {
     let mut state = renderer.start(ObjectState::at_rest(0.0)).unwrap();
     for before in -5..tick {
@@ -88,7 +88,7 @@ fn a_teleport_is_outside_work_of_exactly_the_energy_it_changes() {
             let stored = 0.5 * STIFFNESS * p * p + 0.5 * MASS * velocity * velocity;
             assert!((ledger.stored - stored).abs() < 1e-15, "{name}");
             assert_eq!(ledger.outside_work, stored - closed.stored, "{name}");
-            // The interval before it is closed as if nothing had happened.
+            // The previous interval is closed without an effect of the teleport.
             assert_eq!(ledger.port_work, closed.port_work, "{name}");
             assert_eq!(ledger.held_leak, closed.held_leak, "{name}");
             balances(&state);
@@ -196,7 +196,7 @@ fn new_parameters_are_outside_work_of_the_energy_they_change() {
                 let moved = next.object_position - output.object_position;
                 assert!((moved - by).abs() < 1e-15, "{name}: {moved}, not {by}");
             }
-            // The force that was held did the work, whatever the parameters.
+            // The held force did the work, independent of the parameters.
             balances(&state);
             for tick in 12..30 {
                 assert_eq!(after.step(&mut state, device_at(tick)).fault, None);

@@ -1,4 +1,4 @@
-//! A parameter outside its range is refused, by name, with its value and what is allowed.
+//! A parameter outside its range is rejected with its name, its value and the allowed range.
 
 use palpate::{
     AnyParams, AnyRenderer, Contact, Difficulty, HfcrParams, LeakDissipation, LoopParams, Mass,

@@ -1,4 +1,4 @@
-//! The passivity controllers against their formulas, written out over a closed loop.
+//! Passivity controllers compared with their formulas over a closed loop.
 
 use crate::common::PointMass;
 use palpate::{
@@ -25,7 +25,7 @@ fn popc(initial_energy: f64) -> AnyParams<f64> {
     })
 }
 
-/// Bounces and gives (device position, output) of every tick.
+/// Runs a bounce and returns (device position, output) of every tick.
 fn bounce(method: AnyParams<f64>) -> Vec<(f64, Output<f64>)> {
     let renderer = renderer(method);
     let mut state = renderer.start(ObjectState::at_rest(0.1)).unwrap();
@@ -45,8 +45,8 @@ fn bounce(method: AnyParams<f64>) -> Vec<(f64, Output<f64>)> {
         .collect()
 }
 
-/// Checks every force of a run against `K p + alpha v`, with the energy to be taken back as
-/// `deficit(E_i, V_i - V_0)`; returns how often alpha was 0, below and at the cap.
+/// Checks every force of a run against `K p + alpha v`, with the energy to remove `deficit(E_i, V_i - V_0)`; returns
+/// how often alpha was 0, below and at the cap.
 fn obeys(run: &[(f64, Output<f64>)], deficit: impl Fn(f64, f64) -> f64) -> [usize; 3] {
     let mut counts = [0; 3];
     let (mut port, mut virtual_work, mut stored_at_start) = (0.0, 0.0, None);
@@ -114,18 +114,18 @@ fn energy_stored_at_the_start_may_be_given_out_before_the_controller_acts() {
         (output.force_on_object, STIFFNESS * output.penetration)
     };
     let (force, spring) = second_force(0.0);
-    // f_0 = 1 N took 1 mJ out; the damping is capped at 6 N s/m, and v = -0.1 m/s.
+    // f_0 = 1 N extracted 1 mJ; the damping is capped at 6 N s/m, and v = -0.1 m/s.
     assert!((force - (spring - CAP * 0.1)).abs() < 1e-12, "{force}");
     let (force, spring) = second_force(stored);
     assert_eq!(force, spring);
-    // Less than all of it: 1 mJ - 0.9 mJ within one period.
+    // Less than the whole: 1 mJ - 0.9 mJ within one period.
     let (force, spring) = second_force(0.0009);
     assert!((force - (spring - 0.0001 / (PERIOD * 0.1))).abs() < 1e-9);
 }
 
 #[test]
 fn no_damping_is_injected_up_to_the_speed_threshold() {
-    // Powers of two, so that the speed is the threshold without rounding.
+    // Powers of two, so that the speed equals the threshold without rounding.
     let period = 2f64.powi(-10);
     let threshold = 2f64.powi(-8);
     let extra_force = |speed: f64, method| {
@@ -149,7 +149,7 @@ fn no_damping_is_injected_up_to_the_speed_threshold() {
         assert_eq!(extra_force(threshold, method), 0.0, "{method:?}");
         assert!(extra_force(1.01 * threshold, method) < 0.0, "{method:?}");
     }
-    // Standing still divides by nothing, even with no threshold at all.
+    // At rest there is no division by zero, even without a threshold.
     let no_threshold = AnyParams::Popc(PopcParams {
         speed_threshold: 0.0,
         ..PopcParams::new(CAP)

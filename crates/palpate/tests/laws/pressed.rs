@@ -1,4 +1,4 @@
-//! A hand presses steadily on a wall or an object: what a limit or a deviation of the model leaves of the rest.
+//! A hand presses steadily on a wall or an object: effect of a limit or a model deviation at rest.
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // numbers of samples
 
 use palpate::{Actuation, Contact, CoupledParams, LoopParams, ObjectState, Renderer, Sample};
@@ -6,7 +6,7 @@ use palpate::{Actuation, Contact, CoupledParams, LoopParams, ObjectState, Render
 /// A device in a hand that pushes steadily, and its contact.
 #[derive(Clone, Copy, Debug)]
 struct Pressed {
-    /// K T^2/m and K T^2/M; 0 of the latter is a wall.
+    /// K T^2/m and K T^2/M; the latter is 0 for a wall.
     kappa: f64,
     by_object: f64,
     /// Force of the hand `[N]`, and the force that holds an object against it.
@@ -38,7 +38,7 @@ impl Pressed {
         }
     }
 
-    /// Least and largest force on the device in the last second `[N]`.
+    /// Returns the smallest and largest force on the device in the last second `[N]`.
     fn last_second(&self) -> (f64, f64) {
         let stiffness = self.kappa * MASS / (PERIOD * PERIOD);
         let contact = if self.by_object > 0.0 {
@@ -76,7 +76,7 @@ impl Pressed {
             }
             let h = PERIOD / f64::from(parts);
             for part in 0..parts {
-                // The command that acts in the middle of the part.
+                // Command that acts in the middle of the part.
                 let age = delay - (f64::from(part) + 0.5) / f64::from(parts);
                 let place = commands.len() as f64 - 1.0 - age.ceil().max(0.0);
                 let command = commands[place.max(0.0) as usize];
@@ -101,7 +101,7 @@ impl Pressed {
 }
 
 impl Pressed {
-    /// The same of the ideal contact: a spring with a limited force, in continuous time.
+    /// Returns the same for the ideal contact: a spring with a limited force, in continuous time.
     fn ideal(&self) -> (f64, f64) {
         let stiffness = self.kappa * MASS / (PERIOD * PERIOD);
         let mobility = self.by_object / (stiffness * PERIOD * PERIOD);
@@ -135,7 +135,7 @@ impl Pressed {
     }
 }
 
-/// A tap lifts the device off; the blow that follows exceeds the limit many times.
+/// A tap lifts the device off; the following impact exceeds the limit many times.
 #[test]
 fn a_contact_whose_force_was_limited_rests_as_the_ideal_one_does() {
     for by_object in [0.0, 0.5, 2.0] {
@@ -157,7 +157,7 @@ fn a_contact_whose_force_was_limited_rests_as_the_ideal_one_does() {
     }
 }
 
-/// A deviation of the model is a doubt, and not a lateness.
+/// A model deviation is an uncertainty, not an additional delay.
 #[test]
 fn a_deviation_of_the_model_adds_nothing_to_the_swing_of_a_contact() {
     let late = |by: f64| Actuation {

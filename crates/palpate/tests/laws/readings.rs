@@ -1,4 +1,4 @@
-//! The readings of the paper where it is ambiguous: what each of them promises.
+//! Interpretations of ambiguous parts of the paper, and their properties.
 
 use crate::common::Random;
 use palpate::{
@@ -53,7 +53,7 @@ fn on_object(params: AnyParams<f64>, loop_params: LoopParams<f64>) -> AnyRendere
     Renderer::new(Contact::object(STIFFNESS, MASS), loop_params, params).unwrap()
 }
 
-/// A wall at 0 that is pressed by samples one period apart.
+/// Runs samples one period apart against a wall at 0.
 fn on_wall(params: AnyParams<f64>, positions: impl IntoIterator<Item = f64>) -> Vec<Output<f64>> {
     let renderer: AnyRenderer<f64> =
         Renderer::new(Contact::wall(STIFFNESS), LoopParams::new(PERIOD), params).unwrap();
@@ -89,7 +89,7 @@ fn with_the_spring_alone_the_object_moves_as_in_the_basic_model_and_only_the_for
         }
     }
     assert!(in_contact > 100, "{in_contact}");
-    // The default is another motion.
+    // The default gives another motion.
     let both = damper(DamperObject::SpringAndDamper, Prediction::LastStep);
     let both = outputs(&on_object(both, loop_params), &samples);
     assert!((both[399].object_position - basic[399].object_position).abs() > 1e-4);
@@ -107,7 +107,7 @@ fn an_object_that_the_held_force_moves_takes_its_impulse_whatever_limits_and_del
     ];
     for (loop_params, delay) in loops.into_iter().zip([0, 0, 2]) {
         let params = damper(DamperObject::HeldForce, Prediction::LastStep);
-        // A delay is a time: whole samples of it are even ones.
+        // A delay is a time; whole samples of delay require even spacing.
         let samples: Vec<_> = samples()
             .into_iter()
             .map(|(position, h)| (position, if delay > 0 { PERIOD } else { h }))
@@ -117,7 +117,7 @@ fn an_object_that_the_held_force_moves_takes_its_impulse_whatever_limits_and_del
         for tick in delay..samples.len() - 1 {
             let [now, next] = [outputs[tick], outputs[tick + 1]];
             let h = samples[tick + 1].1;
-            // The force that has reached the motor.
+            // Force that has reached the motor.
             let force = outputs[tick - delay].force_on_object;
             let acceleration = (WEIGHT + force) / MASS;
             let velocity = now.object_velocity + acceleration * h;
@@ -170,7 +170,7 @@ fn an_observed_damper_knows_the_velocity_at_the_sample_less_that_of_the_object()
     let estimated = (forces[59].force_on_object - STIFFNESS * along(t)) / B;
     assert!((estimated - (0.02 + 3.0 * t)).abs() < 1e-3, "{estimated}");
 
-    // A device that stands still in an object: the velocity of the penetration is the object's own.
+    // A device at rest in an object: the velocity of the penetration is the object's own.
     let params = damper(DamperObject::Spring, observer);
     let renderer = on_object(params, LoopParams::new(PERIOD));
     let outputs = outputs(&renderer, &[(0.02, PERIOD); 40]);
@@ -195,7 +195,7 @@ fn on_a_quantised_ramp_the_adaptive_window_quietens_damper_and_hfcr() {
     let speed = 0.0137;
     let ramp = |i: u32| 0.001 + speed * f64::from(i) * PERIOD;
     let measured = |i: u32| (ramp(i) / quantum).round() * quantum;
-    // The largest error of the velocity that a force shows, once the window is full.
+    // Largest velocity error visible in a force, once the window is full.
     let worst = |params: AnyParams<f64>, velocity: &dyn Fn(f64, u32) -> f64| {
         let outputs = on_wall(params, (0..200).map(measured));
         let errors = (20..200).map(|i| {
@@ -309,7 +309,7 @@ fn a_window_or_a_noise_bound_that_cannot_be_is_refused() {
             assert!(error.to_string().starts_with(said), "{error}");
         }
     }
-    // The same loop is sound otherwise.
+    // Otherwise the same loop is valid.
     Renderer::new(
         Contact::wall(STIFFNESS),
         LoopParams::new(PERIOD),

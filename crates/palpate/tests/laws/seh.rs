@@ -1,4 +1,4 @@
-//! Sample-estimate-hold: the mean of the coming interval, extrapolated from spring forces.
+//! Sample-estimate-hold: mean of the coming interval, extrapolated from spring forces.
 
 use crate::common::Random;
 use palpate::{

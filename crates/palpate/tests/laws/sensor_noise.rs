@@ -1,4 +1,4 @@
-//! What coupled rendering makes of a sensor that errs by more than it was told.
+//! Coupled rendering with sensor errors beyond the model quantum.
 
 use palpate::{
     Contact, CoupledMemory, CoupledParams, LoopParams, ObjectState, Renderer, Sample, State,
@@ -8,13 +8,13 @@ use crate::common::{PointMass, Random};
 
 const PERIOD: f64 = 0.001;
 
-/// A number of deviation 1, all but normal.
+/// Returns an approximately normal number of deviation 1.
 fn normal(random: &mut Random) -> f64 {
     (0..12).map(|_| random.between(0.0, 1.0)).sum::<f64>() - 6.0
 }
 
-/// Forces on a block that a device meets after so many samples in `free` motion, by a sensor with noise of this standard deviation `[m]`,
-/// of which the renderer is told a `quantum` `[m]`; and what the renderer then knows.
+/// Returns the forces on a block that a device meets after `free` samples of free motion, and the renderer's estimate.
+/// The sensor has noise of this standard deviation `[m]` and the model value `quantum` `[m]`.
 fn met(
     free: u32,
     noise: f64,

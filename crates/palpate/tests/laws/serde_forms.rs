@@ -14,7 +14,7 @@ use serde::de::DeserializeOwned;
 fn comes_back<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: T) {
     let json = serde_json::to_string(&value).unwrap();
     assert_eq!(serde_json::from_str::<T>(&json).unwrap(), value, "{json}");
-    // A bare word or number is no TOML document, so it stands under a key.
+    // A bare word or number is not a TOML document, so it needs a key.
     #[derive(Serialize, serde::Deserialize)]
     struct Under<T> {
         key: T,
@@ -112,7 +112,7 @@ fn what_is_left_out_is_as_the_paper_has_it() {
     assert_eq!(damper, VirtualDamperParams::new(2.0));
 }
 
-/// As written before there were other predictions at constant velocity, and other readings.
+/// Files from before there were other predictions at constant velocity, and other interpretations.
 #[test]
 fn parameters_of_before_the_readings_are_read_as_they_were() {
     let hfcr: HfcrParams<f64> = json(

@@ -1,4 +1,4 @@
-//! Several contacts on one device, each along an axis of its own: what holds, and what does not.
+//! Several contacts on one device, each along its own axis: guarantees and limitations.
 
 use palpate::{
     AlongAxis, Contact, Coupled, CoupledParams, LoopParams, ObjectState, Renderer, Sample, State,
@@ -9,7 +9,7 @@ type Memory = State<f64, palpate::CoupledMemory<f64>>;
 
 const DEVICE_MASS: f64 = 0.25;
 
-/// A contact, placed in space.
+/// A contact in space.
 struct Placed {
     axis: AlongAxis<f64, 3>,
     renderer: Method,
@@ -39,7 +39,7 @@ impl Placed {
         )
     }
 
-    /// The force on the device at `position` `[N]`, and the object's place along the axis `[m]`.
+    /// Returns the force on the device at `position` `[N]`, and the object's position along the axis `[m]`.
     fn force(&mut self, position: [f64; 3]) -> ([f64; 3], f64) {
         let sample =
             Sample::at(self.axis.coordinate(position)).with_virtual_force(self.virtual_force);
@@ -51,7 +51,7 @@ impl Placed {
     }
 }
 
-/// A point of [`DEVICE_MASS`] under forces that are held.
+/// A point of [`DEVICE_MASS`] under held forces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Point {
     position: [f64; 3],
@@ -72,7 +72,7 @@ impl Point {
     }
 }
 
-/// One period of a loop with several contacts: their forces are added.
+/// Runs one period of a loop with several contacts, whose forces are added.
 fn tick(device: &mut Point, contacts: &mut [Placed], period: f64) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for contact in contacts {
@@ -86,12 +86,12 @@ fn tick(device: &mut Point, contacts: &mut [Placed], period: f64) -> [f64; 3] {
 
 const PERIOD: f64 = 0.001;
 
-/// The surface at z = 0, solid below it: the normal points down, into what is solid.
+/// Surface at z = 0, solid below it: the normal points down, into the solid.
 fn floor() -> Placed {
     Placed::wall(2000.0, PERIOD, [0.0, 0.0, -1.0])
 }
 
-/// A block of 0.1 kg that stands on the floor, its face at x = 50 mm: pushed along +x.
+/// A block of 0.1 kg on the floor with its face at x = 50 mm, pushed along +x.
 fn block() -> Placed {
     Placed::new(
         Contact::object(800.0, 0.1),
@@ -114,7 +114,7 @@ fn a_floor_pushes_up_below_its_surface_and_not_at_all_above_it() {
     let force = held_at(-0.002);
     println!("2 mm below a floor of 2000 N/m: {force:?} N");
     assert_eq!((force[0], force[1]), (0.0, 0.0));
-    // Coupled rendering moves the wall a little while it is met, and takes it back.
+    // Coupled rendering shifts the wall slightly during contact, and returns it.
     assert!((force[2] - 4.0).abs() < 0.05, "{force:?}");
 }
 
@@ -141,7 +141,7 @@ fn contacts_at_right_angles_are_each_as_if_alone() {
     }
     println!("up to {pushed_up:.2} N up from the floor, {pushed_back:.2} N back from the block");
     assert!(pushed_up > 1.0 && pushed_back < -1.0);
-    // It has left the floor as fast as it came, and the block has what the device has lost.
+    // The device has left the floor at its initial speed, and the block has the momentum that the device lost.
     assert!((both.velocity[2] - 0.2).abs() < 1e-3, "{both:?}");
     let (_, before) = contacts[1].force(both.position);
     both.advance([0.0; 3], PERIOD);
@@ -151,8 +151,8 @@ fn contacts_at_right_angles_are_each_as_if_alone() {
     assert!((momentum - DEVICE_MASS * 0.3).abs() < 1e-6, "{momentum}");
 }
 
-/// The energy with which a device leaves `contacts`, over that with which it came, straight down at
-/// 0.3 m/s.
+/// Returns the energy with which a device leaves `contacts`, relative to its energy on arrival straight down at 0.3
+/// m/s.
 fn bounce(contacts: &mut [Placed], period: f64) -> f64 {
     let mut device = Point {
         position: [0.0, 0.0, 0.0071],
@@ -168,7 +168,7 @@ fn bounce(contacts: &mut [Placed], period: f64) -> f64 {
     device.energy() / before
 }
 
-/// The same of a groove of two walls whose normals are so many degrees apart.
+/// Returns the same for a groove of two walls whose normals are `degrees` apart.
 fn out_of_a_groove(degrees: f64, stiffness: f64, period: f64) -> f64 {
     let (sin, cos) = (0.5 * degrees).to_radians().sin_cos();
     let wall = |sign: f64| Placed::wall(stiffness, period, [sign * sin, 0.0, -cos]);
@@ -194,7 +194,7 @@ fn contacts_that_share_an_axis_do_not_know_of_each_other() {
         )
     });
     println!("one wall of both stiffnesses  {:.3}  {:.3}", one[0], one[1]);
-    // No energy is made, at any angle; where the loop is slow for the wall, what is shared is lost.
+    // No energy is generated at any angle; in a loop that is slow for the wall, shared contact loses energy.
     assert!(
         rows.iter()
             .all(|&(easy, hard)| easy < 1.0 + 1e-3 && hard < 1.0 + 1e-3)

@@ -1,4 +1,4 @@
-//! State and renderer as values: small, copied, shared, replayed, in either precision.
+//! State and renderer as values: small, copyable, shareable, reproducible, in either precision.
 
 use crate::common::{entries, methods};
 use palpate::{
@@ -80,7 +80,7 @@ fn one_renderer_serves_many_lanes_that_do_not_know_of_each_other() {
 fn single_precision_follows_double_precision() {
     for ((name, double), (_, single)) in methods::<f64>().into_iter().zip(methods::<f32>()) {
         if name.starts_with("popc") {
-            // Whether these act hangs on the sign of an energy near 0, which rounding decides.
+            // Their action depends on the sign of an energy near 0, which rounding decides.
             continue;
         }
         let (double, single) = (renderer(double), renderer(single));

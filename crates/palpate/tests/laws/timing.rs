@@ -1,4 +1,4 @@
-//! Delay, lag and gain of a loop: told exactly, told wrongly, or not at all.
+//! Delay, lag and gain of a loop: exact model, wrong model, or no model.
 
 use palpate::{Actuation, AnyParams, CoupledParams, LoopParams};
 
@@ -10,7 +10,7 @@ const PLANTS: u64 = 30;
 const LATE: (f64, f64) = (0.5, 3e-4);
 
 fn coupled(desk: &Desk) -> CoupledParams<f64> {
-    // Told 1.5 times its mass.
+    // The model mass is 1.5 times the true mass.
     CoupledParams::new(1.5 * desk.device_mass).with_encoder_quantum(desk.quantum)
 }
 
@@ -19,7 +19,7 @@ fn actuation((delay, lag): (f64, f64)) -> Actuation<f64> {
     Actuation::after(delay * PERIOD).with_lag(lag)
 }
 
-/// E of plants of the desk kind `[%]`: median, 90 % and largest. `real` makes the actuator of each.
+/// Returns E of desktop plants `[%]`: median, 90 % and largest. `real` creates the actuator of each.
 fn spread(
     name: &str,
     real: impl Fn(&mut Desk),
@@ -126,7 +126,7 @@ fn a_timing_that_is_nearly_told_is_nearly_enough() {
     is_within(found, [4.0, 20.0, 50.0]);
 }
 
-/// Nobody tells 0.1 T of delay, but how far off it may be.
+/// The delay of 0.1 T is unmodelled, but its standard deviation is modelled.
 #[test]
 fn a_delay_whose_deviation_is_told_is_learned_from_contact() {
     let untold = actuation((0.0, 0.0));
@@ -144,8 +144,8 @@ fn a_delay_whose_deviation_is_told_is_learned_from_contact() {
     assert!(with < 0.6 * without, "{with} %, {without} % without");
 }
 
-/// A device of 0.2 kg that a hand of 300 N/m and 3 N s/m presses into a wall of this kappa: standard
-/// deviation of the force after five seconds over its mean, and the mean.
+/// A device of 0.2 kg that a hand of 300 N/m and 3 N s/m presses into a wall of this kappa. Returns the standard
+/// deviation of the force after five seconds relative to its mean, and the mean.
 fn left(kappa: f64, hand: (f64, f64), real: (f64, f64), told: Actuation<f64>) -> (f64, f64) {
     let device_mass = 0.2;
     let desk = Desk {
@@ -173,7 +173,8 @@ fn left(kappa: f64, hand: (f64, f64), real: (f64, f64), told: Actuation<f64>) ->
     ((square / last.len() as f64).sqrt() / mean, mean)
 }
 
-/// Coupled rendering gives no more than the mean of the contact force, and a hand without a damper keeps whatever that gives out.
+/// Coupled rendering gives at most the mean of the contact force, and a hand without a damper keeps the energy that the
+/// mean force gives out.
 #[test]
 fn a_spring_without_a_damper_is_driven_and_one_with_a_damper_is_not() {
     let largest = |damping: f64, delay: f64| {

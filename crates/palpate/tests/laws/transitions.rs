@@ -1,4 +1,4 @@
-//! How contact begins and ends: ties, starts in contact, walls, and energy at constant velocity.
+//! Beginning and end of contact: ties, starts in contact, walls, and energy at constant velocity.
 
 use crate::common::{Random, methods};
 use palpate::{
@@ -28,7 +28,7 @@ fn touching_without_pressing_counts_as_free() {
                 assert_eq!(output.phase, Phase::Free, "{name}");
                 assert_eq!(output.force_on_object, 0.0, "{name}");
             }
-            // The least that is more than touching is contact.
+            // The smallest positive penetration is contact.
             let output = renderer.step(&mut state, Sample::at(0.25_f64.next_up()));
             assert_eq!(output.phase, Phase::Contact, "{name}");
         }
@@ -53,7 +53,7 @@ fn a_device_predicted_to_touch_but_not_to_press_stays_free() {
     let renderer = renderer(wall, AnyParams::Hfcr(HfcrParams::default()));
     let mut state = renderer.start(ObjectState::at_rest(0.25)).unwrap();
     renderer.step(&mut state, Sample::at(-0.25));
-    // Predicted for the end of the interval: 0.25, exactly the wall.
+    // Predicted for the end of the interval: 0.25, exactly the wall position.
     let output = renderer.step(&mut state, Sample::at(0.0));
     assert_eq!(output.phase, Phase::Free);
     assert_eq!(output.force_on_object, 0.0);
@@ -79,7 +79,7 @@ fn a_start_in_penetration_stores_its_energy_and_gives_the_force_of_a_device_at_r
         let p = 0.002;
         let output = renderer.step(&mut state, Sample::at(p));
         let spring = STIFFNESS * p;
-        // Where the held spring pushes the object within the interval.
+        // Displacement of the object by the held spring within the interval.
         let by = p * (1.0 - ((STIFFNESS / 0.1_f64).sqrt() * PERIOD).cos());
         let mean_of_cosine = |mobility: f64| {
             let phase = (STIFFNESS * mobility).sqrt() * PERIOD;
@@ -90,7 +90,7 @@ fn a_start_in_penetration_stores_its_energy_and_gives_the_force_of_a_device_at_r
             "seh differences" => 2.0 * spring,
             "seh ab3" => 23.0 / 12.0 * spring,
             name if name.starts_with("hfcr") && name != "hfcr-st" => STIFFNESS * (p - by),
-            // Device and object give way together, as far as each is known to.
+            // Device and object both yield, according to their known mobilities.
             "coupled" => spring * mean_of_cosine(1.0 / 0.25 + 1.0 / 0.1),
             "coupled, no placement" => spring * mean_of_cosine(1.0 / 0.1 + 1.0 / 0.1),
             "coupled, recorded device" => spring * mean_of_cosine(1.0 / 0.1),
@@ -163,8 +163,8 @@ fn a_wall_never_moves_whatever_presses_it_but_by_placement() {
     }
 }
 
-/// Sum of the absolute leaks `[J]` and of the energy in motion of a device at constant velocity,
-/// over the intervals that end as they were predicted to.
+/// Returns the sums of the absolute leaks and of the stored energies `[J]` with a device at constant velocity, and the
+/// number of intervals of each phase, over the intervals that end as predicted.
 fn leaked_at_constant_velocity(method: AnyParams<f64>) -> (f64, f64, [usize; 4]) {
     let mut random = Random(8);
     let (mut leaked, mut stored, mut counts) = (0.0, 0.0, [0; 4]);
@@ -187,7 +187,7 @@ fn leaked_at_constant_velocity(method: AnyParams<f64>) -> (f64, f64, [usize; 4])
         for tick in 0..30 {
             let sample = Sample::at(position).with_virtual_force(weight);
             let output = renderer.step(&mut state, sample);
-            // The first interval still takes the device to be at rest.
+            // The first interval assumes a device at rest.
             if let (Some(phase), 2..) = (planned, tick) {
                 let (index, ends_in_contact) = match phase {
                     Phase::Free => (0, false),

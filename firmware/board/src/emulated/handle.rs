@@ -2,7 +2,7 @@
 
 /// Mass at the rim `[kg]`.
 pub const MASS: f32 = 0.05;
-/// The rim's way per count of the sensor `[m]`.
+/// Displacement of the rim per count of the sensor `[m]`.
 pub const METRES_PER_COUNT: f32 = 5e-6;
 /// Force at the rim at full duty `[N]`.
 pub const FULL_FORCE: f32 = 20.0;
@@ -37,16 +37,16 @@ impl Default for Handle {
 }
 
 impl Handle {
-    /// What the sensor counts: 16 bits of the position, rounded down.
+    /// Returns the sensor's count: 16 bits of the position, rounded down.
     pub fn count(&self) -> u16 {
         let counts = self.position / METRES_PER_COUNT + 32_768.0;
-        // Within the counter for as long as the rim is within 16 cm; beyond, it stays at the end.
+        // Within the counter's range while the rim is within 16 cm; beyond it, the count saturates.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let counts = counts as u16;
         counts.wrapping_sub(32_768)
     }
 
-    /// Moves for one [`STEP`] under the forces of motor and hand `[N]`, exactly.
+    /// Advances by one [`STEP`] under the forces of motor and hand `[N]`, exactly.
     pub fn go_on(&mut self, motor: f32, hand: f32) {
         let acceleration = (motor + hand) / MASS;
         let moved = (self.velocity + 0.5 * acceleration * STEP) * STEP;

@@ -1,6 +1,6 @@
-//! What is outside the controller: the handle with motor and sensor, the hand, the host. It lives in memory
-//! that the program does not own, and outlives a reset of the controller. Its own timer interrupt moves it
-//! 20000 times a second, before everything else.
+//! The world outside the controller: the handle with motor and sensor, the hand, the host. It is in memory that the
+//! program does not own, and survives a reset of the controller. A separate timer interrupt of the highest priority
+//! advances it 20000 times a second.
 #![allow(unsafe_code)] // the world lies in memory that Rust does not know
 
 mod scene;
@@ -14,18 +14,18 @@ use crate::handle::{Handle, STEP};
 use crate::mps2::watchdog;
 pub use scene::{Scene, Stall};
 
-/// Address of the pins: QEMU's loader writes the scene's number and the phases there.
+/// Address of the pins, to which QEMU's loader writes the scene's number and the phases.
 const PINS: usize = 0x2030_0000;
-/// Where the world lies.
+/// Address of the world.
 const WORLD: usize = 0x2030_1000;
-/// Written once the world has begun: memory is 0 when the emulator starts.
+/// Marker of a started world: memory is 0 when the emulator starts.
 const BEGUN: u32 = 0x0077_0a1d;
-/// Steps from one entry of the log to the next: a period of the loop.
+/// Steps between two log entries: a period of the loop.
 const LOGGED_EVERY: u32 = 5;
-/// Entries of a run: 1.2 s.
+/// Log entries of a run: 1.2 s.
 const ENTRIES: usize = 4800;
 
-/// The pins between controller and world, at the offsets that `check/src/ran.rs` knows.
+/// The pins between controller and world, at the offsets in `check/src/ran.rs`.
 #[repr(C)]
 pub struct Pins {
     scene: AtomicU32,
@@ -35,13 +35,13 @@ pub struct Pins {
     pub is_on: AtomicBool,
     /// Count of the sensor.
     pub count: AtomicU32,
-    /// How often the host has spoken.
+    /// Number of the host's messages.
     pub words: AtomicU32,
-    /// How the loop is to stall, a test's doing: see [`Stall`].
+    /// Stall of the loop, set by a test: see [`Stall`].
     pub stall: AtomicU32,
-    /// What the loop says of itself: its status as a number.
+    /// Status of the loop as a number.
     pub status: AtomicU32,
-    /// How often the controller has started.
+    /// Number of starts of the controller.
     pub starts: AtomicU32,
     /// Ticks that the loop has begun, over all starts.
     pub ticks: AtomicU32,
@@ -49,21 +49,21 @@ pub struct Pins {
     pub longest: AtomicU32,
     /// Ticks that lasted longer than a period.
     pub overruns: AtomicU32,
-    /// By how many counts of the 25 MHz timer the first tick of the loop comes later; the emulator's loader writes it.
+    /// Delay of the first tick of the loop, in counts of the 25 MHz timer; written by the emulator's loader.
     pub loop_phase: AtomicU32,
-    /// The same for the first look of the supervisor.
+    /// Delay of the first check of the supervisor.
     pub supervisor_phase: AtomicU32,
 }
 
 impl Pins {
     /// The pins.
     pub fn get() -> &'static Self {
-        // SAFETY: memory that nothing else uses, aligned, for ever; every bit pattern that is ever stored
-        // there is one of an atomic's, and the emulator starts with 0.
+        // SAFETY: exclusive, aligned memory of static lifetime; every stored bit pattern is valid for an atomic, and
+        // the emulator starts with 0.
         unsafe { &*core::ptr::with_exposed_provenance::<Self>(PINS) }
     }
 
-    /// What is to be rendered and to happen.
+    /// Returns the scene to run.
     pub fn scene(&self) -> Scene {
         Scene::of(self.scene.load(Ordering::Relaxed))
     }
@@ -82,17 +82,16 @@ struct World {
     steps: u32,
     handle: Handle,
     scene: Scene,
-    /// When the event of the scene has come, in steps.
+    /// Time of the scene's event, in steps.
     event: Option<u32>,
     entries: [Entry; ENTRIES],
 }
 
-/// Moves the world on. Call it from its interrupt only.
+/// Advances the world. Call it from its interrupt only.
 pub fn go_on() {
     let world = core::ptr::with_exposed_provenance_mut::<World>(WORLD);
-    // SAFETY: memory that nothing else uses, aligned; only this function looks there, and its interrupt
-    // does not interrupt itself. The number is valid whatever it is, and the rest is read only after it
-    // has been written.
+    // SAFETY: exclusive, aligned memory; only this function accesses it, and its interrupt does not preempt itself.
+    // Every bit pattern of the number is valid, and the rest is read only after it has been written.
     let world = unsafe {
         if (&raw const (*world).begun).read() != BEGUN {
             (&raw mut (*world).steps).write(0);
@@ -135,7 +134,7 @@ impl World {
         self.handle.go_on(motor, hand);
         self.steps += 1;
 
-        // The event comes while the wall pushes.
+        // The event occurs while the wall pushes.
         let mut count = self.handle.count();
         if self.event.is_none() && time > 0.3 && motor < -2.0 {
             self.event = Some(self.steps);
@@ -159,8 +158,8 @@ impl World {
         }
     }
 
-    /// Lines: `entry TIME POSITION VELOCITY MOTOR HAND_WORK MOTOR_WORK STATUS STARTS`, then
-    /// `event TIME` where there was one, and `loop LONGEST OVERRUNS TICKS`.
+    /// Lines: `entry TIME POSITION VELOCITY MOTOR HAND_WORK MOTOR_WORK STATUS STARTS`, then `event TIME` if there was
+    /// one, and `loop LONGEST OVERRUNS TICKS`.
     fn print(&self, pins: &Pins) -> fmt::Result {
         let mut out = Lines::default();
         for (index, entry) in self.entries.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What happens in a run.
+//! Scenes of the emulated runs.
 
 use palpate::{AnyParams, HfcrParams};
 use palpate_firmware_knob::{KnobParams, WhenSilent};
@@ -6,22 +6,22 @@ use palpate_firmware_knob::{KnobParams, WhenSilent};
 use crate::example;
 use crate::handle::Handle;
 
-/// A run, by the number that the emulator is given.
+/// A scene, by the number passed to the emulator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scene {
-    /// A constant force of 1 N, from 0.06 s on, lets the rim bounce on the wall, rendered by coupled rendering.
+    /// With a constant force of 1 N, from 0.06 s on, the rim bounces on the wall, rendered by coupled rendering.
     Wall,
-    /// The same, by HFCR.
+    /// The bouncing rim, by HFCR.
     WallByHfcr,
-    /// The same, by the plain spring force.
+    /// The bouncing rim, by the plain spring force.
     WallByBasic,
-    /// A hand goes in and out of the wall; the host falls silent from 0.4 to 0.8 s, and the loop goes on.
+    /// A hand moves in and out of the wall; the host is silent from 0.4 to 0.8 s, and the loop continues.
     SilentHost,
-    /// The same, and the loop lets go.
+    /// With the silent host, the loop disables its output.
     SilentHostLetsGo,
     /// The loop stalls in the wall.
     Stall,
-    /// The loop stalls in the wall, and holds up the supervisor too.
+    /// The loop stalls in the wall and blocks the supervisor too.
     StallOfAll,
     /// The sensor jumps by 3000 counts for one tick, in the wall.
     Glitch,
@@ -29,20 +29,20 @@ pub enum Scene {
     StartInside,
 }
 
-/// How a loop stalls.
+/// Stall of a loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Stall {
-    /// It does not.
+    /// No stall.
     Not = 0,
-    /// It does not come back.
+    /// The loop does not return.
     Loop = 1,
-    /// It does not come back, and masks the interrupt of the supervisor.
+    /// The loop does not return, and masks the supervisor's interrupt.
     Masked = 2,
 }
 
 impl Scene {
-    /// The scene of a number, as `palpate-firmware-check` counts them.
+    /// Returns the scene of a number, as in `palpate-firmware-check`.
     pub fn of(number: u32) -> Self {
         match number {
             0 => Self::Wall,
@@ -58,7 +58,7 @@ impl Scene {
         }
     }
 
-    /// Where the handle is at first.
+    /// Returns the initial state of the handle.
     pub fn start(self) -> Handle {
         match self {
             Self::StartInside => Handle {
@@ -69,7 +69,7 @@ impl Scene {
         }
     }
 
-    /// What the wall is rendered by.
+    /// Returns the method that renders the wall.
     pub fn method(self) -> AnyParams<f32> {
         match self {
             Self::WallByBasic => AnyParams::Basic,
@@ -78,11 +78,11 @@ impl Scene {
         }
     }
 
-    /// The knob.
+    /// Returns the parameters of the knob.
     pub fn params(self) -> KnobParams {
         match self {
             Self::SilentHostLetsGo => KnobParams {
-                // 20 ms: the host speaks every 4 ms.
+                // 20 ms: the host sends a message every 4 ms.
                 when_silent: WhenSilent::LetGo { after: 80 },
                 ..example::PARAMS
             },
@@ -90,14 +90,14 @@ impl Scene {
         }
     }
 
-    /// Force of the hand on the rim `[N]` at `time` `[s]`: constant, or by a spring to where the hand is.
+    /// Returns the force of the hand on the rim `[N]` at `time` `[s]`: constant, or a spring to the hand's position.
     pub fn hand(self, time: f32, handle: &Handle) -> f32 {
         if matches!(self, Self::Wall | Self::WallByHfcr | Self::WallByBasic) {
-            // Once the soft start is over, so that the wall alone is judged.
+            // After the soft start, so that only the wall is evaluated.
             return if time < 0.06 { 0.0 } else { 1.0 };
         }
-        // In and out four times a second, from 5 mm inside the wall to 8 mm in front of it, and at first
-        // outside, or inside where the scene begins there.
+        // In and out four times a second, from 5 mm inside the wall to 8 mm in front of it. The motion begins outside,
+        // or inside if the scene begins there.
         let begins_inside = self == Self::StartInside;
         let turns = 4.0 * time + if begins_inside { 0.5 } else { 0.0 };
         #[allow(clippy::cast_possible_truncation)] // a few turns
@@ -111,12 +111,12 @@ impl Scene {
         1000.0 * (hand_at - handle.position) - 4.0 * handle.velocity
     }
 
-    /// Whether the host speaks at `time` `[s]`.
+    /// Whether the host sends messages at `time` `[s]`.
     pub fn host_speaks(self, time: f32) -> bool {
         !(0.4..0.8).contains(&time)
     }
 
-    /// How the loop stalls at the event.
+    /// Returns the stall of the loop at the event.
     pub fn stall(self) -> Stall {
         match self {
             Self::Stall => Stall::Loop,

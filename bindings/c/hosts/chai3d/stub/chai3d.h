@@ -1,5 +1,5 @@
-// As much of CHAI3D as wall.cpp needs: what CI compiles without it. Its device weighs 100 g, is pressed onto the
-// floor with 0.5 N and held back by 1 N s/m; it ends after two seconds of its own time.
+// Subset of CHAI3D that wall.cpp needs, for CI. Its device weighs 100 g, is pressed onto the floor with 0.5 N and
+// damped with 1 N s/m; it ends after two seconds of simulated time.
 #pragma once
 
 #include <cmath>
@@ -54,7 +54,7 @@ class cGenericHapticDevice {
 
   bool close() {
     std::printf("chai3d: the device rests %.6f m in the floor, held by %.3f N\n", -height_, last_held_);
-    // 0.5 N press 0.5 mm into 1000 N/m.
+    // 0.5 N compress 1000 N/m by 0.5 mm.
     if (!(std::fabs(last_held_ - 0.5) < 0.005 && height_ < -0.0002 && height_ > -0.0008 && force_ == 0.0)) {
       std::fprintf(stderr, "the floor does not hold the device, or the force stays at the end\n");
       std::exit(1);
@@ -78,7 +78,7 @@ class cHapticDeviceHandler {
   }
 };
 
-// Every tick comes a period after the one before: the time of the device, not that of the machine.
+// Every tick comes one period after the previous one: simulated time, not wall-clock time.
 class cPrecisionClock {
  public:
   double start(bool = false) { return 0.0; }

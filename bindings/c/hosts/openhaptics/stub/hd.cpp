@@ -1,5 +1,5 @@
-// A device of 50 g that falls onto the floor from 10 mm, pressed with 0.5 N and held back by 1 N s/m: two
-// seconds of it run when the scheduler starts.
+// A device of 50 g that falls onto the floor from 10 mm, pressed with 0.5 N and damped with 1 N s/m. The scheduler
+// simulates two seconds.
 #include <HD/hd.h>
 
 #include <cmath>
@@ -39,7 +39,7 @@ void hdStartScheduler() {
     height += velocity * 0.001;
   }
   std::printf("openhaptics: the device rests %.6f m in the floor, held by %.3f N\n", -height, force);
-  // It weighs 0.5 N on the floor; a spring of 500 N/m gives way by 1 mm.
+  // The device presses with 0.5 N on a floor of 500 N/m, which compresses by 1 mm.
   if (!(std::fabs(force - 0.5) < 0.005 && height < -0.0005 && height > -0.0015)) {
     std::fprintf(stderr, "the floor does not hold the device\n");
     std::exit(1);

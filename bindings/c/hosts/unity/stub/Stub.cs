@@ -1,4 +1,4 @@
-// As much of Unity as Wall.cs needs, and a program that runs it: what CI compiles and runs without Unity.
+// Subset of Unity that Wall.cs needs, and a program that runs it, for CI without Unity.
 using System;
 using System.Threading;
 
@@ -35,7 +35,7 @@ namespace UnityEngine
     }
 }
 
-/// A device that is pushed against the wall by a spring of a hand.
+/// A device that the spring of a hand pushes against the wall.
 sealed class HandOnAxis : IHapticAxis
 {
     double depth = -0.002, velocity;
@@ -63,7 +63,7 @@ sealed class HandOnAxis : IHapticAxis
         newForce *= Direction;
         Pushed = Pushed || newForce < 0.0;
         Largest = Math.Max(Largest, Math.Abs(newForce));
-        // 0.25 kg, pushed with 2 N and held by a hand's 2 N s/m, over 1 ms.
+        // 0.25 kg, pushed with 2 N and damped by a hand of 2 N s/m, over 1 ms.
         velocity += (2.0 - 2.0 * velocity + newForce) / 0.25 * 0.001;
         Volatile.Write(ref depth, depth + velocity * 0.001);
         Deepest = Math.Max(Deepest, depth);
@@ -83,7 +83,7 @@ static class Program
         }
     }
 
-    /// What a contact of these parameters is refused with.
+    /// Returns the message with which a contact of these parameters is rejected.
     static void Refused(Palpate.ContactParams contact, Palpate.LoopParams loop, string words, string method,
         params Palpate.Setting[] settings)
     {
@@ -100,7 +100,7 @@ static class Program
         }
     }
 
-    /// Waits until the device was read `count` times more.
+    /// Waits until the device has been read `count` more times.
     static void Ticks(HandOnAxis device, long count)
     {
         long until = Interlocked.Read(ref device.Reads) + count;
@@ -112,14 +112,14 @@ static class Program
 
     static void Walls()
     {
-        // As Unity does it: enabled before anybody could set a device, which warns and renders nothing.
+        // Unity enables the component before a device can be set: the wall warns and renders nothing.
         var wall = new Wall();
         wall.OnEnable();
         wall.Update();
         Expect(!wall.Running && UnityEngine.Debug.Said.Contains("set Wall.Device"), "a wall without a device says so");
         wall.OnDisable();
 
-        // Set while it is enabled, the device starts the loop.
+        // Setting the device of an enabled wall starts the loop.
         var device = new HandOnAxis();
         wall.Device = device;
         Ticks(device, 1500);
@@ -128,7 +128,7 @@ static class Program
         Expect(device.Pushed && device.Deepest > 0.0005, "the device has met the wall, and was pushed back");
         Expect(device.Largest <= 20.0, "no force exceeds the limit");
 
-        // A stiffness that changes while it runs: 2 N rest half as deep.
+        // A stiffness change at run time: 2 N penetrate half as deep.
         double before = wall.Penetration;
         wall.Stiffness = 4000.0;
         wall.Update();
@@ -139,7 +139,7 @@ static class Program
         wall.Update();
         Ticks(device, 10);
         Expect(wall.Running && UnityEngine.Debug.Said.Contains("stiffness is -1 N/m"), "a wrong stiffness is refused by name");
-        // The same of a period, for which the loop begins again; and what is right again is rendered.
+        // A period change restarts the loop; valid parameters are rendered again after invalid ones.
         UnityEngine.Debug.Said = "";
         wall.Stiffness = 4000.0;
         wall.Period = 0.0;
@@ -155,7 +155,7 @@ static class Program
         Expect(wall.Running && UnityEngine.Debug.Said.Split('\n').Length == 2, "a right period is rendered: "
             + UnityEngine.Debug.Said);
 
-        // The object is moved: the surface moves with it, and the device, which is pushed against it, follows.
+        // The surface moves with the object, and the device, pushed against it, follows.
         double at = device.Position;
         wall.transform.position.x = -0.01f;
         wall.Update();
@@ -165,7 +165,7 @@ static class Program
         wall.OnDisable();
         Expect(device.Last == 0.0 && !wall.Running, "the force is taken off at the end");
 
-        // Turned round, the wall is solid towards -x; the device is found as a component of the object.
+        // Rotated by 180 degrees the wall is solid towards -x; the device is found as a component of the object.
         var other = new HandOnAxis { Direction = -1.0 };
         var turned = new Wall { component = other };
         turned.transform.right.x = -1.0f;
@@ -174,7 +174,7 @@ static class Program
         Expect(other.Pushed && other.Position < -0.0005, "a wall that is turned round pushes towards +x");
         turned.OnDisable();
 
-        // A driver that throws stops the loop, with no force, and Unity shows why.
+        // A driver that throws stops the loop with zero force, and Unity shows the error.
         UnityEngine.Debug.Said = "";
         var failing = new HandOnAxis { FailsAt = 20 };
         var last = new Wall { component = failing };
@@ -208,7 +208,7 @@ static class Program
             basic.Change(contact, loop, "basic");
         }
         contact.Stiffness = 1000.0;
-        // 1 N of the spring, and 0.5 N s/m times 1 m/s of the damper.
+        // 1 N from the spring plus 0.5 N s/m times 1 m/s from the damper.
         var damping = new Palpate.Setting("damping_n_s_per_m", 0.5);
         using (var damped = new Palpate.Contact(contact, loop, "virtual-damper", damping))
         {

@@ -288,7 +288,7 @@ def bristle_damping(stiffness: float, damping: float, friction_stiffness: float,
     try:
         return damping * friction_stiffness / stiffness if stiffness > 0.0 else 0.0
     except TypeError:
-        return 0.0  # what is no number is refused under its own name
+        return 0.0  # the check of each argument rejects a non-number by name
 
 
 LARGEST_RADIUS = 1.0

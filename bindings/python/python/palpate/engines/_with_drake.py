@@ -13,7 +13,7 @@ from ._rendered import by_engine, by_palpate
 from ._scenes import BODY_MASS, GRAVITY, HALF, Law, Scene
 from .drake import Contact
 
-# After it, which says how to get Drake where it is not there.
+# After palpate.engines.drake, whose import error explains how to install Drake.
 from pydrake.geometry import (  # noqa: E402  isort: skip
     AddContactMaterial,
     Box,
@@ -57,7 +57,7 @@ def _material(law: Law) -> ProximityProperties:
     """A spring and a damper."""
     properties = ProximityProperties()
     AddContactMaterial(properties, point_stiffness=law.stiffness, friction=CoulombFriction(0, 0))
-    # Damping over stiffness. Drake adds those of two that touch.
+    # Damping over stiffness. Drake adds the values of the two bodies in contact.
     properties.AddProperty("material", "relaxation_time", law.damping / law.stiffness)
     return properties
 
@@ -76,7 +76,7 @@ def _engine(scene: Scene, steps: int, integrator: str, damping: float | None = N
         time_step=h,
         contact_model="point",
         discrete_contact_approximation=integrator,
-        # Otherwise Drake softens what is too stiff for its step.
+        # Otherwise Drake softens contacts that are too stiff for its step.
         sap_near_rigid_threshold=0.0,
     )
     builder = DiagramBuilder()
@@ -90,14 +90,15 @@ def _engine(scene: Scene, steps: int, integrator: str, damping: float | None = N
     touched = plant.RegisterCollisionGeometry(body, RigidTransform(), shape, "body", hard)
     untouched = []
     if scene.floor is not None:
-        # Drake takes a spring as it will be at the end of the step: that damps by h K more than it is told.
+        # Drake integrates a spring implicitly, which adds a damping of h K.
         told = max(0.0, scene.floor.damping - h * scene.floor.stiffness)
         shares = 1 if ball else 4
         floor = Law(scene.floor.stiffness / shares, told / shares)
         ground = plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), HalfSpace(), "floor", _material(floor))
         untouched.append(ground)
     if scene.floor is not None and not ball:
-        # Of two shapes that touch Drake has one point only. So the box stands on its corners, which no tool touches.
+        # Drake has one contact point per pair of shapes. So the box rests on spheres at its corners, which do not
+        # touch the tool.
         carrier = plant.AddRigidBody("feet", SpatialInertia.Zero())
         plant.WeldFrames(body.body_frame(), carrier.body_frame())
         for number, (x, y) in enumerate([(-HALF, -HALF), (-HALF, HALF), (HALF, -HALF), (HALF, HALF)]):
@@ -106,13 +107,13 @@ def _engine(scene: Scene, steps: int, integrator: str, damping: float | None = N
         _apart(scene_graph, [touched], [ground])
     tool = None
     if damping is not None:
-        # A free body that is put where the tool is, at rest, before each step. A locked one ends the process in Drake 1.51.1.
+        # A free body that is placed at the tool, at rest, before each step. A locked body crashes Drake 1.51.1.
         weightless = plant.AddModelInstance("tool")
         plant.set_gravity_enabled(weightless, False)
         tool = plant.AddRigidBody("tool", weightless, SpatialInertia.SolidSphereWithMass(_HEAVY, scene.tool_radius))
         law = Law(scene.stiffness, damping)
         sphere = plant.RegisterCollisionGeometry(tool, RigidTransform(), Sphere(scene.tool_radius), "tool", _material(law))
-        # In the scene they do not touch either.
+        # These pairs do not touch in the scene either.
         _apart(scene_graph, [sphere], untouched)
     plant.Finalize()
     simulator = Simulator(builder.Build())
@@ -141,12 +142,12 @@ def with_engine(
         done += 1
         simulator.AdvanceTo(done * h)
         force = np.zeros(3)
-        # Those of the step that was made.
+        # Contacts of the last step.
         contacts = results.Eval(own)
         for number in range(contacts.num_point_pair_contacts()):
             contact = contacts.point_pair_contact_info(number)
             if {contact.bodyA_index(), contact.bodyB_index()} == {body.index(), tool.index()}:
-                # Its force acts on the second body.
+                # The force acts on body B.
                 force += contact.contact_force() if contact.bodyB_index() == tool.index() else -contact.contact_force()
         return force
 

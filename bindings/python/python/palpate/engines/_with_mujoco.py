@@ -11,7 +11,7 @@ from ._rendered import by_engine, by_palpate
 from ._scenes import BODY_MASS, GRAVITY, HALF, Scene
 from .mujoco import Contact
 
-# After it, which says how to get MuJoCo where it is not there.
+# After palpate.engines.mujoco, whose import error explains how to install MuJoCo.
 import mujoco  # noqa: E402  isort: skip
 
 VERSION = f"MuJoCo {mujoco.__version__}"
@@ -29,7 +29,7 @@ def model(scene: Scene, steps: int, integrator: str, damping: float = 0.0) -> mu
     """The engine's model; `damping` is that of the engine's own contact of the tool [N s/m]."""
     floor = ""
     if scene.floor is not None:
-        # The engine has a contact at each corner of a box that lies flat.
+        # The engine has one contact at each corner of a box that lies flat.
         shares = 4 if scene.shape == "box" else 1
         law = _spring(scene.floor.stiffness, str(-scene.floor.damping / BODY_MASS / shares), shares)
         floor = f'<geom type="plane" size="1 1 1" contype="0" conaffinity="1" condim="1" priority="1" {law}/>'

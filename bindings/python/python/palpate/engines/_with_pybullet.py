@@ -13,7 +13,7 @@ from ._rendered import by_engine, by_palpate
 from ._scenes import BODY_MASS, GRAVITY, HALF, Scene
 from .pybullet import Contact
 
-# After it, which says how to get PyBullet where it is not there.
+# After palpate.engines.pybullet, whose import error explains how to install PyBullet.
 import pybullet  # noqa: E402  isort: skip
 
 VERSION = f"PyBullet, its interface {pybullet.getAPIVersion()}"
@@ -29,7 +29,8 @@ def _engine(scene: Scene, steps: int) -> Iterator[tuple[int, int]]:
     try:
         pybullet.setTimeStep(scene.period / steps, physicsClientId=client)
         pybullet.setGravity(0, 0, -GRAVITY, physicsClientId=client)
-        # To the end: what is judged is the contact and not its solver's patience. A spring has no slop.
+        # Iterate to convergence, so that the comparison does not depend on the solver's tolerance. A spring has no
+        # slop.
         pybullet.setPhysicsEngineParameter(
             numSolverIterations=200, solverResidualThreshold=0, contactSlop=0, physicsClientId=client
         )
@@ -39,15 +40,15 @@ def _engine(scene: Scene, steps: int) -> Iterator[tuple[int, int]]:
         body = pybullet.createMultiBody(BODY_MASS, shape, basePosition=scene.place, physicsClientId=client)
         smooth = {"lateralFriction": 0, "rollingFriction": 0, "spinningFriction": 0, "restitution": 0}
         still = {"linearDamping": 0, "angularDamping": 0}
-        # The damping of the two sides adds up, and so do the inverses of their stiffness.
+        # Bullet adds the dampings of the two sides and the inverses of their stiffnesses.
         hard = {"contactStiffness": 1e12, "contactDamping": 0}
         pybullet.changeDynamics(body, _BASE, **smooth, **still, **hard, physicsClientId=client)
         if scene.floor is not None:
-            # A plane of Bullet's touches a box that lies flat at two of its corners, a box of it at all four.
+            # A Bullet plane touches a flat box at two of its corners only; a Bullet box touches it at all four.
             slab = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[1, 1, 0.1], physicsClientId=client)
             floor = pybullet.createMultiBody(0, slab, basePosition=(0, 0, -0.1), physicsClientId=client)
             shares = 4 if scene.shape == "box" else 1
-            # Bullet takes a spring as it will be at the end of the step: that damps by h K more than it is told.
+            # Bullet integrates a spring implicitly, which adds a damping of h K.
             told = max(0.0, scene.floor.damping - scene.period / steps * scene.floor.stiffness)
             law = {"contactStiffness": scene.floor.stiffness / shares, "contactDamping": told / shares}
             pybullet.changeDynamics(floor, _BASE, **smooth, **law, physicsClientId=client)
@@ -72,7 +73,7 @@ def with_engine(
             pybullet.stepSimulation(physicsClientId=client)
             force = np.zeros(3)
             for contact in pybullet.getContactPoints(bodyA=tool, bodyB=body, physicsClientId=client):
-                # Its normal points from the second body to the first, the tool.
+                # The normal points from the second body to the first, the tool.
                 force += np.array(contact[7]) * contact[9]
             return force
 

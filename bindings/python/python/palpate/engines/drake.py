@@ -146,7 +146,7 @@ class Contact(EngineContact):
             period=steps * h,
             device_mass=device_mass,
             stiffness=stiffness,
-            # A discrete plant moves by the velocity at the end of a step.
+            # A discrete plant integrates positions with the velocity at the end of a step.
             end_velocity=True,
             **others,
         )
@@ -191,7 +191,7 @@ class Contact(EngineContact):
             force.p_BoBq_B = centre
         self._own = self.plant.GetMyMutableContextFromRoot(root)
         self._values = self._port.get_system().GetMyMutableContextFromRoot(root)
-        # Where the plant writes its answer, so that its own state stays.
+        # Scratch context for evaluations, so that the plant's own state does not change.
         self._asked = root.Clone()
         self._after = self.plant.GetMyMutableContextFromRoot(self._asked)
         self._root = root
@@ -231,7 +231,7 @@ class Contact(EngineContact):
             try:
                 self.simulator.AdvanceTo(until)
             except BaseException:
-                # Of Drake's solver, or Ctrl-C: what we pushed must not act for ever.
+                # An error of Drake's solver, or Ctrl-C: remove the pushed forces.
                 self._take_out()
                 raise
             self.pull()
@@ -272,7 +272,7 @@ class Contact(EngineContact):
             raise ValueError(f"the simulator stands at {time} s, but must stand at a whole number of the plant's time steps of {h} s")
         theirs = self._given()
         try:
-            # With the last wrenches the plant's other contacts are as they are when pressed.
+            # Apply the last wrenches, so that the plant's other contacts are loaded.
             self._write(theirs)
             self._look(h)
             self._wrenches[:] = self.meet(h, self._rows)
@@ -341,7 +341,7 @@ class Contact(EngineContact):
         self._pushes = False
         left = self._given()
         for mine in self._applied:
-            # The port has copies. Another contact may have pushed since.
+            # The port returns copies, and another contact may have pushed since.
             same = [place for place, force in enumerate(left) if _same(force, mine)]
             if same:
                 del left[same[0]]
@@ -368,12 +368,12 @@ class Contact(EngineContact):
             if count := joint.num_velocities():
                 first = joint.velocity_start()
                 goes[first : first + count] = not joint.is_locked(own)
-                # A discrete plant takes the damping of a joint as it will be at the end of the step.
+                # A discrete plant integrates joint damping implicitly.
                 along = np.arange(first, first + count)
                 inertia[along, along] += h * joint.GetDampingVector(own)
         for actuator in self._actuators:
             if actuator.has_controller():
-                # The same of the gains of its own controllers.
+                # It also integrates the gains of its own controllers implicitly.
                 gains = actuator.get_controller_gains()
                 at = actuator.joint().velocity_start()
                 inertia[at, at] += h * (gains.d + h * gains.p)
@@ -499,7 +499,7 @@ def _shape(name: str, called: str, shape: Any) -> tuple[str, tuple[float, ...]]:
     if isinstance(shape, HalfSpace):
         return "half-space", ()
     if isinstance(shape, (Convex, Mesh)):
-        # The engine's own contacts at points are with the hull of a mesh too.
+        # The engine's own point contacts use the hull of a mesh, too.
         return "hull", ()
     raise ValueError(
         f"{name}: its shape {called!r} is of type {type(shape).__name__}; a tool can touch half-spaces, spheres, capsules, "

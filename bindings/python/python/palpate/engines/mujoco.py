@@ -140,7 +140,7 @@ class Contact(EngineContact):
             friction=friction,
             friction_stiffness=friction_stiffness,
             friction_damping=friction_damping,
-            # Of the integrators only Runge-Kutta moves by the mean velocity.
+            # Only the Runge-Kutta integrator moves bodies by the mean velocity.
             end_velocity=int(model.opt.integrator) != int(mujoco.mjtIntegrator.mjINT_RK4),
             encoder_quantum=encoder_quantum,
             delay=delay,
@@ -254,14 +254,14 @@ class Contact(EngineContact):
         if self._pushes:
             raise ValueError("push() comes once before each step of the engine, and pull() after it")
         self._theirs[:] = self.data.xfrc_applied[self._numbers]
-        # With the last wrenches the engine's other contacts are as they are when pressed.
+        # Apply the last wrenches, so that the engine's other contacts are loaded.
         self.data.xfrc_applied[self._numbers] = self._theirs + self._applied
         mujoco.mj_forward(self.model, self.data)
         self._implicit.look()
         for place, number in enumerate(self._numbers):
             self._look(place, number)
         if self.data.time < self._time:
-            # The engine has put itself back within the period, as it does after a state that is no number.
+            # The engine reset itself within the period, as it does after a non-finite state.
             self._rows[:] = np.nan
         self._applied[:] = self.meet(float(self.model.opt.timestep), self._rows)
         self.data.xfrc_applied[self._numbers] = self._theirs + self._applied
@@ -346,15 +346,15 @@ class _Implicit:
             return
         if self._after is None:
             self._after = mujoco.MjData(model)
-        # The step itself, elsewhere: it says what it adds to the velocities, and of implicit integrators also how forces
-        # depend on velocities now.
+        # Execute the step on a copy of the data: it gives the change of the velocities and, for implicit
+        # integrators, the derivative of the forces by the velocities.
         after = self._after
         mujoco.mj_copyData(after, model, data)
         if is_implicit:
             mujoco.mj_implicit(model, after)
             self._rates = self._dense(after)
             if kind == _INTEGRATOR.mjINT_IMPLICITFAST:
-                # It uses the lower triangle alone.
+                # The engine uses the lower triangle only.
                 self._rates = np.tril(self._rates) + np.tril(self._rates, -1).T
         else:
             mujoco.mj_Euler(model, after)
@@ -370,7 +370,7 @@ class _Implicit:
     def _dampings(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Damping of joints: the factor of the speed, and, for each joint, the factors of its further powers."""
         linear = self._model.dof_damping
-        # Before MuJoCo 4 damping was linear.
+        # Damping is linear before MuJoCo 4.
         return linear, getattr(self._model, "dof_dampingpoly", np.zeros((len(linear), 0)))
 
     def solve(self, answers: NDArray[np.float64], forces: NDArray[np.float64]) -> None:
@@ -382,7 +382,7 @@ class _Implicit:
         try:
             mujoco.mj_fullM(model, data, self._matrix)
         except TypeError:
-            # Before MuJoCo 4.
+            # Signature before MuJoCo 4.
             mujoco.mj_fullM(model, self._matrix, data.qM)
         answers[:] = np.linalg.solve(self._matrix - model.opt.timestep * self._rates, forces.T).T
 
@@ -522,7 +522,7 @@ def _shape(model: mujoco.MjModel, number: int, geom: int) -> PlacedShape:
         word, count = _KINDS[kind]
         lengths = tuple(float(x) for x in model.geom_size[geom][:count])
     elif kind == int(_GEOM.mjGEOM_MESH):
-        # The engine's own contacts are with the hull of a mesh too.
+        # The engine's own contacts use the hull of a mesh, too.
         word = "hull"
         mesh = int(model.geom_dataid[geom])
         first = int(model.mesh_vertadr[mesh])

@@ -97,7 +97,7 @@ class Contact(EngineContact):
             period=steps * h,
             device_mass=device_mass,
             stiffness=stiffness,
-            # Bullet moves a body by the velocity at the end of the step.
+            # Bullet integrates positions with the velocity at the end of a step.
             end_velocity=True,
             **others,
         )
@@ -169,12 +169,12 @@ class Contact(EngineContact):
                 force, torque, place = wrench[:3].tolist(), wrench[3:].tolist(), row[:3].tolist()
                 world = pybullet.WORLD_FRAME
                 if wrench.any():
-                    # A body that PyBullet has put to sleep takes no force: it would be felt as a wall.
+                    # A sleeping body ignores forces and would feel like a wall.
                     awake = pybullet.ACTIVATION_STATE_WAKE_UP
                     pybullet.changeDynamics(number, _BASE, activationState=awake, physicsClientId=self.client)
                 pybullet.applyExternalForce(number, _BASE, force, place, world, physicsClientId=self.client)
                 pybullet.applyExternalTorque(number, _BASE, torque, world, physicsClientId=self.client)
-        # What the wrenches make of the velocities; what the step makes of them beyond that is by everything else.
+        # Velocities after the wrenches alone; the remaining change in the step has other causes.
         self._before = [
             velocity + h * mobility @ wrench for (_, velocity, mobility), wrench in zip(looked, self._wrenches)
         ]
@@ -211,7 +211,7 @@ class Contact(EngineContact):
         if mass > 0:
             axes = np.reshape(pybullet.getMatrixFromQuaternion(turned), (3, 3))
             mobility[:3, :3] = np.eye(3) / mass
-            # An inertia of 0 is of a body that does not turn.
+            # An inertia of 0 means that the body does not rotate.
             mobility[3:, 3:] = axes @ np.diag([1.0 / i if i > 0 else 0.0 for i in inertia]) @ axes.T
             known = self._others[place]
             other = self._weight() if known is None else 2 * known[0] - known[1]

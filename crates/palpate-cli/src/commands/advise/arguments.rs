@@ -30,17 +30,17 @@ pub struct AdviseArguments {
     #[arg(long, value_name = "N", value_parser = number, default_value_t = 0.0,
           allow_hyphen_values = true, help_heading = "Device")]
     pub coulomb_friction: f64,
-    /// Time from a sample to the beginning of its force, in periods; fractions are taken [default: that of
-    /// --device-file, or 0]
+    /// Time from a sample to the beginning of its force, in periods; may be fractional [default: that of --device-file,
+    /// or 0]
     #[arg(long, value_name = "PERIODS", value_parser = periods, help_heading = "Device")]
     pub delay: Option<f64>,
-    /// Time constant of the actuator, a first-order lag after the delay; the renderer is told of both [s]
-    /// [default: that of --device-file, or 0]
+    /// Time constant of the actuator, a first-order lag after the delay; the renderer models both [s] [default: that of
+    /// --device-file, or 0]
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
           help_heading = "Device")]
     pub lag: Option<f64>,
-    /// Standard deviation of the delay, its changes from command to command included, in periods [default:
-    /// that of --device-file, or 0]
+    /// Standard deviation of the delay, including its changes from command to command, in periods [default: that of
+    /// --device-file, or 0]
     #[arg(long, value_name = "PERIODS", value_parser = number, allow_hyphen_values = true,
           help_heading = "Device")]
     pub delay_deviation: Option<f64>,
@@ -48,36 +48,36 @@ pub struct AdviseArguments {
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
           help_heading = "Device")]
     pub lag_deviation: Option<f64>,
-    /// First resonance of a flexible transmission, beyond which no contact gets a yes [Hz] [default: that of
+    /// First resonance of a flexible transmission; stiffer contacts are not recommended [Hz] [default: that of
     /// --device-file, or none]
     #[arg(long, value_name = "Hz", value_parser = number, allow_hyphen_values = true,
           help_heading = "Device")]
     pub resonance: Option<f64>,
-    /// Part of the device's mass beyond the transmission, seen from the motor, 0 to below 1 [default: that of
+    /// Fraction of the device's mass beyond the transmission, seen from the motor, 0 to below 1 [default: that of
     /// --device-file, or 0]
     #[arg(long, value_name = "FRACTION", value_parser = number, allow_hyphen_values = true,
           help_heading = "Device")]
     pub flexible_mass_fraction: Option<f64>,
-    /// A device file of `palpate calibrate` (TOML): mass, delay, lag and quantum, with the deviations that the
-    /// renderer takes into account, and the resonance, beyond which no contact gets a yes
+    /// A device file of `palpate calibrate` (TOML): mass, delay, lag and quantum, with the deviations that the renderer
+    /// takes into account, and the resonance, which limits the recommended stiffness
     #[arg(long, value_name = "FILE.toml", value_hint = ValueHint::FilePath, help_heading = "Device")]
     pub device_file: Option<PathBuf>,
-    /// Contact stiffness K you would like [N/m]
+    /// Desired contact stiffness K [N/m]
     #[arg(long, value_name = "N/m", value_parser = number, allow_hyphen_values = true,
           help_heading = "Contact")]
     pub stiffness: Option<f64>,
-    /// Object mass M you would like [kg]; inf is a wall [default: inf]
+    /// Desired object mass M [kg]; inf is a wall [default: inf]
     #[arg(long, value_name = "kg|inf", value_parser = number, allow_hyphen_values = true,
           help_heading = "Contact")]
     pub mass: Option<f64>,
     /// Methods, separated by commas, or all
     #[arg(long, value_name = "NAME", value_parser = methods, default_value = "all")]
     pub method: Methods,
-    /// The figure: how stiff over the object's mass, for the methods that are named; of more than four,
-    /// for basic, virtual-damper, hfcr and coupled.
+    /// The figure: largest stiffness over the object's mass, for the named methods; for more than four, of basic,
+    /// virtual-damper, hfcr and coupled.
     #[command(flatten)]
     pub picture: PlotFlags,
-    /// Files that are there already.
+    /// Overwriting of existing files.
     #[command(flatten)]
     pub overwriting: Overwriting,
     /// Print the advice as JSON

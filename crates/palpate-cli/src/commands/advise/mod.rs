@@ -1,4 +1,4 @@
-//! `palpate advise`: can this be rendered, and by what?
+//! `palpate advise`: whether a device can render a contact, and by which method.
 
 mod arguments;
 
@@ -15,7 +15,7 @@ use crate::progress::Progress;
 use crate::results::{draw, print_report};
 use crate::setup::{read_calibration, wrong_flag, wrong_on_bench};
 
-/// Looks, and answers.
+/// Evaluates the contact and prints the advice.
 pub fn run(arguments: &AdviseArguments) -> Result<(), Failure> {
     let file = arguments.device_file.as_deref();
     let file = file.map(read_calibration).transpose()?;
@@ -55,7 +55,7 @@ pub fn run(arguments: &AdviseArguments) -> Result<(), Failure> {
     print_report(&advice, arguments.json)
 }
 
-/// The scene that is asked about, on the device of flags and `file`.
+/// Returns the scene of the contact on the device of flags and `file`.
 fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> Result<Bounce, Failure> {
     let positive = |flag: &str, value: f64, unit: &str| {
         if value.is_finite() && value > 0.0 {

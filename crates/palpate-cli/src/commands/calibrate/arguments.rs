@@ -12,7 +12,7 @@ use crate::devices::{DeviceArguments, DeviceName};
 use crate::failure::Failure;
 use crate::values::{duration, number, whole};
 
-/// Time to bring a 2DIY from its start pose to where it is calibrated `[s]`.
+/// Time for moving a 2DIY from its start pose to the calibration position `[s]`.
 const USUAL_WAIT: f64 = 3.0;
 const LONGEST_WAIT: f64 = 60.0;
 
@@ -20,7 +20,7 @@ const LONGEST_WAIT: f64 = 60.0;
 #[derive(Args, Debug)]
 #[command(group(ArgGroup::new("calibrated").required(true).args(["pipe", "device"])))]
 pub struct CalibrateArguments {
-    /// Positions come in on standard input and forces go out on standard output, line by line
+    /// Positions arrive on standard input and forces leave on standard output, line by line
     #[arg(long, conflicts_with = "device")]
     pub pipe: bool,
     /// Each line is a time and a position, `t_s,position_m`; without it a line is a position
@@ -29,10 +29,10 @@ pub struct CalibrateArguments {
     /// Period of the loop [s]
     #[arg(long, value_name = "s", value_parser = number, default_value = "0.001")]
     pub period: f64,
-    /// What the excitation may do.
+    /// Limits of the excitation.
     #[command(flatten)]
     pub excitation: ExcitationFlags,
-    /// What is known beside the motion.
+    /// Known values besides the motion.
     #[command(flatten)]
     pub told: ToldFlags,
     /// The device, and the axis that is calibrated.
@@ -41,33 +41,33 @@ pub struct CalibrateArguments {
     /// Scene file (TOML) with the device and the hand of --device simulated
     #[arg(long, value_name = "SCENE.toml", value_hint = ValueHint::FilePath, conflicts_with = "pipe")]
     pub scene: Option<PathBuf>,
-    /// Time to bring the device to where it is calibrated, 0 to 60; after that the force begins when the
-    /// device has been still for 0.5 s [s] [default: 3 for haply-2diy, whose arm is opened in its start
-    /// pose; elsewhere the device is taken to be there]
+    /// Time for moving the device to its calibration position, 0 to 60; then the force begins once the device has been
+    /// still for 0.5 s [s] [default: 3 for haply-2diy, whose arm is opened in its start pose; other devices are already
+    /// there]
     #[arg(long, value_name = "s", value_parser = number, conflicts_with = "pipe")]
     pub wait: Option<f64>,
-    /// Do not wait for the time to pass, on a device without a motor
+    /// Do not wait in real time, on a device without a motor
     #[arg(long, conflicts_with = "pipe")]
     pub fast: bool,
-    /// What the machine is asked for.
+    /// Requests to the machine.
     #[command(flatten)]
     pub realtime: RealtimeArguments,
-    /// Where the results go.
+    /// Output of the results.
     #[command(flatten)]
     pub results: CalibrateResults,
 }
 
-/// What the excitation may do.
+/// Limits of the excitation.
 #[derive(Args, Debug, Clone, Copy)]
 #[command(next_help_heading = "Excitation")]
 pub struct ExcitationFlags {
     /// Largest force on the device [N]
     #[arg(long, value_name = "N", value_parser = number, default_value = "0.5")]
     pub largest_force: f64,
-    /// How long it takes, 2 to 120 [s]; the first 0.5 s are without force
+    /// Duration, 2 to 120 [s]; the first 0.5 s are without force
     #[arg(long, value_name = "s", value_parser = number, default_value = "8")]
     pub seconds: f64,
-    /// How far the device may go from where it starts [m]; beyond, the force is 0 and the command ends
+    /// Largest distance from the start position [m]; beyond it the force is 0 and the command ends
     #[arg(long = "box", value_name = "m", value_parser = number, default_value = "0.01")]
     pub excursion: f64,
     /// Largest tremor of the hand, root mean square, before the force begins [m]
@@ -78,18 +78,17 @@ pub struct ExcitationFlags {
     pub seed: u64,
 }
 
-/// What is known beside the motion.
+/// Known values besides the motion.
 #[derive(Args, Debug, Clone, Default)]
 #[command(next_help_heading = "Known beforehand")]
 pub struct ToldFlags {
-    /// Force that the motor gives over the force that is commanded, where it was measured
+    /// Delivered over commanded force of the motor, if measured
     #[arg(long, value_name = "RATIO", value_parser = number, conflicts_with_all = ["spring", "added_mass"])]
     pub gain: Option<f64>,
-    /// Stiffness of a spring that the device is fixed to, with no hand on it [N/m]: gives the gain
+    /// Stiffness of a spring that the device is fixed to, without a hand [N/m]: determines the gain
     #[arg(long, value_name = "N/m", value_parser = number, conflicts_with = "added_mass")]
     pub spring: Option<f64>,
-    /// Mass that was fixed to the device after the calibration of --before, with no hand on it [kg]: gives
-    /// the gain
+    /// Mass fixed to the device after the calibration of --before, without a hand [kg]: determines the gain
     #[arg(long, value_name = "kg", value_parser = number, requires = "before")]
     pub added_mass: Option<f64>,
     /// Device file of the same device without that mass
@@ -97,7 +96,7 @@ pub struct ToldFlags {
     pub before: Option<PathBuf>,
 }
 
-/// Where the results go.
+/// Output of the results.
 #[derive(Args, Debug)]
 pub struct CalibrateResults {
     /// Write the device file (TOML)
@@ -106,19 +105,19 @@ pub struct CalibrateResults {
     /// Print the report as JSON
     #[arg(long, help_heading = "Results")]
     pub json: bool,
-    /// Write the report (JSON) with a part of the motion beside its fit, for `palpate report --calibration`
+    /// Write the report (JSON) with a part of the motion and its fit, for `palpate report --calibration`
     #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath, help_heading = "Results")]
     pub report: Option<PathBuf>,
     /// The figure: measured against fitted.
     #[command(flatten)]
     pub picture: PlotFlags,
-    /// What becomes of files that are there.
+    /// Overwriting of existing files.
     #[command(flatten)]
     pub overwriting: Overwriting,
 }
 
 impl CalibrateArguments {
-    /// How long the hand has to bring the device to its place; none: it is there.
+    /// Returns the time for moving the device to its calibration position, or `None` if it is already there.
     pub fn wait(&self) -> Result<Option<Duration>, Failure> {
         let usual = (self.device.kind() == DeviceName::Haply2diy).then_some(USUAL_WAIT);
         let Some(wait) = self.wait.or(usual) else {
@@ -132,7 +131,7 @@ impl CalibrateArguments {
         duration("--wait", wait).map(Some)
     }
 
-    /// What the excitation may do.
+    /// Returns the parameters of the excitation.
     pub fn params(&self) -> ExcitationParams {
         let flags = &self.excitation;
         ExcitationParams {
@@ -147,7 +146,7 @@ impl CalibrateArguments {
 }
 
 impl ToldFlags {
-    /// Refuses values that nothing has.
+    /// Rejects values out of range.
     pub fn check(&self) -> Result<(), Failure> {
         for (flag, value) in [
             ("--gain", self.gain),

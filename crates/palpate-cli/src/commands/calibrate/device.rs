@@ -1,5 +1,5 @@
-//! Calibration of a device that this program opens itself: a loop like that of `run`, with the safety
-//! layer, a supervisor and a guardian between the excitation and the motor.
+//! Calibration of a device that this program opens itself: a loop like that of `run`, with the safety layer, a
+//! supervisor and a watchdog process between the excitation and the motor.
 
 use std::sync::Arc;
 use std::thread::Builder;
@@ -20,7 +20,7 @@ use crate::devices::{Opened, open};
 use crate::failure::{Failure, tell};
 use crate::values::duration;
 
-/// The device and the hand of `--device simulated` where no scene says others.
+/// Default device and hand of `--device simulated`.
 const SCENE: &str = r#"
 scene_format = 1
 title = "A device in a hand"
@@ -46,10 +46,10 @@ period_s = 0.001
 duration_s = 1
 "#;
 
-/// Excites the device that the arguments name, until the excitation is complete.
+/// Excites the device selected by the arguments until the excitation is complete.
 ///
 /// # Errors
-/// The device cannot be opened or is lost, safety or the excitation stopped it, or a signal came.
+/// The device cannot be opened or is lost, safety or the excitation stopped it, or a signal arrived.
 pub fn excite(
     arguments: &CalibrateArguments,
     params: ExcitationParams,
@@ -128,7 +128,7 @@ fn on<C: Clock>(
     ended?.map_err(refused)
 }
 
-/// Why a device could not be excited, as an exit code.
+/// Converts a failed excitation to an exit code.
 fn refused(error: ShakeError) -> Failure {
     let message = error.to_string();
     match error {

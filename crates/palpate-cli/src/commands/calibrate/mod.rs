@@ -1,4 +1,4 @@
-//! `palpate calibrate`: a bounded excitation of a device in its loop, and what it says of the device.
+//! `palpate calibrate`: estimates the parameters of a device from a bounded excitation in its loop.
 
 mod arguments;
 mod device;
@@ -19,7 +19,7 @@ use crate::results::{draw, print};
 use palpate_study::calibration::{CalibrationReport, ExcitedMotion, GainFrom, shown};
 use palpate_study::json;
 
-/// Excites a device, fits its motion, and writes what was found.
+/// Excites a device, fits its motion, and writes the results.
 pub fn run(arguments: &CalibrateArguments) -> Result<(), Failure> {
     let params = arguments.params();
     params
@@ -63,7 +63,7 @@ pub fn read_device_file(path: &Path) -> Result<Calibration, Failure> {
     })
 }
 
-/// What says the gain beside the motion, if something does.
+/// Returns the source of the gain besides the motion, if there is one.
 fn gain_from<'a>(told: &ToldFlags, before: Option<&'a Calibration>) -> Option<GainFrom<'a>> {
     let given = told.gain.map(GainFrom::Given);
     let spring = told.spring.map(GainFrom::Spring);
@@ -73,14 +73,14 @@ fn gain_from<'a>(told: &ToldFlags, before: Option<&'a Calibration>) -> Option<Ga
         .or(added_mass.map(|(mass, before)| GainFrom::AddedMass(mass, before)))
 }
 
-/// Fits, writes, and says what was found.
+/// Fits the motion, then writes and prints the results.
 fn deliver(
     arguments: &CalibrateArguments,
     outputs: &Outputs,
     motion: &ExcitedMotion,
     before: Option<Calibration>,
 ) -> Result<(), Failure> {
-    // Where the program keeps the time itself, it counts the samples that are missing.
+    // If the program keeps the time itself, it counts the missing samples.
     if arguments.pipe
         && let Some(why) = motion.uneven_pace()
     {
@@ -113,7 +113,7 @@ fn deliver(
     } else {
         report.to_string()
     };
-    // Standard output of a pipe has forces only.
+    // Standard output of a pipe carries forces only.
     if arguments.pipe {
         tell(text.trim_end());
         if !arguments.time && !arguments.results.json {
@@ -128,7 +128,7 @@ fn deliver(
     print(&text)
 }
 
-/// Says how it was found.
+/// Records the origin of the calibration.
 fn describe(calibration: &mut Calibration, arguments: &CalibrateArguments) {
     calibration.axis = arguments
         .device
@@ -138,7 +138,7 @@ fn describe(calibration: &mut Calibration, arguments: &CalibrateArguments) {
     calibration.command = Some(command_line(std::env::args().skip(1)));
 }
 
-/// The command as it was given, to be run again; files are named without their folders, devices in full.
+/// Returns the command line for repeating the run; files are named without their folders, devices in full.
 fn command_line(arguments: impl Iterator<Item = String>) -> String {
     let words = arguments.map(|argument| {
         let (flag, value) = match argument.split_once('=') {

@@ -1,4 +1,4 @@
-//! Calibration between standard input and standard output, and what ended it as an exit code.
+//! Calibration between standard input and standard output, with its exit codes.
 
 use std::io;
 
@@ -11,11 +11,11 @@ use super::CalibrateArguments;
 use crate::arguments::TraceFlags;
 use crate::failure::Failure;
 
-/// Excites a device whose positions come in on standard input, until the excitation is complete.
+/// Excites a device whose positions arrive on standard input, until the excitation is complete.
 ///
 /// # Errors
-/// The excitation stopped, the input ended or is no motion, a signal came, or nobody reads. The last line
-/// is a force of 0 in each case.
+/// The excitation stopped, the input ended or is not a motion, a signal arrived, or the reader did not read. In each
+/// case the last line is a force of 0.
 pub fn excite(
     arguments: &CalibrateArguments,
     params: ExcitationParams,

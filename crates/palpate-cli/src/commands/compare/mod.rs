@@ -27,7 +27,7 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
         outputs.plan("--out", out)?;
     }
     arguments.picture.plan(&mut outputs)?;
-    // Every file is read before any work is done.
+    // Read every file before any work.
     let (mut files, mut worlds) = (Vec::new(), Vec::new());
     for path in &arguments.scenes {
         match read_any(path)? {
@@ -35,7 +35,7 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
             AnyScene::World(file) => worlds.push((path, file)),
         }
     }
-    // The files that the scenes name, too.
+    // Input files include the files that the scenes name.
     outputs.spare_inputs()?;
     if let (Some((path, _)), Some((contact, _))) = (worlds.first(), files.first()) {
         return Err(Failure::Arguments(format!(

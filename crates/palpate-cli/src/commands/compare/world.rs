@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::results::{draw, print_report};
 
-/// Runs every method on every world; those without a setting in the scene with the best of some.
+/// Runs every method on every world. A method without a setting in the scene uses the best of some settings.
 pub fn run(
     arguments: &CompareArguments,
     outputs: &Outputs,

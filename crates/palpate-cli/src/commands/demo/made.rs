@@ -1,5 +1,4 @@
-//! Which files of a folder a demonstration has made, so that the next one may replace these and no
-//! others.
+//! List of the files that a demonstration has made in a folder, so that the next one replaces only these.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -15,7 +14,7 @@ const LIST: &str = "made-by-palpate-demo.txt";
 const HEAD: &str = "# Files that palpate demo made here. It replaces them when it runs again, unless \
                     they were changed since.";
 
-/// The files that are going to be made in a folder.
+/// The files to make in a folder.
 pub struct Made {
     folder: PathBuf,
     outputs: Outputs,
@@ -24,10 +23,10 @@ pub struct Made {
 }
 
 impl Made {
-    /// Plans the files of the names `names` in `folder`, which is made if it is missing.
+    /// Plans files called `names` in `folder`, which is created if it is missing.
     ///
     /// # Errors
-    /// One of them is there and was not made by a demonstration as it is; the system.
+    /// One of them exists and is not an unchanged file of a demonstration, or the system fails.
     pub fn plan(folder: &Path, names: &[&str], outputs: Outputs) -> Result<Self, Failure> {
         std::fs::create_dir_all(folder).map_err(|error| {
             Failure::System(format!(
@@ -64,21 +63,21 @@ impl Made {
         Ok(made)
     }
 
-    /// Path of a file of that name.
+    /// Returns the path of a file of that name.
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.join(name)
     }
 
-    /// Writes the files, which were all planned.
+    /// Writes the files, all of which were planned.
     ///
     /// # Errors
-    /// The system.
+    /// The system fails.
     pub fn write(mut self, files: &[(&str, Vec<u8>)]) -> Result<(), Failure> {
         let lines: BTreeSet<String> = files
             .iter()
             .map(|(name, bytes)| line(name, bytes))
             .collect();
-        // Whatever ends the program, what it has replaced by then is known to be its own.
+        // Write the list first, so that replaced files are known even if the program is interrupted.
         self.known.extend(lines.iter().cloned());
         self.write_list()?;
         for (name, bytes) in files {

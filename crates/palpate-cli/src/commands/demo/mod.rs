@@ -1,4 +1,4 @@
-//! `palpate demo`: the whole story without any input.
+//! `palpate demo`: the main results without any input.
 
 mod made;
 
@@ -25,7 +25,7 @@ const SCENE_PLOT: &str = "fig2.svg";
 const HAND: &str = "hand.csv";
 const HAND_PLOT: &str = "hand.svg";
 
-/// Simulates the paper's scene and renders a synthetic hand, with a figure of each.
+/// Simulates the paper's scene and renders a synthetic hand, with a figure for each.
 pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
     let folder = &arguments.out_dir;
     let made = Made::plan(
@@ -91,7 +91,7 @@ pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
     print(&story(folder, &scene_report, &hand_report))
 }
 
-/// A figure as large as it is by itself.
+/// Draws a figure in its natural size.
 fn svg(figure: &impl Picture) -> Vec<u8> {
     let text = palpate_figure::svg(figure, Size::NATURAL);
     text.expect("a figure fits its own size").into_bytes()

@@ -1,4 +1,4 @@
-//! `palpate emulate inverse3`: Haply's Inverse Service, with a device behind it.
+//! `palpate emulate inverse3`: Haply's Inverse Service with an emulated device.
 
 use clap::{Args, ValueEnum};
 use palpate_haply::inverse3::Form;
@@ -19,34 +19,34 @@ pub struct Inverse3EmulatorArguments {
     /// Form of the interface
     #[arg(long, value_name = "FORM", value_enum, default_value_t = FormName::V35)]
     pub form: FormName,
-    /// Port of the simulation channel; 0: any that is free
+    /// Port of the simulation channel; 0: any free port
     #[arg(long, value_name = "PORT", default_value_t = 10001)]
     pub port: u16,
-    /// Port of the events channel; 0: any that is free
+    /// Port of the events channel; 0: any free port
     #[arg(long, value_name = "PORT", default_value_t = 10020)]
     pub events_port: u16,
-    /// Name of the device; more than once: as many devices
+    /// Name of the device; may be repeated for several devices
     #[arg(long, value_name = "ID", default_value = "049D")]
     pub device_id: Vec<String>,
-    /// How long an exchange takes at least [s]
+    /// Shortest duration of an exchange [s]
     #[arg(long, value_name = "s", value_parser = number, default_value = "0")]
     pub latency: f64,
-    /// How much longer it takes at most [s]
+    /// Largest additional duration [s]
     #[arg(long, value_name = "s", value_parser = number, default_value = "0")]
     pub jitter: f64,
-    /// How long a force is held when no message comes [s]
+    /// Time for which a force is held without a message [s]
     #[arg(long, value_name = "s", value_parser = number, default_value = "0.05")]
     pub idle_after: f64,
-    /// How long [s] [default: until ctrl-C]
+    /// Duration [s] [default: until ctrl-C]
     #[arg(long, value_name = "s", value_parser = number)]
     pub duration: Option<f64>,
-    /// Something that goes wrong, and when
+    /// Fault to inject, with its time
     #[arg(long, value_name = "KIND[=s]@s", value_parser = str::parse::<TimedFault>)]
     pub fault: Vec<TimedFault>,
     /// Mass of the device along each axis [kg]
     #[arg(long, value_name = "kg", value_parser = number, default_value = "0.2")]
     pub mass: f64,
-    /// Where it is at the start [m]
+    /// Start position [m]
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true,
           default_value = "0,0,0")]
     pub start: Triple,
@@ -62,16 +62,16 @@ pub struct Inverse3EmulatorArguments {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Hand")]
 pub struct HandArguments {
-    /// It holds the handle at this place, by a spring [m] [default: where it is at the start]
+    /// Position at which a spring holds the handle [m] [default: the start position]
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
     pub hold: Option<Triple>,
-    /// The place goes this far to either side [m]
+    /// Amplitude of the motion of that position [m]
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
     pub sway: Option<Triple>,
-    /// How long that takes there and back [s]
+    /// Period of that motion [s]
     #[arg(long, value_name = "s", value_parser = number, default_value = "1")]
     pub sway_period: f64,
-    /// It pushes with this force besides [N]
+    /// Additional force of the hand [N]
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
     pub push: Option<Triple>,
     /// Stiffness of the spring [N/m]
@@ -85,10 +85,10 @@ pub struct HandArguments {
 /// Forms of the interface.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FormName {
-    /// As services from 3.1 on understand it
+    /// Interface of services from 3.1 on
     #[value(name = "3.1")]
     V31,
-    /// As services from 3.5 on do
+    /// Interface of services from 3.5 on
     #[value(name = "3.5")]
     V35,
 }
@@ -106,7 +106,7 @@ fn triple(text: &str) -> Result<Triple, String> {
     }
 }
 
-/// Emulates until it is over.
+/// Emulates until the end.
 pub fn run(arguments: &Inverse3EmulatorArguments) -> Result<(), Failure> {
     let until = arguments
         .duration

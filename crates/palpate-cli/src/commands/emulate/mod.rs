@@ -1,4 +1,4 @@
-//! `palpate emulate`: a device to try without one.
+//! `palpate emulate`: emulated devices.
 
 mod inverse3;
 pub mod two_diy;
@@ -12,12 +12,12 @@ use crate::values::number;
 /// Arguments of `emulate`.
 #[derive(Args, Debug)]
 pub struct EmulateArguments {
-    /// What is emulated.
+    /// The device to emulate.
     #[command(subcommand)]
     pub what: What,
 }
 
-/// What can be emulated.
+/// Emulated devices.
 #[derive(Subcommand, Debug)]
 pub enum What {
     /// A Haply 2DIY on a pseudo-terminal or a Unix socket
@@ -46,16 +46,16 @@ as many seconds.")]
 #[derive(Args, Debug, Clone, Copy)]
 #[command(next_help_heading = "Amplifier")]
 pub struct AmplifierFlags {
-    /// Time constant with which a force follows its command, 0 to 0.05 [s]
+    /// Time constant of the force, 0 to 0.05 [s]
     #[arg(long, value_name = "s", value_parser = number, default_value = "0")]
     pub lag: f64,
-    /// Force that the motors give over the force that is commanded, 0.1 to 10
+    /// Delivered over commanded force of the motors, 0.1 to 10
     #[arg(long, value_name = "RATIO", value_parser = number, default_value = "1")]
     pub gain: f64,
 }
 
 impl AmplifierFlags {
-    /// Gain and lag, if they are within their ranges.
+    /// Returns gain and lag, if they are within their ranges.
     fn params(self) -> Result<ActuatorParams, Failure> {
         let Self { lag, gain } = self;
         within("--lag", lag, [0.0, 0.05], "0 to 0.05 [s]")?;
@@ -64,7 +64,7 @@ impl AmplifierFlags {
     }
 }
 
-/// Refuses a value outside its range.
+/// Rejects a value outside its range.
 fn within(flag: &str, value: f64, [least, most]: [f64; 2], allowed: &str) -> Result<(), Failure> {
     if (least..=most).contains(&value) {
         return Ok(());
@@ -74,7 +74,7 @@ fn within(flag: &str, value: f64, [least, most]: [f64; 2], allowed: &str) -> Res
     )))
 }
 
-/// Emulates until it is over.
+/// Emulates until the end.
 pub fn run(arguments: &EmulateArguments) -> Result<(), Failure> {
     match &arguments.what {
         What::Haply2diy(arguments) => two_diy::run(arguments),

@@ -9,7 +9,7 @@ use palpate_sim::device::{PointerDevice, PointerHand, PointerParams};
 use crate::devices::{DeviceArguments, DeviceName, Opened, open};
 use crate::failure::Failure;
 
-/// Whether there can be as many of a device as anybody likes.
+/// Whether any number of this device can exist.
 fn is_virtual(device: DeviceName) -> bool {
     matches!(
         device,
@@ -17,7 +17,7 @@ fn is_virtual(device: DeviceName) -> bool {
     )
 }
 
-/// In how many loops a device can be: two loops would command one board by turns.
+/// Returns the largest number of loops on a device. Two loops on one board would command it alternately.
 pub fn most_lanes(device: DeviceName) -> usize {
     if is_virtual(device) { 2 } else { 1 }
 }
@@ -29,12 +29,12 @@ pub struct Named {
     clock: MonotonicClock,
     guarding: Guarding,
     hand: Option<PointerHand>,
-    /// Opened beforehand, so that what is wrong is said at once.
+    /// Opened early, so that errors are reported at once.
     first: Option<Placed>,
 }
 
 impl Named {
-    /// Opens the first of them.
+    /// Opens the first device.
     pub fn new(
         arguments: &DeviceArguments,
         scene: &Scene,
@@ -54,7 +54,7 @@ impl Named {
         Ok(devices)
     }
 
-    /// The hand that the page leads, if it does.
+    /// Returns the hand that the page moves, if there is one.
     pub fn hand(&self) -> Option<PointerHand> {
         self.hand.clone()
     }
@@ -81,7 +81,7 @@ impl Devices for Named {
     }
 
     fn go_on(&self) -> bool {
-        // Scene and recording begin again with the loop.
+        // Scene and recording restart with the loop.
         !matches!(
             self.arguments.kind(),
             DeviceName::Simulated | DeviceName::Replay
@@ -89,7 +89,7 @@ impl Devices for Named {
     }
 
     fn any_period(&self) -> bool {
-        // A driver waits for its board as long as the period that it was opened for allows.
+        // A driver waits for its board for at most the period for which it was opened.
         is_virtual(self.arguments.kind())
     }
 

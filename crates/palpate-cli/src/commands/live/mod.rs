@@ -1,4 +1,4 @@
-//! `palpate live`: a loop, and a page on it.
+//! `palpate live`: a loop with a live page.
 
 mod arguments;
 mod device;
@@ -26,11 +26,11 @@ use crate::results::print;
 use crate::values::duration;
 use palpate_study::recording::{in_a_line, put_scene};
 
-/// What is shown without a scene, and by which methods.
+/// Default scene and its methods.
 const SCENE: &str = include_str!("../../../experiments/live.toml");
 const METHODS: [MethodName; 2] = [MethodName::Basic, MethodName::Coupled];
 
-/// Runs a loop, serves a page on it, and says in the end how it went.
+/// Runs a loop, serves its live page, and reports the outcome at the end.
 pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.scene
         && let AnyScene::World(file) = read_any(path)?
@@ -71,7 +71,7 @@ pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
     })?;
     let asked = Asked {
         duration: arguments.duration,
-        // A recorded motion is over when it is over.
+        // A recorded motion ends by itself.
         device_may_end: arguments.device.kind() == DeviceName::Replay,
         lost: "the device was lost before the end",
     };
@@ -91,7 +91,7 @@ pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
     ended
 }
 
-/// Every failure is said: the first by whoever is returned it, the others here.
+/// Reports every failure: the caller reports the first one, this function the others.
 fn add(ended: &mut Result<(), Failure>, next: Result<(), Failure>) {
     match next {
         Err(failure) if ended.is_err() => tell(failure.message()),
@@ -100,7 +100,7 @@ fn add(ended: &mut Result<(), Failure>, next: Result<(), Failure>) {
     }
 }
 
-/// The scene, where it comes from, and a method for each lane.
+/// Returns the scene, its origin, and a method for each loop.
 fn read(arguments: &LiveArguments) -> Result<(Scene, PathBuf, Vec<MethodName>), Failure> {
     let most = most_lanes(arguments.device.kind());
     let (file, path, usual) = match &arguments.scene {
@@ -112,7 +112,7 @@ fn read(arguments: &LiveArguments) -> Result<(Scene, PathBuf, Vec<MethodName>), 
         None => {
             let name = "live.toml";
             let file = SceneFile::parse(name, SCENE).map_err(Failure::inputs)?;
-            // One lane is for the method that is right.
+            // One loop renders the recommended method.
             let first = METHODS.len().saturating_sub(most);
             (file, PathBuf::from(name), METHODS[first..].to_vec())
         }
@@ -154,7 +154,7 @@ fn read(arguments: &LiveArguments) -> Result<(Scene, PathBuf, Vec<MethodName>), 
     Ok((scene, path, methods))
 }
 
-/// Where recordings go that the page asks for.
+/// Returns the folder of recordings started on the page.
 fn folder(record: Option<&Path>) -> PathBuf {
     let beside = record
         .and_then(Path::parent)
@@ -162,7 +162,7 @@ fn folder(record: Option<&Path>) -> PathBuf {
     beside.unwrap_or(Path::new(".")).to_path_buf()
 }
 
-/// Says what a recording holds that ended before its loop did.
+/// Describes a recording that ended before its loop.
 fn report_recording(written: Written) -> Result<(), Failure> {
     if let Err(error) = written.ticks {
         return Err(Failure::System(error.to_string()));
@@ -172,7 +172,7 @@ fn report_recording(written: Written) -> Result<(), Failure> {
     whole_or_said(&recording)
 }
 
-/// Says how a lane went.
+/// Reports the outcome of a loop.
 fn report(lane: LaneEnd, guardian: Option<GuardianReport>, asked: &Asked) -> Result<(), Failure> {
     let (recording, unwritten) = match lane.recording {
         Some(Written {

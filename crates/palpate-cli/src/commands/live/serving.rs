@@ -1,4 +1,4 @@
-//! A session while its page is served: where it listens, and until when.
+//! Serving of a session's page: its address and its end.
 
 use std::path::Path;
 use std::time::Duration;
@@ -10,11 +10,11 @@ use super::LiveArguments;
 use crate::failure::{Failure, tell};
 use crate::results::print;
 
-/// How often it is looked whether the session has ended.
+/// Polling interval of the session's end.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// Begins a session on what stands in the file at `path`, serves `home` until the session has ended, and returns how it
-/// has.
+/// Starts a session with the contents of the file at `path`, serves `home` until the session ends, and returns its
+/// outcome.
 pub fn serve<End: Send + 'static>(
     listening: Listening,
     home: Home,
@@ -23,8 +23,8 @@ pub fn serve<End: Send + 'static>(
 ) -> Result<End, Failure> {
     let stop =
         StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
-    // Declared first, so that it goes last: whatever goes wrong below, the force is off before clients
-    // are told goodbye.
+    // Declared first and therefore dropped last: after any failure below, the force is off before clients get a
+    // goodbye.
     let server;
     let session = begin(&stop).map_err(|error| match error {
         SessionError::Setup(SetupError::Safety(error)) => Failure::Arguments(error.to_string()),
@@ -50,7 +50,7 @@ pub fn serve<End: Send + 'static>(
     Ok(end)
 }
 
-/// Listens where `arguments` say.
+/// Listens on the addresses in `arguments`.
 pub fn listen(arguments: &LiveArguments) -> Result<Listening, Failure> {
     Listening::on(arguments.listen, arguments.allow_host.clone()).map_err(|error| match error {
         ListenError::Address { address, source }
@@ -66,7 +66,7 @@ pub fn listen(arguments: &LiveArguments) -> Result<Listening, Failure> {
     })
 }
 
-/// The addresses to open, a line each.
+/// Returns the addresses to open, one per line.
 fn where_it_is(listening: &Listening) -> String {
     let here = listening.url();
     if !listening.address().ip().is_unspecified() {

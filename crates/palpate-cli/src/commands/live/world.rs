@@ -1,4 +1,4 @@
-//! `palpate live` with a world, of one device or several: its page shows it in three dimensions.
+//! `palpate live` with a world of one or several devices; its page shows the world in three dimensions.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ use crate::results::print;
 use crate::values::duration;
 use crate::worlds::{self, wrong_world};
 
-/// Runs one loop or two on the world of `file`, which is at `path`, and serves a page on them.
+/// Runs one or two loops on the world of `file`, which is at `path`, and serves their live page.
 pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(), Failure> {
     let mut known = known_flags();
     known.retain(|flag| !["record", "fast", "json"].contains(flag));
@@ -84,7 +84,7 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
             })
         }
     };
-    // What is wrong with the first devices is said at once, with its exit code.
+    // Report errors of the first devices at once, with their exit code.
     let mut first = Some(opener(0)?);
     let setup = WorldSetup {
         scene: scene.clone(),
@@ -119,7 +119,7 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
     ended
 }
 
-/// Says how a lane went.
+/// Reports the outcome of a loop.
 fn report(
     lane: &WorldLaneEnd,
     scene: &WorldScene,

@@ -13,21 +13,21 @@ use crate::values::{Methods, methods, number, periods};
 #[derive(Args, Debug)]
 #[command(args_conflicts_with_subcommands = true)]
 pub struct MapArguments {
-    /// Something else than computing.
+    /// Action other than computing a map.
     #[command(subcommand)]
     pub action: Option<MapAction>,
-    /// What is mapped.
+    /// Scene of the map.
     #[command(flatten)]
     pub scene: SceneArguments,
-    /// How it is computed.
+    /// Computation of the map.
     #[command(flatten)]
     pub work: WorkArguments,
-    /// Where it goes.
+    /// Output of the map.
     #[command(flatten)]
     pub results: MapResults,
 }
 
-/// What else can be done with maps.
+/// Actions on maps.
 #[derive(Subcommand, Debug)]
 pub enum MapAction {
     /// Join the parts of a map, or draw a whole one again
@@ -44,11 +44,11 @@ pub struct MergeArguments {
     /// Parts of one map, in any order, or a whole map
     #[arg(value_name = "PART.csv", required = true, value_hint = ValueHint::FilePath)]
     pub parts: Vec<PathBuf>,
-    /// Methods that the figure shows, separated by commas, or all [default: basic, virtual-damper, hfcr and
-    /// coupled where the map has more than four]
+    /// Methods in the figure, separated by commas, or all [default: basic, virtual-damper, hfcr and coupled if the map
+    /// has more than four]
     #[arg(long, value_name = "NAME", value_parser = methods)]
     pub method: Option<Methods>,
-    /// Where it goes.
+    /// Output of the map.
     #[command(flatten)]
     pub results: MapResults,
 }
@@ -57,7 +57,7 @@ pub struct MergeArguments {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Scene")]
 pub struct SceneArguments {
-    /// Cells along each axis, from 0.001 to 10; a column of walls comes besides
+    /// Cells along each axis, from 0.001 to 10, in addition to a column of walls
     #[arg(long, value_name = "COUNT", default_value_t = 65,
           value_parser = clap::value_parser!(u16).range(2..=1000))]
     pub cells: u16,
@@ -73,53 +73,51 @@ pub struct SceneArguments {
     #[arg(long, value_name = "m", value_parser = number, default_value_t = 0.0,
           allow_hyphen_values = true)]
     pub encoder_quantum: f64,
-    /// Time from a sample to the beginning of its force, in periods; fractions are taken
+    /// Time from a sample to the beginning of its force, in periods; may be fractional
     #[arg(long, value_name = "PERIODS", value_parser = periods, default_value = "0")]
     pub delay: f64,
-    /// Time constant of the actuator, a first-order lag after the delay, 0 to 100 periods; the renderer is
-    /// told of both
+    /// Time constant of the actuator, a first-order lag after the delay, 0 to 100 periods; the renderer models both
     #[arg(long, value_name = "PERIODS", value_parser = number, default_value = "0",
           allow_hyphen_values = true)]
     pub lag: f64,
-    /// Standard deviation of the delay as the renderer takes it into account, in periods
+    /// Model value of the standard deviation of the delay, in periods
     #[arg(long, value_name = "PERIODS", value_parser = number, default_value_t = 0.0,
           allow_hyphen_values = true)]
     pub delay_deviation: f64,
-    /// Standard deviation of the lag as the renderer takes it into account, in periods
+    /// Model value of the standard deviation of the lag, in periods
     #[arg(long, value_name = "PERIODS", value_parser = number, default_value_t = 0.0,
           allow_hyphen_values = true)]
     pub lag_deviation: f64,
-    /// Device mass that the renderer is told, over the true one
+    /// Model value of the device mass over the true one
     #[arg(long, value_name = "FACTOR", value_parser = number, default_value_t = 1.0,
           allow_hyphen_values = true)]
     pub told_mass: f64,
-    /// Period that the renderer is told, over the true one
+    /// Model value of the period over the true one
     #[arg(long, value_name = "FACTOR", value_parser = number, default_value_t = 1.0,
           allow_hyphen_values = true)]
     pub told_period: f64,
-    /// What drives device and object together
+    /// Forces that drive device and object together
     #[arg(long, value_enum, default_value_t = ForcesName::Balanced)]
     pub forces: ForcesName,
 }
 
-/// What drives device and object together.
+/// Forces that drive device and object together.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ForcesName {
     /// A hand that holds the weight: equal and opposite forces, approaching at 13.81 m/s²
     Balanced,
-    /// A hand of 1 N and gravity, whatever the masses
+    /// A hand of 1 N and gravity, for all masses
     Weight,
 }
 
-/// How a map is computed.
+/// Computation of a map.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Work")]
 pub struct WorkArguments {
     /// Compute only part I of N; the parts are joined by `map merge`
     #[arg(long, value_name = "I/N", value_parser = shard)]
     pub shard: Option<Shard>,
-    /// Go on with what an interrupted run has left, if it has left anything; a map that is complete
-    /// is reported, and nothing is overwritten
+    /// Resume an interrupted run, if there is one; a complete map is reported and not overwritten
     #[arg(long)]
     pub resume: bool,
     /// Threads [default: all cores]
@@ -127,28 +125,27 @@ pub struct WorkArguments {
     pub threads: Option<u16>,
 }
 
-/// Where a map goes.
+/// Output of a map.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Results")]
 pub struct MapResults {
-    /// The map, or the part [default: map.csv, or map-I-of-N.csv; none where `merge` draws one whole
-    /// map again]
+    /// The map, or the part [default: map.csv, or map-I-of-N.csv; none if `merge` redraws one whole map]
     #[arg(long, value_name = "MAP.csv", value_hint = ValueHint::FilePath)]
     pub out: Option<PathBuf>,
     /// The figure of a whole map, .svg or .pdf (or .png where built with the feature png) [default: the
     /// name of the map with .svg]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub plot: Option<PathBuf>,
-    /// How large it is.
+    /// Size of the figure.
     #[command(flatten)]
     pub size: SizeFlag,
-    /// What the figure shows, separated by commas [default: growth,error; a page holds no more]
+    /// Quantities in the figure, separated by commas [default: growth,error; a page has no room for more]
     #[arg(long, value_parser = quantity(), value_delimiter = ',')]
     pub show: Vec<Quantity>,
-    /// The map as Parquet, too, where built with the feature parquet
+    /// Write the map as Parquet too, if built with the feature parquet
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub parquet: Option<PathBuf>,
-    /// Files that are there already.
+    /// Overwriting of existing files.
     #[command(flatten)]
     pub overwriting: Overwriting,
     /// Print the report as JSON
@@ -156,7 +153,7 @@ pub struct MapResults {
     pub json: bool,
 }
 
-/// Reads the name of a quantity.
+/// Parser of a quantity's name.
 fn quantity() -> impl TypedValueParser<Value = Quantity> {
     let named = |quantity: Quantity| PossibleValue::new(quantity.name()).help(quantity.meaning());
     PossibleValuesParser::new(Quantity::ALL.map(named)).map(|name| {
@@ -171,9 +168,9 @@ fn quantity() -> impl TypedValueParser<Value = Quantity> {
 /// Part `number` of `of`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// Counted from 1.
+    /// Index, from 1.
     pub number: usize,
-    /// How many there are.
+    /// Number of parts.
     pub of: usize,
 }
 

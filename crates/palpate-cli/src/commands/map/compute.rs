@@ -1,4 +1,4 @@
-//! A map that is computed into its file: who follows it, and how it ended as an exit code.
+//! Computes a map into its file, with its progress, its end and its exit codes.
 
 use std::io;
 use std::path::Path;
@@ -14,16 +14,16 @@ use super::files::Files;
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
 
-/// Set when the user wants the program to end.
+/// Set if the user ends the program.
 static STOP: AtomicBool = AtomicBool::new(false);
 
 /// A map, or a part.
 pub struct Computed {
-    /// What was asked for.
+    /// The requested map.
     pub map: Map,
-    /// How fast it came; none of one that was there.
+    /// Computation speed; `None` for a map that existed already.
     pub speed: Option<Speed>,
-    /// Keeps others from the map's files. It is removed when the last of them is written.
+    /// Locks the map's files. It is removed when the last of them is written.
     pub journal: Option<Journal>,
 }
 
@@ -39,7 +39,7 @@ impl MapFollower for Shown {
     }
 
     fn begin(&mut self, cells: usize) {
-        // A second handler cannot be set; there is one map in a run of the program.
+        // A second handler cannot be set; one run of the program computes one map.
         let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
         let progress = Progress::new(cells);
         progress.begin("cells");
@@ -81,7 +81,7 @@ pub fn run(
         overwrites: files.overwrites(),
     };
     let computed = job.run(&STOP, &mut Shown(None)).map_err(refused)?;
-    // One that was there stays as it is.
+    // An existing map stays unchanged.
     if computed.speed.is_some() {
         files
             .write_map(&computed.map)
@@ -94,7 +94,7 @@ pub fn run(
     })
 }
 
-/// Why a map could not be computed, as an exit code.
+/// Converts a failed computation to an exit code.
 fn refused(error: MapJobError) -> Failure {
     match error {
         MapJobError::Journal(error) => unusable(error),
@@ -105,7 +105,7 @@ fn refused(error: MapJobError) -> Failure {
     }
 }
 
-/// Why a journal cannot be used, and what to do.
+/// Explains an unusable journal, with the remedy.
 pub fn unusable(error: JournalError) -> Failure {
     match error {
         JournalError::Write(error) => Failure::System(error.to_string()),

@@ -13,23 +13,23 @@ use crate::values::Methods;
 use palpate_plot::map;
 use palpate_study::map::report::MapReport;
 
-/// The files of a map, and the leave to write them.
+/// The files of a map, and permission to write them.
 pub struct Files {
     outputs: Outputs,
-    /// The map itself, where it is written.
+    /// The map itself, if it is written.
     pub out: Option<PathBuf>,
     plot: Option<PathBuf>,
     parquet: Option<PathBuf>,
-    /// Those that a resumed map has already.
+    /// Files that a resumed map has already.
     kept: Vec<PathBuf>,
     is_resumed: bool,
 }
 
 impl Files {
-    /// None yet.
+    /// Creates a set without files.
     ///
     /// # Errors
-    /// A file that this build cannot write.
+    /// This build cannot write a file.
     pub fn new(results: &MapResults) -> Result<Self, Failure> {
         if results.parquet.is_some() && cfg!(not(feature = "parquet")) {
             return Err(Failure::Arguments(
@@ -47,15 +47,15 @@ impl Files {
         })
     }
 
-    /// Keeps parts of maps from being overwritten.
+    /// Protects parts of maps from being overwritten.
     pub fn protect(&mut self, parts: &[PathBuf]) {
         for part in parts {
             self.outputs.protect(part);
         }
     }
 
-    /// The map at `out`, which is computed. One that is resumed may be there: it goes on only if it is
-    /// the same, which shows when it is read.
+    /// Plans a computed map at `out`. A resumed map may exist already. Reading it later shows whether it is the same
+    /// map.
     pub fn compute(&mut self, out: &Path, is_resumed: bool) -> Result<(), Failure> {
         let existing = if is_resumed && out.is_file() {
             Existing::Replace
@@ -74,15 +74,15 @@ impl Files {
         Ok(())
     }
 
-    /// The map at `out`, which is joined.
+    /// Plans a joined map at `out`.
     pub fn join(&mut self, out: &Path) -> Result<(), Failure> {
         self.outputs.plan("--out", out)?;
         self.out = Some(out.to_owned());
         Ok(())
     }
 
-    /// The figure at `plot`, and the table of `results` as Parquet. Where a resumed map is there, so may
-    /// these be.
+    /// Plans the figure at `plot`, and the Parquet table of `results`. For an existing resumed map both may exist
+    /// already.
     pub fn show(
         &mut self,
         results: &MapResults,
@@ -113,7 +113,7 @@ impl Files {
         Ok(())
     }
 
-    /// Whether files that are there are replaced.
+    /// Whether existing files are replaced.
     pub fn overwrites(&self) -> bool {
         self.outputs.existing() == Existing::Replace
     }
@@ -126,8 +126,8 @@ impl Files {
         Ok(self.outputs.write(out, |writer| map.write(writer))?)
     }
 
-    /// Draws the map and writes it as Parquet, as far as that was asked for; the report says so. Of a map
-    /// that was `found` complete, files that have come since are kept, too.
+    /// Draws the map and writes it as Parquet, as far as requested, and records both in the report. If the map was
+    /// `found` complete, files created since then are kept too.
     pub fn deliver(
         &self,
         map: &Map,

@@ -17,7 +17,7 @@ pub fn run(arguments: &MergeArguments) -> Result<(), Failure> {
     let results = &arguments.results;
     let mut files = Files::new(results)?;
     files.protect(&arguments.parts);
-    // One file is a whole map or an error; it is not copied unasked.
+    // A single file is a whole map or an error; it is not copied without a request.
     let beside = match (&results.out, &arguments.parts[..]) {
         (None, [whole]) => whole.clone(),
         (out, _) => {

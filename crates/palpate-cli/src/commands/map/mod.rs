@@ -21,10 +21,10 @@ use arguments::{ForcesName, MapAction, MapResults, SceneArguments, Shard};
 use compute::unusable;
 use files::Files;
 
-/// The whole of a map.
+/// The whole map as a single part.
 const WHOLE: Shard = Shard { number: 1, of: 1 };
 
-/// Computes a map, or does with maps what is asked for.
+/// Computes a map, or performs the requested action on maps.
 pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
     if let Some(MapAction::Merge(merge)) = &arguments.action {
         return merge::run(merge);
@@ -56,7 +56,7 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
         .map_or(Ok(()), |journal| journal.remove().map_err(unusable))
 }
 
-/// Draws a whole map, and reports.
+/// Draws a whole map, and reports it.
 fn deliver(
     (results, methods): (&MapResults, Option<&Methods>),
     map: &Map,
@@ -106,7 +106,7 @@ fn params(scene: &SceneArguments) -> Result<MapParams, Failure> {
     let named = scene.method.as_ref().map(|methods| &methods.0);
     let params = MapParams {
         cells: usize::from(scene.cells),
-        // In their own order, so that the same methods make the same map.
+        // In their canonical order, so that the same methods give the same map.
         methods: MethodName::ALL
             .into_iter()
             .filter(|method| named.is_none_or(|named| named.contains(method)))

@@ -1,4 +1,4 @@
-//! A stream between standard input and standard output, and how it ended as an exit code.
+//! A stream between standard input and standard output, with its exit codes.
 
 use std::io;
 
@@ -8,20 +8,20 @@ use palpate_rt::StopFlag;
 use crate::failure::{Failure, tell};
 use crate::inside;
 
-/// What is said of a device inside the object at the start, and of a motion that no hand makes.
+/// Messages for a device inside the object at the start and for an implausible motion.
 pub const MISTAKES: Mistakes = Mistakes {
     inside: inside::at_start,
     not_a_hand: inside::not_a_hand,
 };
 
-/// Messages to standard error.
+/// Starts the messages to standard error.
 pub fn messages() -> Result<Messages, Failure> {
     Messages::start(tell)
         .map_err(|error| Failure::System(format!("no thread for messages: {error}")))
 }
 
-/// Answers every line of standard input until it ends, or a signal ends it. The summary is told at the end, as
-/// JSON if that is asked for.
+/// Answers every line of standard input until it ends or a signal arrives. Prints the summary at the end, as JSON on
+/// request.
 pub fn answer<S: Answering>(
     set_up: impl FnOnce() -> Result<S, Failure>,
     as_json: bool,
@@ -57,7 +57,7 @@ impl From<ServeError> for Failure {
     }
 }
 
-/// How a stream ended, as an exit code.
+/// Converts the end of a stream to an exit code.
 fn outcome(ended: Ended) -> Result<(), Failure> {
     match ended {
         Ended::Done => Ok(()),
@@ -72,7 +72,7 @@ fn outcome(ended: Ended) -> Result<(), Failure> {
     }
 }
 
-/// A reader that has left is no error.
+/// Ignores a reader that has exited.
 fn unless_broken(error: io::Error) -> Result<(), Failure> {
     if error.kind() == io::ErrorKind::BrokenPipe {
         return Ok(());

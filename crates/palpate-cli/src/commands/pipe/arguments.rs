@@ -12,16 +12,16 @@ use crate::values::{length_unit, number};
 /// Arguments of `pipe`.
 #[derive(Args, Debug)]
 pub struct PipeArguments {
-    /// What stands on the command line; first, since the fields are read in their order and taken out.
+    /// Flags on the command line. First field, because clap removes values in the order of the fields.
     #[command(flatten)]
     pub given: Given,
-    /// Scene file (TOML): a world of several bodies, or what --scene takes
+    /// Scene file (TOML): a world of several bodies, or a scene as for --scene
     #[arg(value_name = "FILE.toml", value_hint = ValueHint::FilePath, conflicts_with = "scene")]
     pub file: Option<PathBuf>,
     /// Scene file (TOML) for contact, loop, method and device mass; flags change its values
     #[arg(long, value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
     pub scene: Option<PathBuf>,
-    /// What comes in and what goes out.
+    /// Input and output format.
     #[command(flatten)]
     pub stream: StreamArguments,
     /// Contact, loop, method and device.
@@ -32,15 +32,15 @@ pub struct PipeArguments {
     pub json: bool,
 }
 
-/// What comes in and what goes out.
+/// Input and output format.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Stream")]
 pub struct StreamArguments {
     /// Each line is a time and a position, `t_s,position_m`; without it a line is a position
     #[arg(long)]
     pub time: bool,
-    /// Unit of the positions that come in: m, cm, mm or um; m also means that a motion too long or too
-    /// fast for a hand is right [default: m, or what the header says]
+    /// Unit of the input positions: m, cm, mm or um; m also disables the plausibility check of the motion's length and
+    /// speed [default: m, or that of the header]
     #[arg(long, value_name = "UNIT", value_parser = length_unit)]
     pub unit: Option<LengthUnit>,
     /// Columns to print.
@@ -49,13 +49,12 @@ pub struct StreamArguments {
     /// Print the names of the columns first, with their units
     #[arg(long)]
     pub header: bool,
-    /// Time over which the force comes in where a start or a recovery finds contact, at most 60 [s];
-    /// 0: at once [default: 0.2]
+    /// Duration of the soft start if a start or a recovery finds contact, at most 60 [s]; 0: none [default: 0.2]
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
     pub soft_start: Option<f64>,
 }
 
-/// Help of `--columns`: the names.
+/// Returns the help of `--columns` with the names.
 fn columns_help() -> String {
     let names = AnswerColumn::all().map(AnswerColumn::short_name);
     let names: Vec<_> = names.collect();

@@ -19,7 +19,7 @@ use crate::failure::Failure;
 use crate::setup::{check_contact, wrong_rendered, wrong_setup};
 use answering::{MISTAKES, answer, messages};
 
-/// Answers every line of standard input until it ends, or a signal ends it.
+/// Answers every line of standard input until it ends or a signal arrives.
 pub fn run(arguments: &PipeArguments) -> Result<(), Failure> {
     let path = arguments.scene.as_ref().or(arguments.file.as_ref());
     let scene = path.map(|path| read_any(path)).transpose()?;
@@ -31,7 +31,7 @@ pub fn run(arguments: &PipeArguments) -> Result<(), Failure> {
     answer(|| set_up(arguments, scene), arguments.json)
 }
 
-/// The stream as the arguments say it; nothing has been read or written yet.
+/// Sets up the stream from the arguments, without any input or output.
 fn set_up(arguments: &PipeArguments, scene: Option<SceneFile>) -> Result<Stream, Failure> {
     let flags = &arguments.flags;
     let methods = flags.methods(
@@ -72,7 +72,7 @@ fn set_up(arguments: &PipeArguments, scene: Option<SceneFile>) -> Result<Stream,
             "--delay is {periods} {unit}, and a renderer can be told of {LARGEST_DELAY} at most"
         )));
     }
-    // Contact and loop first: what is wrong with them is wrong whatever the method.
+    // Check contact and loop first: their errors do not depend on the method.
     check_contact(&setup)?;
     let rendering = rendering(&setup, method, &settings).map_err(|error| wrong_setup(&error))?;
     let slew_limit = rendering.loop_params.slew_limit.unwrap_or(f64::INFINITY);
@@ -115,7 +115,7 @@ fn set_up(arguments: &PipeArguments, scene: Option<SceneFile>) -> Result<Stream,
     Ok(stream)
 }
 
-/// Time over which a force comes in `[s]`.
+/// Returns the duration of the soft start `[s]`.
 fn soft_start(arguments: &PipeArguments, defaults: &SafetyParams) -> Result<f64, Failure> {
     let seconds = arguments.stream.soft_start.unwrap_or(defaults.soft_start);
     if (0.0..=60.0).contains(&seconds) {
@@ -126,7 +126,7 @@ fn soft_start(arguments: &PipeArguments, defaults: &SafetyParams) -> Result<f64,
     )))
 }
 
-/// What limits a force without having been asked for, if anything does.
+/// Describes default limits of the force, if there are any.
 fn limits_in_words(force: Option<f64>, soft_start: Option<f64>) -> Option<String> {
     let comes_in = |seconds| {
         format!("where a start or a recovery finds contact, the force comes in over {seconds} s")

@@ -16,7 +16,7 @@ use super::{PipeArguments, limits_in_words, soft_start};
 use crate::failure::Failure;
 use crate::worlds::{self, wrong_world};
 
-/// What a pipe of a world takes beside its file; everything else is said in the file.
+/// Flags of a pipe of a world; all other values are in its file.
 const FLAGS: [&str; 12] = [
     "file",
     "scene",
@@ -32,13 +32,13 @@ const FLAGS: [&str; 12] = [
     "json",
 ];
 
-/// Answers every line of standard input until it ends, or a signal ends it.
+/// Answers every line of standard input until it ends or a signal arrives.
 pub fn run(arguments: &PipeArguments, path: &Path, file: &WorldFile) -> Result<(), Failure> {
     worlds::only(&arguments.given, &FLAGS, path)?;
     answer(|| set_up(arguments, file), arguments.json)
 }
 
-/// The stream as arguments and file say it; nothing has been read or written yet.
+/// Sets up the stream from arguments and file, without any input or output.
 fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<WorldStream, Failure> {
     let flags = &arguments.flags;
     let file = &worlds::guarded(flags, file);

@@ -1,4 +1,4 @@
-//! `palpate render`: a recording, rendered: its motion as it was, or its hand under the new force.
+//! `palpate render`: renders a recorded motion, or a recorded hand in closed loop.
 
 mod world;
 
@@ -25,7 +25,7 @@ use crate::setup::{check_contact, wrong_on_bench, wrong_setup};
 use palpate_plot::RunsFigure;
 use palpate_study::report::{RecordedMotion, Replayed, Report, Subject, receipt, told_lines};
 
-/// Renders a recorded motion by the methods that were named.
+/// Renders a recorded motion by the named methods.
 pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     if let Some(input) = &arguments.input {
         return world::run(arguments, input);
@@ -44,12 +44,12 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     check_contact(&setup)?;
     arguments.replay.check()?;
     if arguments.trace == Path::new(STANDARD_INPUT) {
-        // A shell may have put a file there.
+        // A shell may have redirected a file.
         palpate_files::inputs::note(Path::new("/dev/stdin"));
     }
     let outputs = arguments.results.check(&arguments.trace)?;
     let period = setup.loop_params.period;
-    // One more, so that it is refused only where it cannot fit.
+    // One more period, so that only a recording that cannot fit is rejected.
     let part = arguments.part.part((MOST_PERIODS + 1) as f64 * period)?;
     let progress = Progress::new(methods.len());
     let name = name(&arguments.trace);
@@ -156,7 +156,7 @@ pub fn render(
     Ok((replay, runs))
 }
 
-/// What a trace is called in messages.
+/// Returns the name of a trace in messages.
 fn name(path: &Path) -> String {
     if path == Path::new(STANDARD_INPUT) {
         "standard input".into()
@@ -165,7 +165,7 @@ fn name(path: &Path) -> String {
     }
 }
 
-/// A fault of a replay of the trace called `name`, or of the flags that set it up.
+/// Converts an error of a replay of the trace called `name`, or of the flags of its setup.
 fn in_trace(name: &str, period: f64, error: ReplayError) -> Failure {
     match error {
         ReplayError::TooLong(periods) => Failure::input(format!(
@@ -174,12 +174,12 @@ fn in_trace(name: &str, period: f64, error: ReplayError) -> Failure {
         )),
         ReplayError::Setup(error) => wrong_setup(&error),
         ReplayError::Bench(error) => wrong_on_bench(&error),
-        // The reader has checked the recording, so what is left is its length.
+        // The reader has checked the recording, so only its length remains.
         other => Failure::input(format!("{name}: {other}")),
     }
 }
 
-/// A closed loop that cannot be made from the trace called `name`, or from flags.
+/// Converts the error of a closed loop from the trace called `name`, or from flags.
 fn in_loop(name: &str, error: LoopError) -> Failure {
     match error {
         LoopError::Setup(error) => wrong_setup(&error),

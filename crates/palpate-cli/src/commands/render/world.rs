@@ -18,7 +18,7 @@ use crate::recorded::trace::{read_world_trace, tell_gap};
 use crate::results::print_report;
 use crate::worlds::{self, wrong_world};
 
-/// What rendering a motion in a world takes.
+/// Flags for rendering a motion in a world.
 const FLAGS: [&str; 8] = [
     "trace",
     "input",
@@ -30,7 +30,7 @@ const FLAGS: [&str; 8] = [
     "to",
 ];
 
-/// Renders the motion in `input` in the world of the scene file, by the methods that were named or by its own.
+/// Renders the motion in `input` in the world of the scene file, by the named methods or by the scene's own.
 pub fn run(arguments: &RenderArguments, input: &Path) -> Result<(), Failure> {
     let path = &arguments.trace;
     let file = match read_any(path)? {
@@ -77,8 +77,8 @@ pub fn run(arguments: &RenderArguments, input: &Path) -> Result<(), Failure> {
     )
 }
 
-/// Leads the devices of the world called `name` along a path, by the methods that were named or by its own, and prints
-/// what came out, after `change` has seen the report.
+/// Moves the devices of the world called `name` along a path, by the named methods or by the scene's own, and prints
+/// the report after `change` has edited it.
 pub fn deliver(
     flags: &Flags,
     (results, outputs): (&Results, &Outputs),

@@ -1,5 +1,4 @@
-//! `palpate replay`: a recording under another method: its motion as it was, or its hand under the new
-//! force.
+//! `palpate replay`: renders a recording by another method, with its motion unchanged or its hand under the new force.
 
 mod world;
 
@@ -31,27 +30,27 @@ use palpate_study::recording::{
 /// Arguments of `replay`.
 #[derive(Args, Debug)]
 pub struct ReplayArguments {
-    /// What stands on the command line; first, since the fields are read in their order and taken out.
+    /// Flags on the command line. First field, because clap removes values in the order of the fields.
     #[command(flatten)]
     pub given: Given,
     /// Recording (MCAP)
     #[arg(value_name = "REC.mcap", value_hint = ValueHint::FilePath)]
     pub recording: PathBuf,
-    /// Contact, loop, method and device, where they are not to be those of the recording's scene.
+    /// Contact, loop, method and device; each overrides the recording's scene.
     #[command(flatten)]
     pub flags: Flags,
     /// Motion or hand.
     #[command(flatten)]
     pub replay: ReplayFlags,
-    /// Which part of the recording.
+    /// Selected part of the recording.
     #[command(flatten, next_help_heading = "Recording")]
     pub part: PartFlags,
-    /// Where results go.
+    /// Output of the results.
     #[command(flatten)]
     pub results: Results,
 }
 
-/// Replays the motion or the hand by the methods that were named, or by the scene's own.
+/// Replays the motion or the hand by the named methods, or by the scene's own.
 pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     let flags = &arguments.flags;
     arguments.replay.check()?;
@@ -67,7 +66,7 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     flags.check_settings(&methods)?;
     let mut scene = file.scene.clone();
     flags.change(&mut scene, &methods)?;
-    // A device file that a flag names, too.
+    // Input files include a device file from the flags.
     outputs.spare_inputs()?;
     let progress = Progress::new(methods.len());
     progress.begin(&format!("reading {name}"));
@@ -97,7 +96,7 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
         recording: &recording,
         recorded: &file.scene,
         scene: &scene,
-        // A flag of its position or velocity puts it elsewhere.
+        // A flag of its position or velocity overrides the scene.
         object_as_in_scene: flags.gives(Parameter::ObjectPosition.into())
             || flags.gives(Parameter::ObjectVelocity.into()),
         part,
@@ -134,7 +133,7 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     whole_or_said(&recording)
 }
 
-/// The scene that the recording was made with.
+/// Returns the scene of the recording.
 fn scene(recording: &Recording) -> Result<SceneFile, Failure> {
     scene_of(recording).map_err(|error| match error {
         NoScene::Invalid(faults) => Failure::inputs(faults),

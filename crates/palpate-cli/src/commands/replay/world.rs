@@ -1,4 +1,4 @@
-//! `palpate replay` of a recording of a world: its motion, under another method.
+//! `palpate replay` of a world's recording: its motion by another method.
 
 use palpate_files::outputs::Outputs;
 use palpate_record::recording::Recording;
@@ -10,10 +10,10 @@ use crate::failure::{Failure, tell};
 use crate::recorded::whole_or_said;
 use crate::worlds;
 
-/// What a replay in a world takes.
+/// Flags of a replay in a world.
 const FLAGS: [&str; 5] = ["recording", "method", "out", "overwrite", "json"];
 
-/// Renders the recorded motion in the recording's world, which begins as its file says.
+/// Renders the recorded motion in the recording's world, which starts in the state of its file.
 pub fn run(
     arguments: &ReplayArguments,
     outputs: &Outputs,
@@ -25,7 +25,7 @@ pub fn run(
         RecordedWorldError::World(faults) => Failure::inputs(faults),
         other => Failure::input(other),
     })?;
-    // Files of meshes, too.
+    // Input files include those of meshes.
     outputs.spare_inputs()?;
     if let Some(gaps) = recorded.gaps() {
         tell(format_args!("{name}: {gaps}"));

@@ -13,25 +13,24 @@ use crate::values::{Methods, methods, number, period};
 /// Arguments of `report`.
 #[derive(Args, Debug)]
 pub struct ReportArguments {
-    /// Recordings of the device (MCAP), at most 3; the first says what the contact was
+    /// Recordings of the device (MCAP), at most 3; the contact is that of the first one
     #[arg(value_name = "RECORDING.mcap", value_hint = ValueHint::FilePath, num_args = 0..)]
     pub recordings: Vec<PathBuf>,
-    /// Device file (TOML), as `palpate calibrate` writes it; a session is told what it says
+    /// Device file (TOML), as `palpate calibrate` writes it; a session uses its values as model values
     #[arg(long, value_name = "FILE.toml", value_hint = ValueHint::FilePath, help_heading = "Sources")]
     pub device_file: Option<PathBuf>,
-    /// Report of the calibration (JSON), as `palpate calibrate --report` writes it: the page shows measured
-    /// against fitted
+    /// Report of the calibration (JSON), as `palpate calibrate --report` writes it: the page shows the measured and the
+    /// fitted motion
     #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath, requires = "device_file",
           help_heading = "Sources")]
     pub calibration: Option<PathBuf>,
-    /// What the device is called [default: as the recording says]
+    /// Name of the device [default: that of the recording]
     #[arg(long, value_name = "TEXT", help_heading = "Sources")]
     pub name: Option<String>,
-    /// Stiffness that is asked about [N/m], and that of a session's wall [default: the recording's, or 1000;
-    /// that of a session 300]
+    /// Desired stiffness, also that of a session's wall [N/m] [default: the recording's, or 1000; in a session 300]
     #[arg(long, value_name = "N/m", value_parser = number, help_heading = "What can be rendered")]
     pub stiffness: Option<f64>,
-    /// Period of the loop [s] [default: the recording's, or the device file's; that of a session 0.001]
+    /// Period of the loop [s] [default: the recording's, or the device file's; in a session 0.001]
     #[arg(long, value_name = "s", value_parser = period, help_heading = "What can be rendered")]
     pub period: Option<f64>,
     /// Methods to compare, separated by commas, or all [default: basic,virtual-damper,hfcr,coupled]
@@ -43,16 +42,16 @@ pub struct ReportArguments {
     /// Scene of the session (TOML) [default: a wall of 300 N/m at 0, by coupled rendering]
     #[arg(long, value_name = "SCENE.toml", value_hint = ValueHint::FilePath, help_heading = "Session")]
     pub scene: Option<PathBuf>,
-    /// How long the session is [s]
+    /// Duration of the session [s]
     #[arg(long, value_name = "s", default_value = "5", value_parser = number, help_heading = "Session")]
     pub duration: f64,
-    /// Do not wait for the time to pass, on a device without a motor
+    /// Do not wait in real time, on a device without a motor
     #[arg(long, help_heading = "Session")]
     pub fast: bool,
     /// Recording of the session (MCAP) [default: the page's name with .mcap]
     #[arg(long, value_name = "REC.mcap", value_hint = ValueHint::FilePath, help_heading = "Session")]
     pub record: Option<PathBuf>,
-    /// What the machine is asked for.
+    /// Requests to the machine.
     #[command(flatten)]
     pub realtime: RealtimeArguments,
     /// Limits between renderer and device.
@@ -64,17 +63,17 @@ pub struct ReportArguments {
     /// Print the report as JSON
     #[arg(long, help_heading = "Results")]
     pub json: bool,
-    /// Files that are there already.
+    /// Overwriting of existing files.
     #[command(flatten)]
     pub overwriting: Overwriting,
 }
 
-/// The device of a session, and whether there is to be a session: whether `--device` is given.
+/// Device of a session. `is_named` is whether `--device` is given, and thus whether there is a session.
 #[derive(Debug, Clone)]
 pub struct SessionDevice {
-    /// The device, and how the contact lies in it.
+    /// The device, and the contact's axis in its frame.
     pub arguments: DeviceArguments,
-    /// Whether somebody named it.
+    /// Whether the command line names it.
     pub is_named: bool,
 }
 
@@ -82,7 +81,7 @@ impl FromArgMatches for SessionDevice {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
         Ok(Self {
             arguments: DeviceArguments::from_arg_matches(matches)?,
-            // The default names nothing.
+            // The default does not count as a name.
             is_named: matches.value_source("device") == Some(ValueSource::CommandLine),
         })
     }

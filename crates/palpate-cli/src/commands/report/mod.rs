@@ -1,4 +1,4 @@
-//! `palpate report`: a page about a device, to send to somebody.
+//! `palpate report`: a page about a device, for sharing.
 
 mod arguments;
 mod session;
@@ -22,7 +22,7 @@ use crate::recorded::{open, whole_or_said};
 use crate::results::print_report;
 use palpate_plot::{SHOWN, card};
 
-/// Makes the card, the page, and the session before them if there is one.
+/// Generates the device report and its page, after a session if there is one.
 pub fn run(arguments: &ReportArguments) -> Result<(), Failure> {
     let kept = check(arguments)?;
     let mut outputs = arguments.overwriting.outputs();
@@ -88,12 +88,12 @@ pub fn run(arguments: &ReportArguments) -> Result<(), Failure> {
     }
     print_report(&card, arguments.json)?;
     outcome?;
-    // Those of a session have been looked at.
+    // The recording of a session has been checked.
     let given = recordings.iter().take(arguments.recordings.len());
     given.map(whole_or_said).fold(Ok(()), Result::and)
 }
 
-/// Refuses what cannot be; the place of the session's recording.
+/// Rejects invalid combinations. Returns the path of the session's recording.
 fn check(arguments: &ReportArguments) -> Result<Option<PathBuf>, Failure> {
     let wrong = |words: &str| Err(Failure::Arguments(words.to_owned()));
     if arguments.recordings.is_empty()

@@ -1,4 +1,4 @@
-//! The session of a report: a short loop on a device, recorded as `palpate record` does.
+//! The session of a report: a short loop on a device, recorded as by `palpate record`.
 
 use std::cell::Cell;
 use std::path::Path;
@@ -12,7 +12,7 @@ use crate::commands::simulate::read_scene;
 use crate::failure::{Failure, tell};
 use palpate_study::text::digits;
 
-/// The scene where nobody names one: a wall that a hand finds, and the hand of `--device simulated`.
+/// Default scene: a wall that a hand touches, and the hand of `--device simulated`.
 const SCENE: &str = r#"
 scene_format = 1
 title = "A wall, touched"
@@ -43,10 +43,10 @@ duration_s = 1
 method = "coupled"
 "#;
 
-/// What became of a session that was recorded.
+/// Records a session and returns its outcome, which includes failures of the running loop.
 ///
 /// # Errors
-/// It could not begin. Whether it did what it was asked to stands inside.
+/// The session could not begin.
 pub fn record(
     arguments: &ReportArguments,
     recording: &Path,

@@ -15,21 +15,21 @@ use crate::progress::Progress;
 use crate::recorded::open as open_recording;
 use crate::values::duration;
 
-/// A loop that ran.
+/// A finished loop.
 pub struct Ran<C: Clock, R: Renders> {
-    /// How it ended.
+    /// End of the loop.
     pub end: LoopEnd<Box<dyn Device>, C, R>,
-    /// What the machine granted.
+    /// Properties granted by the machine.
     pub answers: Vec<Answer>,
-    /// What was heard of it.
+    /// Account of its messages.
     pub account: Account,
     /// Its recording, read back, if one was written.
     pub recording: Option<Recording>,
-    /// Why it could not be written, if it was to be and could not.
+    /// Error of a requested recording that could not be written.
     pub unwritten: Option<Failure>,
 }
 
-/// Runs a loop until a signal, its last period or the loss of its device ends it, and records it if it is to.
+/// Runs a loop until a signal, its last period or the loss of its device ends it. Records it on request.
 pub fn drive<C: Clock, R: Renders + 'static>(
     control: ControlLoop<Box<dyn Device>, C, R>,
     record: Option<(&Path, Receipt)>,
@@ -62,7 +62,7 @@ pub fn drive<C: Clock, R: Renders + 'static>(
     })
 }
 
-/// How many periods a run of so many seconds has; `None` for one that only a signal ends.
+/// Returns the number of periods in a duration `[s]`, or `None` if only a signal ends the run.
 pub fn most_periods(seconds: f64, period: Duration) -> Result<Option<u64>, Failure> {
     if seconds == f64::INFINITY {
         return Ok(None);

@@ -1,4 +1,4 @@
-//! `palpate run` and `palpate record`: a loop in real time, on a device.
+//! `palpate run` and `palpate record`: a real-time loop on a device.
 
 mod arguments;
 mod driving;
@@ -30,7 +30,7 @@ use driving::{Ran, drive, most_periods};
 
 use super::simulate::{AnyScene, read_any};
 
-/// Runs a loop, and records it if it is to.
+/// Runs a loop, and records it on request.
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     session(
         &arguments.scene,
@@ -62,11 +62,11 @@ fn session(
     })
 }
 
-/// Runs a loop on the scene of `file`, which is at `path`, and records it if it is to. What there is to say of
-/// a loop that ran goes to `told`.
+/// Runs a loop on the scene of `file`, which is at `path`, and records it on request. `told` receives the report of a
+/// completed loop.
 ///
 /// # Errors
-/// The loop could not begin, or it did not do what it was asked to.
+/// The loop could not begin, or it failed.
 pub fn run_session(
     file: &SceneFile,
     (path, record): (&Path, Option<&Path>),
@@ -104,7 +104,7 @@ pub fn run_session(
     }
 }
 
-/// Says what of a scene's loop a loop in real time has not.
+/// Reports properties of a scene's loop that a real-time loop lacks.
 pub fn tell_what_a_loop_has_not(scene: &Scene) {
     if scene.timing != Timing::default() || scene.delay.fraction() != 0.0 {
         tell(
@@ -113,7 +113,7 @@ pub fn tell_what_a_loop_has_not(scene: &Scene) {
     }
 }
 
-/// What the machine is asked for.
+/// Returns the requests to the machine.
 pub fn request(arguments: &RealtimeArguments) -> Request {
     Request {
         priority: (arguments.priority > 0).then_some(arguments.priority),
@@ -131,7 +131,7 @@ struct Session<'a> {
     told: Told<'a>,
 }
 
-/// Who is told what a loop did.
+/// Receiver of a loop's report.
 type Told<'a> = &'a dyn Fn(&RunReport) -> Result<(), Failure>;
 
 impl Session<'_> {
@@ -182,7 +182,7 @@ impl Session<'_> {
         (self.told)(&report)?;
         let asked = Asked {
             duration: self.arguments.duration,
-            // A recorded motion is over when it is over.
+            // A recorded motion ends by itself.
             device_may_end: self.arguments.device.kind() == DeviceName::Replay,
             lost: "the device was lost before the end; `palpate run --reconnect` waits for one that \
                    can be opened again",
@@ -194,14 +194,14 @@ impl Session<'_> {
     }
 }
 
-/// Guardians for a loop of `period` `[s]`: they wait for as long as its supervisor.
+/// Returns watchdog processes for a loop of `period` `[s]`; their timeout is that of its supervisor.
 pub fn guarding(arguments: &SafetyArguments, period: f64) -> Result<Guarding, Failure> {
     let limits = limits(&Capabilities::unknown("any", 1), arguments);
     let period = duration("--period", period)?;
     Ok(Guarding::new(limits.stall_after(period)))
 }
 
-/// The limits of a device, as far as flags do not say otherwise.
+/// Returns the limits of a device, overridden by flags.
 pub fn limits(device: &Capabilities, arguments: &SafetyArguments) -> SafetyParams {
     let mut limits = SafetyParams::for_device(device);
     let set = |limit: &mut f64, flag: Option<f64>| *limit = flag.unwrap_or(*limit);
@@ -212,7 +212,7 @@ pub fn limits(device: &Capabilities, arguments: &SafetyArguments) -> SafetyParam
     set(&mut limits.oscillation.energy, arguments.oscillation);
     set(&mut limits.stall_after_periods, arguments.stall_after);
     if arguments.stall_after.is_some() {
-        // These periods, and nothing else.
+        // Exactly this number of periods.
         limits.tolerated_lateness = 0.0;
     }
     limits.range = arguments.safe_range.map(|(from, to)| [from, to]);

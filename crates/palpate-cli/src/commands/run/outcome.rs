@@ -1,4 +1,4 @@
-//! What became of a loop, as an exit code.
+//! Outcome of a loop as an exit code.
 
 use std::time::Duration;
 
@@ -12,25 +12,24 @@ use crate::failure::Failure;
 use crate::recorded::whole_or_said;
 use palpate_study::recording::{motors_off, refused};
 
-/// What a loop was to do.
+/// Intended run of a loop.
 #[derive(Clone, Copy, Debug)]
 pub struct Asked {
-    /// How long it was to run `[s]`; infinite: until it is stopped.
+    /// Intended duration `[s]`; infinite: until it is stopped.
     pub duration: f64,
-    /// Whether the device may go before that, as a recorded motion does at its end.
+    /// Whether the device may end earlier, as a recorded motion does.
     pub device_may_end: bool,
-    /// What to say of a device that was lost.
+    /// Message for a lost device.
     pub lost: &'static str,
 }
 
-/// A trip that passes by itself counts at the end of a run when the motors have been off for as long: a shorter one is a hiccup of
-/// the machine, which the end of the run has met by chance.
+/// Minimum duration of a self-clearing safety stop at the end of a run for it to count: a shorter one is a hiccup of
+/// the machine that coincided with the end.
 const NO_MOMENT: Duration = Duration::from_millis(100);
 
-/// Whether the loop did what it was asked to: `Err` is the gravest thing that went wrong, in the order
-/// of a panic, a recording that could not be written, a lost device, a recording that is not whole, an
-/// end before its time, motors that were off at the end or for most of the time, and samples that the renderer refused as
-/// long.
+/// Returns the outcome of a loop. `Err` is the most severe failure, in this order: a panic, a recording that could not
+/// be written, a lost device, an incomplete recording, an early end, motors that were off at the end or for most of the
+/// time, and samples rejected for as long.
 pub fn of<D: Device, C: Clock, R: Renders>(
     end: &LoopEnd<D, C, R>,
     asked: &Asked,
@@ -57,7 +56,7 @@ pub fn of<D: Device, C: Clock, R: Renders>(
     samples(&end.statistics)
 }
 
-/// The same, where the loop had devices with these `names`: of several, the one that has gone or tripped is named.
+/// Adds the names of lost or stopped devices to the outcome of a loop with several devices called `names`.
 pub fn by_device<D: Device, C: Clock, R: Renders>(
     outcome: Result<(), Failure>,
     end: &LoopEnd<D, C, R>,
@@ -75,8 +74,7 @@ pub fn by_device<D: Device, C: Clock, R: Renders>(
     }
 }
 
-/// The same, where a recorded motion was replayed: a recording that is not whole counts as one that was
-/// made and is not.
+/// Treats an incomplete recording whose motion was replayed as an incomplete recording of this run.
 pub fn with_motion(
     outcome: Result<(), Failure>,
     motion: Result<(), Failure>,
@@ -87,7 +85,7 @@ pub fn with_motion(
     }
 }
 
-/// Whether the renderer took the samples: a refused one commands no force.
+/// Checks that the renderer accepted the samples: a rejected one commands no force.
 fn samples(statistics: &LoopStatistics) -> Result<(), Failure> {
     let LoopStatistics {
         ticks,

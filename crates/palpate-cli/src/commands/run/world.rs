@@ -18,7 +18,7 @@ use crate::results::print_report;
 use crate::values::duration;
 use crate::worlds::{self, wrong_world};
 
-/// What a loop of a world takes beside its file; everything else is said in the file.
+/// Returns the flags of a loop of a world; all other values are in its file.
 pub fn known_flags() -> Vec<&'static str> {
     let of_loop = [
         "scene",
@@ -46,7 +46,7 @@ pub fn known_flags() -> Vec<&'static str> {
     flags.chain(&of_thread_and_safety).copied().collect()
 }
 
-/// Runs a loop on the world of `file`, which is at `path`, and records it if it is to.
+/// Runs a loop on the world of `file`, which is at `path`, and records it on request.
 pub fn run_session(
     file: &WorldFile,
     (path, record): (&Path, Option<&Path>),
@@ -149,11 +149,11 @@ impl Session<'_> {
     }
 }
 
-/// The devices of a loop that renders the world of `file`, which were `opened` in its order, with what may reach them; and what is
-/// rendered on them.
+/// Creates the devices and the rendering of a loop on the world of `file`. The devices were `opened` in the order of
+/// the file; each has its limits.
 ///
 /// # Errors
-/// What `method` cannot render there.
+/// `method` cannot render the world.
 pub fn on_devices(
     (file, method): (&WorldFile, &str),
     opened: &[OpenedInWorld],
@@ -173,7 +173,7 @@ pub fn on_devices(
     (on, world)
 }
 
-/// The receipt with the world as its file has it, and by which method it is rendered.
+/// Adds the world's file and the rendering method to the metadata.
 pub fn put(receipt: Receipt, path: &Path, method: &str) -> Result<Receipt, Failure> {
     let name = path.display().to_string();
     let text = SCENE

@@ -25,7 +25,7 @@ use crate::setup::{wrong_flag, wrong_setup};
 use palpate_plot::{Devices, RunsFigure};
 use palpate_study::report::{Report, Subject, actuator_of, plant_receipt, receipt};
 
-/// Simulates a scene by the methods that were named, or by its own.
+/// Simulates a scene by the named methods, or by its own.
 pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     let file = match read_any(&arguments.scene)? {
         AnyScene::Contact(file) => *file,
@@ -99,7 +99,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     )
 }
 
-/// The scene with each seed after its own, as far as `--seeds` asks for them.
+/// Returns the scene with each further seed that `--seeds` requests.
 fn further_seeds(arguments: &SimulateArguments, scene: &Scene) -> Result<Vec<Scene>, Failure> {
     let count = arguments.seeds;
     if count == 1 {
@@ -181,7 +181,7 @@ fn read_text(path: &Path) -> Result<String, Failure> {
     String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))
 }
 
-/// Samples from which on an intention counts as recorded: a path of fewer points is written by hand, and they may be far apart.
+/// Smallest number of points of a recorded intention: a path of fewer points is handwritten, and they may be far apart.
 const LEAST_RECORDED: usize = 20;
 
 /// Warns of a period that is unusual for a haptic loop, and of a motion that is unusual for a hand.
@@ -228,7 +228,7 @@ pub(super) fn in_file(error: SceneError) -> Failure {
     Failure::input_at(&error, &error.file, &error.source_text, error.span.clone())
 }
 
-/// A scene that cannot be run: the fault lies in a flag if one gave the value, else in the file.
+/// Explains a scene that cannot run: the error is in a flag if one gave the value, else in the file.
 pub(super) fn explain(
     (flags, timing): (&Flags, &TimingFlags),
     file: &SceneFile,
@@ -248,8 +248,8 @@ pub(super) fn explain(
         LoopError::TooLong(_) if flags.period.is_some() => {
             Failure::Arguments(format!("--period is too short: {error}"))
         }
-        // The file is sound by itself, or reading it would have failed; what follows may come
-        // from the flags, and then no line of the file is to blame.
+        // The file alone is valid, or reading it would have failed. These errors may come from the flags, so no line of
+        // the file is shown.
         LoopError::TooFewCollisions { .. }
         | LoopError::TooLong(_)
         | LoopError::Ideal(_)
@@ -272,7 +272,7 @@ pub(super) fn explain(
     }
 }
 
-/// A fault of the window, at the `parameter` of the file that says how long it is.
+/// Returns an error of the window, at the `parameter` of the file that sets its length.
 fn in_window(file: &SceneFile, parameter: SceneParameter, error: &LoopError) -> Failure {
     in_file(file.at(parameter, error.to_string()))
 }

@@ -1,4 +1,4 @@
-//! `palpate simulate` with a world: methods in closed loop, judged by the world's ideal.
+//! `palpate simulate` with a world: methods in closed loop, evaluated against the world's ideal.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::progress::Progress;
 use crate::results::print_report;
 use crate::worlds::{self, wrong_world};
 
-/// What a simulation of a world takes beside its file; everything else is said in the file.
+/// Flags of a world's simulation; all other values are in its file.
 const FLAGS: [&str; 6] = [
     "scene",
     "method",
@@ -22,7 +22,7 @@ const FLAGS: [&str; 6] = [
     "guard_allowance",
 ];
 
-/// Simulates a world by the methods that were named, or by its own.
+/// Simulates a world by the named methods, or by its own.
 pub fn run(arguments: &SimulateArguments, path: &Path, file: &WorldFile) -> Result<(), Failure> {
     if arguments.seeds > 1 {
         return Err(Failure::Arguments(format!(
@@ -36,7 +36,7 @@ pub fn run(arguments: &SimulateArguments, path: &Path, file: &WorldFile) -> Resu
     let file = &worlds::guarded(flags, file);
     let scene = &file.scene;
     let methods = worlds::methods(flags, scene);
-    // What is wrong with a method is said before the ideal is computed.
+    // Report errors of a method before computing the ideal.
     let mut renderers = Vec::with_capacity(methods.len());
     for method in methods {
         let renderer = scene.renderer(method);

@@ -1,4 +1,4 @@
-//! `palpate suite`: methods on plants drawn at random.
+//! `palpate suite`: methods on random plants.
 
 mod worlds;
 
@@ -17,7 +17,7 @@ use crate::progress::Progress;
 use crate::results::{draw, print_report};
 use crate::values::PlantSet;
 
-/// Draws the plants, judges every column on them, and writes what was asked for.
+/// Draws the plants, evaluates every column on them, and writes the requested files.
 pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
     let plants = arguments.plants as usize;
     let set = match arguments.set {
@@ -35,7 +35,7 @@ pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
         let of_seed = suite::run(set, seed, plants, &columns, || progress.advance());
         let of_seed = of_seed.map_err(Failure::input)?;
         scores.push(suite::scores(&of_seed));
-        // Without a file of rows nothing else is needed of them.
+        // Only the files of rows and scenes need more than the scores.
         if arguments.out.is_some() || arguments.write_scenes.is_some() {
             judged.extend(of_seed);
         }
@@ -62,7 +62,7 @@ pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
 }
 
 impl SuiteArguments {
-    /// The seeds of the draws.
+    /// Returns the seeds of the draws.
     pub fn seed_range(&self) -> Result<Range<u64>, Failure> {
         let after = self.seed.checked_add(u64::from(self.seeds));
         let after = after.ok_or_else(|| {
@@ -82,13 +82,13 @@ impl SuiteArguments {
 }
 
 impl Compared {
-    /// What is compared: methods with their defaults, or the columns of a file; every method where none is
-    /// named.
+    /// Returns the compared columns: methods with their defaults, or the columns of a file. Without a name, every
+    /// method.
     pub fn columns(&self) -> Result<Vec<Column>, Failure> {
         self.columns_or(|| MethodName::ALL.map(Column::of).to_vec())
     }
 
-    /// The same, with `otherwise` where nothing is named.
+    /// Returns the compared columns, or `otherwise` without a name.
     pub fn columns_or(
         &self,
         otherwise: impl FnOnce() -> Vec<Column>,
@@ -108,7 +108,7 @@ impl Compared {
 }
 
 impl Compared {
-    /// Which of the columns a figure shows: those that are named, or the ones that figures show of many.
+    /// Returns the columns in a figure: the named ones, or the default selection of a figure.
     fn drawn(&self, columns: &[Column]) -> Vec<usize> {
         let is_named = self.method.is_some() || self.columns.is_some();
         let is_shown = |column: &Column| is_named || palpate_plot::SHOWN.contains(&column.method);
@@ -118,7 +118,7 @@ impl Compared {
     }
 }
 
-/// The files that are asked for, with the folder of the scenes made.
+/// Plans the requested files, and creates the folder of the scenes.
 fn outputs(arguments: &SuiteArguments, plants: usize) -> Result<Outputs, Failure> {
     let mut outputs = arguments.overwriting.outputs();
     if let Some(columns) = &arguments.compared.columns {
@@ -142,7 +142,7 @@ fn scene_file(folder: &Path, index: usize) -> PathBuf {
     folder.join(format!("plant-{index:04}.toml"))
 }
 
-/// Writes each plant into a file of its own in `folder`; their common name.
+/// Writes each plant into a separate file in `folder`. Returns their common name.
 fn write_scenes(outputs: &Outputs, folder: &Path, judged: &[Judged]) -> Result<PathBuf, Failure> {
     for one in judged {
         let path = scene_file(folder, one.plant.index);

@@ -7,10 +7,10 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::results::print_report;
 
-/// What the set takes.
+/// Flags of the set.
 const FLAGS: [&str; 5] = ["set", "plants", "seed", "seeds", "json"];
 
-/// Draws the worlds and judges methods on them.
+/// Draws the worlds and evaluates methods on them.
 pub fn run(set: WorldSet, arguments: &SuiteArguments) -> Result<(), Failure> {
     if let Some(flag) = arguments.given.other_than(&FLAGS) {
         return Err(Failure::Arguments(format!(

@@ -1,4 +1,4 @@
-//! `palpate tune`: how a method's error and leak depend on its damping.
+//! `palpate tune`: error and leak of a method over its damping.
 
 mod world;
 
@@ -49,9 +49,9 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
     let mut scene = file.scene.clone();
     flags.change(&mut scene, &methods)?;
     arguments.timing.change(&mut scene)?;
-    // A device file that a flag names, too.
+    // Input files include a device file from the flags.
     outputs.spare_inputs()?;
-    // The range of the values follows from stiffness and period, so these come first.
+    // The range of the values depends on stiffness and period, so check these first.
     scene
         .renderer(method)
         .map_err(|error| explain((flags, &arguments.timing), &file, method, error.into()))?;
@@ -80,10 +80,10 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
     print_report(&report, arguments.json)
 }
 
-/// How many values are tried where nobody says another number.
+/// Default number of tried values.
 const STEPS: u32 = 400;
 
-/// The values to try `[N s/m]`.
+/// Returns the values to try `[N s/m]`.
 fn values(
     curve: &CurveArguments,
     scene: &Scene,
@@ -100,7 +100,7 @@ fn values(
     evenly(from, to, steps)
 }
 
-/// So many values from one to another `[N s/m]`.
+/// Returns `steps` evenly spaced values `[N s/m]`.
 fn evenly(from: f64, to: f64, steps: u32) -> Result<Vec<f64>, Failure> {
     if !(from.is_finite() && to.is_finite() && from >= 0.0 && to > from) {
         return Err(Failure::Arguments(format!(

@@ -15,7 +15,7 @@ use crate::progress::Progress;
 use crate::results::{draw, print_report};
 use crate::worlds::{self, wrong_world};
 
-/// What tuning on a world takes beside its file.
+/// Flags of tuning on a world.
 const FLAGS: [&str; 10] = [
     "scene",
     "method",

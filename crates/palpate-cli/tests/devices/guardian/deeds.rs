@@ -15,11 +15,11 @@ use super::processes::{children, is_held};
 use super::{ATTEMPTS, emulator, folder, is_on, off_since, presses, silence, wait_for};
 use crate::common::running::Running;
 
-/// A program of which the loop's own thread does something bad: this test program once more.
+/// A program whose own loop thread misbehaves: this test program in another process.
 const PORT: &str = "PALPATE_TEST_PORT";
 const DEED: &str = "PALPATE_TEST_DEED";
 
-/// Does nothing by itself; run by [`a_loop_that_hangs_or_aborts_leaves_no_torque`].
+/// Does nothing alone; run by [`a_loop_that_hangs_or_aborts_leaves_no_torque`].
 #[test]
 fn a_program_whose_loop_does_something_bad() {
     let (Ok(port), Ok(deed)) = (std::env::var(PORT), std::env::var(DEED)) else {
@@ -48,7 +48,7 @@ fn a_program_whose_loop_does_something_bad() {
         ..SafetyParams::for_device(device.capabilities())
     };
     let axis = AlongAxis::new([0.019, 0.11, 0.0], [0.0, 1.0, 0.0]).unwrap();
-    // Without a thread, and so without a supervisor.
+    // Without a thread, and therefore without a supervisor.
     let mut control = ControlLoop::new(device, clock, rendering, limits)
         .unwrap()
         .along(axis);
@@ -80,7 +80,7 @@ fn a_loop_that_hangs_or_aborts_leaves_no_torque() {
         let silence = silent_after(deed);
         println!("{deed}: no torque {silence:?} after the last packet with one");
     }
-    // A loop that had just taken its force off by itself, since the machine was late, left nothing to cut.
+    // If the late loop had just disabled its force itself, the watchdog process had nothing to cut.
     for deed in ["hang", "spin"] {
         let silences = (0..ATTEMPTS).map(|_| silent_after(deed));
         let cut = silences
@@ -92,7 +92,7 @@ fn a_loop_that_hangs_or_aborts_leaves_no_torque() {
     }
 }
 
-/// How long a torque stayed on, after the last packet with one, when a loop's own thread did something bad.
+/// Returns the time that a torque stayed on, after the last packet with one, when a loop's own thread misbehaved.
 fn silent_after(deed: &str) -> Duration {
     let folder = folder();
     let emulator = emulator(&folder);
@@ -106,7 +106,7 @@ fn silent_after(deed: &str) -> Duration {
         .env(PORT, &port)
         .env(DEED, deed);
         let mut bad = Running::start(bad.stdout(Stdio::null()).stderr(Stdio::null()));
-        // It may do it before anybody has looked.
+        // The misbehaviour may come before the first check.
         let is_seen = presses(&mut bad, &emulator) || off_since(&emulator).is_some();
         is_seen.then_some(bad)
     };
@@ -123,7 +123,7 @@ fn silent_after(deed: &str) -> Duration {
     });
     assert!(!is_on(&emulator), "{deed}");
     if !ends {
-        // Nobody but the guardian could have done it; and it stays for as long as the loop.
+        // Only the watchdog process can have disabled the output; it lives as long as the loop.
         assert!(bad.try_wait().unwrap().is_none());
         assert_eq!(children(bad.id()).len(), 1);
         bad.kill().unwrap();

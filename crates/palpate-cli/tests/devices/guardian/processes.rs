@@ -1,8 +1,8 @@
-//! The processes of the machine: who has a port open, and who started whom.
+//! The processes of the machine: users of a port, and children of a process.
 
 use std::path::Path;
 
-/// Whether a program, but for this one, which is the board, has the port open.
+/// Whether a program other than this one, which is the board, has the port open.
 pub fn is_held(port: &Path) -> bool {
     // The board's end of a connection has the socket's path, and the board closes it when all copies of
     // the other end are closed. 03 is the state "connected".
@@ -30,7 +30,7 @@ pub fn processes() -> impl Iterator<Item = u32> {
         .filter_map(|entry| entry.ok()?.file_name().to_str()?.parse().ok())
 }
 
-/// Programs that a program started and that have not ended.
+/// Returns the running programs that a program started.
 pub fn children(parent: u32) -> Vec<u32> {
     processes()
         .filter(|id| {

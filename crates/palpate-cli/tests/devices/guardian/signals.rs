@@ -1,18 +1,18 @@
-//! The signals of Linux, and what each does to a loop.
+//! The signals of Linux, with their effects on a loop.
 
-/// What a signal does to a loop.
+/// Effect of a signal on a loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Does {
     /// The loop ends by itself, with its report.
     Ends,
-    /// The program is ended by it.
+    /// The signal kills the program.
     Kills,
-    /// The program stands still.
+    /// The program is suspended.
     Stops,
 }
 
-/// Every signal of Linux by its number, but for those that do nothing to a program: PIPE, CHLD, CONT,
-/// URG, XFSZ, WINCH, and 32 and 33, which are the C library's own.
+/// Returns every signal of Linux by its number, except those without effect on a program: PIPE, CHLD, CONT, URG, XFSZ,
+/// WINCH, and 32 and 33, which the C library uses itself.
 pub fn signals() -> Vec<(i32, Does)> {
     let ignored = [13, 17, 18, 23, 25, 28, 32, 33];
     (1..=64)

@@ -1,4 +1,4 @@
-//! What the test programs share: a folder to work in, the program, and how to read its answers.
+//! Shared code of the test programs: a working folder, the program, and readers of its answers.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
 pub mod running;
@@ -24,15 +24,15 @@ pub const METHODS: [&str; 9] = [
     "coupled",
 ];
 
-/// A folder of its own for each test, gone when the test ends.
+/// A separate folder for each test, deleted when the test ends.
 pub struct Folder(tempfile::TempDir);
 
-/// A text without its ends of lines, which are where a terminal of 80 columns has them.
+/// Joins the lines of a text that was wrapped to 80 columns.
 pub fn in_a_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// What a run of the program gave.
+/// Output of a run of the program.
 #[derive(Debug)]
 pub struct Answer {
     /// Exit code.
@@ -60,7 +60,7 @@ impl Folder {
         self
     }
 
-    /// Content of a file.
+    /// Returns the contents of a file.
     pub fn read(&self, name: &str) -> String {
         std::fs::read_to_string(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
     }
@@ -80,7 +80,7 @@ impl Folder {
         self.palpate_reading("", arguments)
     }
 
-    /// The same with text on standard input.
+    /// Runs the program with text on standard input.
     pub fn palpate_reading(&self, input: impl AsRef<[u8]>, arguments: &str) -> Answer {
         let output = assert_cmd::Command::cargo_bin("palpate")
             .unwrap()
@@ -97,28 +97,28 @@ impl Folder {
         }
     }
 
-    /// Runs the program, which must succeed without a word on standard error.
+    /// Runs the program, which must succeed without messages on standard error.
     pub fn succeed(&self, arguments: &str) -> String {
         let answer = self.palpate(arguments);
         assert_eq!(answer.code, 0, "palpate {arguments}: {answer:?}");
-        // A busy machine may take long enough for lines of progress.
+        // On a busy machine the program may print progress lines.
         let mut said = answer.stderr.lines();
         let said = said.find(|line| !line.starts_with("progress: "));
         assert_eq!(said, None, "palpate {arguments}");
         answer.stdout
     }
 
-    /// Runs the program with `--json`, which must succeed; its report, which is as its schema says.
+    /// Runs the program with `--json`, which must succeed. Returns its report, checked against its schema.
     pub fn json(&self, arguments: &str) -> Value {
         let report = parse(&self.succeed(&format!("{arguments} --json")));
         schema::check(&report);
         report
     }
 
-    /// The same on what a loop in real time has recorded: standard error may say that the machine missed some of it.
+    /// Runs the program with `--json` on a recording of a real-time loop: standard error may report missed ticks.
     pub fn json_of_a_loop(&self, arguments: &str) -> Value {
         let answer = self.palpate(&format!("{arguments} --json"));
-        // 4 where the recorder lost ticks.
+        // 4 if the recorder lost ticks.
         assert!(
             matches!(answer.code, 0 | 4),
             "palpate {arguments}: {answer:?}"
@@ -128,7 +128,7 @@ impl Folder {
         report
     }
 
-    /// Runs the program, which must fail with exit code `code` and say every one of `words`.
+    /// Runs the program, which must fail with exit code `code` and print every one of `words`.
     pub fn fail(&self, arguments: &str, code: i32, words: &[&str]) {
         self.palpate(arguments).failed(arguments, code, words);
     }
@@ -140,7 +140,7 @@ impl Folder {
 }
 
 impl Answer {
-    /// Checks a failure: its exit code, that it says every one of `words`, and nothing else but warnings before it.
+    /// Checks a failure: its exit code, and that every one of `words` is printed, with nothing but warnings before it.
     pub fn failed(&self, what: &str, code: i32, words: &[&str]) {
         assert_eq!(self.code, code, "{what}: {self:?}");
         assert_eq!(self.stdout, "", "{what}");
@@ -180,7 +180,7 @@ pub fn number(value: &Value, field: &str) -> f64 {
         .unwrap_or_else(|| panic!("no number {field} in {value}"))
 }
 
-/// Arguments of `pipe`, without a limit or a soft start unless they say one.
+/// Returns arguments of `pipe`, without a limit or a soft start unless they contain one.
 pub fn unlimited(arguments: &str) -> String {
     let limits = [("--force-limit", "inf"), ("--soft-start", "0")];
     let missing = limits.iter().filter(|(flag, _)| !arguments.contains(flag));
@@ -222,7 +222,7 @@ pub fn taps(step: f64, seconds: f64) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The same as a trace file.
+/// Formats the samples as a trace file.
 pub fn trace_text(samples: &[(f64, f64)]) -> String {
     let mut text = String::from("t_s,position_m\n");
     for (t, x) in samples {
@@ -231,8 +231,7 @@ pub fn trace_text(samples: &[(f64, f64)]) -> String {
     text
 }
 
-/// The parameters that `--help` promises as defaults, for a device that starts out of contact
-/// with an object at rest.
+/// Returns the default parameters of `--help`, for a device that starts out of contact with an object at rest.
 pub fn default_params(
     method: &str,
     stiffness: f64,

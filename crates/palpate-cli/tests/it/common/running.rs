@@ -1,5 +1,5 @@
-//! The program beside a test, gone when the test ends: a loop that a failed test leaves behind would
-//! take its time from every test after it.
+//! The program in a child process that is killed when the test ends: a leftover loop would slow down every following
+//! test.
 
 use std::ops::{Deref, DerefMut};
 use std::process::{Child, Command, Output};
@@ -9,7 +9,7 @@ use super::Folder;
 /// The program, running.
 pub struct Running(Option<Child>);
 
-/// The program in a folder, with arguments separated by blanks, not yet started.
+/// Returns the command of the program in a folder, with arguments separated by blanks.
 pub fn program(folder: &Folder, arguments: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_palpate"));
     command
@@ -31,7 +31,7 @@ impl Running {
         assert!(status.unwrap().success(), "{name}");
     }
 
-    /// Waits for its end; what it said since.
+    /// Waits for its end. Returns its remaining output.
     pub fn output(mut self) -> Output {
         let child = self.0.take().expect("it is waited for once");
         child.wait_with_output().unwrap()
@@ -55,7 +55,7 @@ impl DerefMut for Running {
 impl Drop for Running {
     fn drop(&mut self) {
         if let Some(child) = &mut self.0 {
-            // It may have ended by itself.
+            // The child may have ended by itself.
             let _ = child.kill();
             let _ = child.wait();
         }

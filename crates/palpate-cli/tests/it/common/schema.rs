@@ -1,13 +1,13 @@
-//! Whether a report is as its schema in `docs/schema` says.
+//! Validation of reports against their schemas in `docs/schema`.
 //!
-//! The schemas use few of the words of JSON Schema. A word that is not known here fails the test, so no rule
-//! of a schema is passed over.
+//! The schemas use few keywords of JSON Schema. An unknown keyword fails the test, so that no rule of a schema is
+//! skipped.
 
 use std::path::PathBuf;
 
 use serde_json::Value;
 
-/// Checks a report against the committed schema of its format; the name of that schema.
+/// Checks a report against the committed schema of its format. Returns the name of that schema.
 pub fn check(report: &Value) -> String {
     let one = report.get(0).unwrap_or(report);
     let format = one["format"]
@@ -26,7 +26,7 @@ pub fn check(report: &Value) -> String {
     name
 }
 
-/// `map-report` of `palpate map report 2`.
+/// Returns `map-report` for `palpate map report 2`.
 fn name(format: &str) -> String {
     let words: Vec<&str> = format.split(' ').collect();
     let ["palpate", name @ .., version] = &words[..] else {
@@ -36,7 +36,7 @@ fn name(format: &str) -> String {
     name.join("-")
 }
 
-/// What of `value`, which stands at `at`, does not fit a part of the schema `root`.
+/// Checks `value`, at the path `at`, against a part of the schema `root`.
 pub fn fits(value: &Value, schema: &Value, root: &Value, at: &str) -> Result<(), String> {
     let rules = match schema {
         Value::Bool(true) => return Ok(()),

@@ -1,4 +1,4 @@
-//! Recordings to test with: simulated loops, recorded as a live one is.
+//! Recordings for tests: simulated loops, recorded like live ones.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
 use std::path::Path;
@@ -11,14 +11,14 @@ use palpate_scene::{Jitter, SceneFile};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::run::Run;
 
-/// A committed scene whose loop comes early and late, run by a method; its text and what it did.
+/// Runs a committed scene with early and late samples by a method. Returns its text and its run.
 pub fn loop_of(name: &str, method: MethodName) -> (String, Run) {
     let text = super::common::experiment_text(name);
     let run = loop_in(&text, method);
     (text, run)
 }
 
-/// What a scene, whose loop comes early and late, did by a method.
+/// Runs a scene with early and late samples by a method.
 pub fn loop_in(text: &str, method: MethodName) -> Run {
     let mut scene = SceneFile::parse("scene", text).unwrap().scene;
     scene.timing.jitter = Jitter::Uniform {
@@ -27,7 +27,7 @@ pub fn loop_in(text: &str, method: MethodName) -> Run {
     Bench::new(&scene).unwrap().run(method).unwrap()
 }
 
-/// A tick of a run and its contact as a recorder sees them.
+/// Returns a tick of a run and its contact in the form of a recorder.
 #[allow(clippy::needless_update, reason = "columns may come")]
 pub fn row(run: &Run, at: usize) -> Row {
     let tick = &run.ticks[at];
@@ -77,7 +77,7 @@ pub fn append(writer: &mut RecordingWriter, row: &Row) {
     writer.append(&row.tick, &[row.contact]).unwrap();
 }
 
-/// Records a run, but for the ticks that `keeps` leaves out.
+/// Records a run, without the ticks that `keeps` rejects.
 pub fn write(path: &Path, text: &str, run: &Run, keeps: impl Fn(usize) -> bool) {
     let receipt = Receipt::new("0.1.0").with("scene", text);
     let mut writer = RecordingWriter::create(path, &receipt).unwrap();

@@ -54,7 +54,8 @@ fn a_recorded_motion_is_rendered_in_a_world() {
     );
 }
 
-/// The same motion in millimetres, milliseconds, in other columns: refused as metres and seconds, and read as flags say.
+/// The same motion in millimetres, milliseconds and other columns: rejected as metres and seconds, and accepted with
+/// flags.
 #[test]
 fn a_recorders_table_is_rendered_in_a_world_as_flags_say() {
     let folder = Folder::new();

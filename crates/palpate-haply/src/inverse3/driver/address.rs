@@ -1,4 +1,4 @@
-//! Where the service is, and how to get a WebSocket there.
+//! Address of the service, and the WebSocket connection to it.
 
 use std::io::{self, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
@@ -13,10 +13,10 @@ use tungstenite::{ClientHandshake, Error, WebSocket};
 /// Port of the simulation channel.
 const PORT: u16 = 10001;
 
-/// Longest message that is taken: frames of many devices have a few thousand bytes.
+/// Maximum length of a received message `[bytes]`; frames of many devices have a few thousand bytes.
 const LONGEST: usize = 1 << 20;
 
-/// Where a WebSocket of the service is.
+/// Address of a WebSocket of the service.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Address {
     url: String,
@@ -24,41 +24,41 @@ pub(super) struct Address {
     port: u16,
 }
 
-/// Why there is no WebSocket.
+/// Reason why the WebSocket connection failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ConnectError {
-    /// What was given is no address.
+    /// The address is invalid.
     #[error("{given}: {what}; allowed: ws://HOST:PORT, such as ws://localhost:10001")]
     Address {
-        /// What was given.
+        /// Given address.
         given: String,
-        /// What is wrong with it.
+        /// Description of the error.
         what: String,
     },
-    /// Nobody answers there.
+    /// No server answers at the address.
     #[error(
         "nobody answers at {url}: {error}; start Haply's Inverse Service, or \
          `palpate emulate inverse3` to try without a device"
     )]
     Nobody {
-        /// Where.
+        /// Address.
         url: String,
-        /// Why not.
+        /// Error of the operating system.
         error: io::Error,
     },
-    /// Somebody answers, but not as the service does.
+    /// A server answers, but it is not the Inverse Service.
     #[error("{url} answers, but is no Inverse Service: {what}")]
     NoService {
-        /// Where.
+        /// Address.
         url: String,
-        /// What it did.
+        /// Description of its answer.
         what: String,
     },
 }
 
 impl Address {
-    /// Reads `ws://HOST:PORT`; the scheme and the port may be left away.
+    /// Parses `ws://HOST:PORT`; the scheme and the port are optional.
     pub fn parse(given: &str) -> Result<Self, ConnectError> {
         let wrong = |what: &str| ConnectError::Address {
             given: given.to_owned(),
@@ -90,8 +90,8 @@ impl Address {
         })
     }
 
-    /// A WebSocket there, and a second half for another thread to write through. Each of the
-    /// addresses of the host is tried in turn, IPv6 and IPv4.
+    /// Opens a WebSocket, and a second half through which another thread writes. Tries each IPv6 and IPv4 address of
+    /// the host in turn.
     pub fn connect(&self, patience: Duration) -> Result<(WebSocket<Half>, Half), ConnectError> {
         let nobody = |error| ConnectError::Nobody {
             url: self.url.clone(),
@@ -143,13 +143,13 @@ impl Address {
         Err(refused)
     }
 
-    /// Where that is, in words.
+    /// Returns the address as a URL.
     pub fn url(&self) -> &str {
         &self.url
     }
 }
 
-/// A message is written when it is sent, and none is longer than what the service may send.
+/// Returns a configuration without write buffering; the length limits apply to messages of the service.
 fn config() -> WebSocketConfig {
     WebSocketConfig::default()
         .read_buffer_size(1 << 14)
@@ -158,8 +158,8 @@ fn config() -> WebSocketConfig {
         .max_frame_size(Some(LONGEST))
 }
 
-/// One of two ends through which two threads use a connection: one reads, and answers pings and
-/// closing; the other writes. What one of them writes at a time stays in one piece.
+/// One of two ends of a connection that is shared by two threads: one reads, and answers pings and closing; the other
+/// writes. A mutex keeps each write in one piece.
 #[derive(Debug)]
 pub(super) struct Half {
     stream: TcpStream,
@@ -167,12 +167,12 @@ pub(super) struct Half {
 }
 
 impl Half {
-    /// A WebSocket to write through.
+    /// Creates a WebSocket to write through.
     pub fn into_writer(self) -> WebSocket<Self> {
         WebSocket::from_raw_socket(self, Role::Client, Some(config()))
     }
 
-    /// The connection itself.
+    /// Returns the connection itself.
     pub fn stream(&self) -> &TcpStream {
         &self.stream
     }
@@ -182,7 +182,7 @@ impl Read for Half {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         loop {
             match self.stream.read(buffer) {
-                // A program that was stopped and goes on (ctrl-Z, fg): the kernel ends a read with a timeout by it.
+                // The kernel interrupts a read with a timeout when a stopped program continues (ctrl-Z, fg).
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
                 read => return read,
             }

@@ -1,4 +1,4 @@
-//! What the service says beside the frames: why a device is gone, or that its own safety acted.
+//! Events of the service beside the frames: the reason why a device is gone, or an action of its safety system.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use tungstenite::{Message, WebSocket};
 use super::address::Half;
 use super::link::{Cause, Link};
 
-/// An event, as far as it matters here.
+/// An event, reduced to the fields used here.
 #[derive(Debug, Deserialize)]
 struct Event {
     name: String,
@@ -24,7 +24,7 @@ struct Data {
     safety_type: Option<String>,
 }
 
-/// What an event means for the device of this name; most mean nothing.
+/// Returns the meaning of an event for the device with this name; most events have none.
 fn meaning(text: &str, id: &str) -> Option<Cause> {
     let event: Event = serde_json::from_str(text).ok()?;
     if event.data.device_id.as_deref() != Some(id) {
@@ -33,15 +33,15 @@ fn meaning(text: &str, id: &str) -> Option<Cause> {
     match (event.name.as_str(), event.data.safety_type.as_deref()) {
         ("device-disconnected", _) => Some(Cause::Unplugged),
         ("device-calibration-failed", _) => Some(Cause::NotCalibrated),
-        // What it ends was told when it began.
+        // The event at the beginning was already reported.
         ("device-safety-triggered", Some("ebrake_released")) => None,
         ("device-safety-triggered", _) => Some(Cause::Safety),
         _ => None,
     }
 }
 
-/// Listens until the connection ends. That it ends is no reason to stop: what matters shows in the
-/// frames too, if later and in fewer words.
+/// Reads events until the connection ends. The end of the connection is not an error, because the frames show the same
+/// conditions later and in less detail.
 pub(super) fn listen(mut socket: WebSocket<Half>, id: &str, link: &Arc<Link>) {
     while !link.is_ending() {
         match socket.read() {

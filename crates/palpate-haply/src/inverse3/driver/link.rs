@@ -1,4 +1,4 @@
-//! What the loop's thread, the reader and the writer tell each other without waiting.
+//! Non-blocking state shared by the loop's thread, the reader and the writer.
 
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -7,45 +7,45 @@ use palpate_device::{DeviceError, DeviceErrorKind, Vector};
 
 use super::super::fitness::Unfit;
 
-/// What the loop wants to be commanded.
+/// Command of the loop.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Order {
-    /// They count from 1; 0: nothing yet.
+    /// Counts from 1; 0: no order yet.
     pub number: u64,
-    /// `[N]`.
+    /// Force `[N]`.
     pub force: Vector,
-    /// On the loop's clock.
+    /// Time on the loop's clock.
     pub at: Duration,
 }
 
-/// Where the device was.
+/// Sample of the device position.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arrival {
-    /// They count from 1; 0: nothing yet.
+    /// Counts from 1; 0: no sample yet.
     pub number: u64,
-    /// `[m]`.
+    /// Position `[m]`.
     pub position: Vector,
-    /// When the frame came, on the loop's clock.
+    /// Time of arrival of the frame, on the loop's clock.
     pub time: Duration,
 }
 
-/// Why no force goes to the device.
+/// Reason why the device receives no force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum Cause {
     /// The connection is cut.
     Cut = 1,
-    /// The service closed it.
+    /// The service closed the connection.
     Closed,
-    /// Nothing came for too long.
+    /// No frame arrived for too long.
     Silent,
-    /// The device is no longer in the frames.
+    /// The frames no longer contain the device.
     DeviceGone,
-    /// The service has told that it was unplugged.
+    /// The service reported that the device was unplugged.
     Unplugged,
-    /// Frames come that are none.
+    /// Invalid frames arrive.
     Unreadable,
-    /// The device's own safety acted.
+    /// The safety system of the device acted.
     Safety,
     NoPower,
     NotStarted,
@@ -72,7 +72,7 @@ impl Cause {
         Self::ALL.into_iter().find(|cause| *cause as u8 == code)
     }
 
-    /// Whether only connecting anew helps.
+    /// Returns whether only a new connection helps.
     fn is_final(self) -> bool {
         matches!(
             self,
@@ -111,16 +111,16 @@ impl From<Unfit> for Cause {
             Unfit::NoPower => Self::NoPower,
             Unfit::NotStarted => Self::NotStarted,
             Unfit::NotCalibrated => Self::NotCalibrated,
-            // Who else commands it, and what it is, is asked when it is opened.
+            // `open` already checked for another user and another model.
             Unfit::NotReady | Unfit::InUse | Unfit::OtherModel => Self::NotReady,
         }
     }
 }
 
-/// Send times that are remembered: more messages than can be under way.
+/// Number of stored send times: more than the number of messages in flight.
 const REMEMBERED: usize = 16;
 
-/// Shared by the three.
+/// State shared by the three threads.
 #[derive(Debug)]
 pub(super) struct Link {
     origin: Instant,
@@ -129,21 +129,21 @@ pub(super) struct Link {
     sent_at: [AtomicU64; REMEMBERED],
     last_frame: AtomicU64,
     gone: AtomicU8,
-    /// Why the device takes no forces now.
+    /// Current reason why the device accepts no forces.
     unfit: AtomicU8,
-    /// Why it took none, which the loop has not been told yet.
+    /// Earlier reason that the loop has not yet received.
     untold: AtomicU8,
     cut: AtomicBool,
     ending: AtomicBool,
     pub counts: AtomicCounts,
 }
 
-/// How an answer fits what was sent.
+/// Match of an answer with the sent messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Fits {
-    /// It answers a message of this age.
+    /// Answers a message of this age.
     Answers(Duration),
-    /// Every message had its answer already.
+    /// Every message was already answered.
     Surplus,
 }
 
@@ -174,7 +174,7 @@ impl Link {
         &self.sent_at[(number % REMEMBERED as u64) as usize]
     }
 
-    /// The writer is about to send a message. Said before it is done: no answer is faster.
+    /// Records a message. Called before sending it, because the answer may arrive immediately.
     pub fn sends(&self, now: Instant) {
         let number = self.sent.load(Ordering::Acquire) + 1;
         self.sent_at(number)
@@ -182,7 +182,7 @@ impl Link {
         self.sent.store(number, Ordering::Release);
     }
 
-    /// A frame has come. Each message has one answer, in order.
+    /// Records a received frame. Each message has one answer, in order.
     pub fn comes(&self, now: Instant) -> Fits {
         let came = self.nanoseconds(now);
         self.last_frame.store(came, Ordering::Release);
@@ -204,7 +204,7 @@ impl Link {
         }
     }
 
-    /// Messages without an answer, and how long ago the oldest of them was sent.
+    /// Returns the number of unanswered messages and the age of the oldest one.
     pub fn owed(&self, now: Instant) -> (u64, Duration) {
         let answered = self.answered.load(Ordering::Acquire);
         let owed = self.sent.load(Ordering::Acquire).saturating_sub(answered);
@@ -213,7 +213,7 @@ impl Link {
         (owed, Duration::from_nanos(age))
     }
 
-    /// Answers so far, and how long ago the last frame came.
+    /// Returns the number of answers and the time since the last frame.
     pub fn heard(&self, now: Instant) -> (u64, Duration) {
         let last = self.last_frame.load(Ordering::Acquire);
         let since = self.nanoseconds(now).saturating_sub(last);
@@ -223,7 +223,7 @@ impl Link {
         )
     }
 
-    /// Answers that were owed when `heard` were there will not come any more.
+    /// Gives up all unanswered messages, unless an answer has arrived since there were `heard` answers.
     pub fn write_off(&self, heard: u64) {
         let sent = self.sent.load(Ordering::Acquire);
         let exchange =
@@ -235,55 +235,55 @@ impl Link {
         }
     }
 
-    /// Only connecting anew helps from now on; the first cause is the one to know.
+    /// Records a failure that only a new connection repairs; the first cause is kept.
     pub fn lose(&self, cause: Cause) {
         let _ = self
             .gone
             .compare_exchange(0, cause as u8, Ordering::AcqRel, Ordering::Acquire);
     }
 
-    /// The device does not take forces, for this cause, or does. A cause that comes and goes stays
-    /// until the loop has been told.
+    /// Sets or clears the reason why the device accepts no forces. A temporary reason is kept until the loop has
+    /// received it.
     pub fn set_unfit(&self, cause: Option<Cause>) {
         let code = cause.map_or(0, |cause| cause as u8);
         if self.unfit.swap(code, Ordering::AcqRel) != code && code != 0 {
-            // The first one is what happened.
+            // Keep the first cause.
             let _ = self
                 .untold
                 .compare_exchange(0, code, Ordering::AcqRel, Ordering::Acquire);
         }
     }
 
-    /// The device took no forces for a moment, for this cause, which has no end of its own.
+    /// Records a reason without an end of its own.
     pub fn was_unfit(&self, cause: Cause) {
         self.untold.store(cause as u8, Ordering::Release);
     }
 
-    /// Whether only connecting anew helps.
+    /// Returns whether only a new connection helps.
     pub fn is_lost(&self) -> bool {
         self.gone.load(Ordering::Acquire) != 0
     }
 
-    /// Why no force goes to the device for now, if so.
+    /// Returns the reason why the device receives no force now, if any.
     pub fn unfit(&self) -> Option<Cause> {
         Cause::of(self.untold.load(Ordering::Acquire))
             .or_else(|| Cause::of(self.unfit.load(Ordering::Acquire)))
     }
 
-    /// What the loop is to be told.
+    /// Returns the error for the loop, if any.
     pub fn error(&self) -> Option<DeviceError> {
         Cause::of(self.gone.load(Ordering::Acquire))
             .or(self.unfit())
             .map(Cause::error)
     }
 
-    /// Tells the loop. What is over is over from then on, but not for what it ordered before.
+    /// Returns the error for the loop. An earlier reason is then cleared, but the loop's older orders stay cut.
     pub fn tell(&self) -> Option<DeviceError> {
         let untold = self.untold.load(Ordering::Acquire);
         let error = self.error()?;
         if untold != 0 {
             self.cut();
-            // Only what was told: there may be another one by now.
+            // Clear only the reported reason; another one may have followed.
             let _ = self
                 .untold
                 .compare_exchange(untold, 0, Ordering::AcqRel, Ordering::Acquire);
@@ -291,12 +291,12 @@ impl Link {
         Some(error)
     }
 
-    /// The supervisor commands no force, until the loop's next order.
+    /// Commands zero force until the loop's next order. Called by the supervisor.
     pub fn cut(&self) {
         self.cut.store(true, Ordering::Release);
     }
 
-    /// The loop has ordered a force.
+    /// Ends a cut, because the loop has ordered a force.
     pub fn uncut(&self) {
         self.cut.store(false, Ordering::Release);
     }
@@ -305,7 +305,7 @@ impl Link {
         self.cut.load(Ordering::Acquire)
     }
 
-    /// Both threads are to end.
+    /// Asks both threads to end.
     pub fn end(&self) {
         self.ending.store(true, Ordering::Release);
     }
@@ -315,28 +315,28 @@ impl Link {
     }
 }
 
-/// What went over the connection so far.
+/// Counters of a connection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Messages that were sent.
+    /// Sent messages.
     pub sent: u64,
-    /// Answers that were taken as a sample.
+    /// Answers used as a sample.
     pub fresh: u64,
-    /// Answers that came too late to be one.
+    /// Answers that arrived too late.
     pub late: u64,
-    /// Frames that answered nothing.
+    /// Frames without a message to answer.
     pub surplus: u64,
-    /// Frames that were not believed.
+    /// Rejected frames.
     pub garbage: u64,
-    /// Answers that never came.
+    /// Answers that never arrived.
     pub lost: u64,
-    /// How often the service stood still for longer than an answer may take.
+    /// Times that the service stalled for longer than the reply timeout.
     pub stalls: u64,
-    /// Longest round trip that gave a sample.
+    /// Longest round trip of a sample.
     pub longest_round_trip: Duration,
 }
 
-/// The same, while they change.
+/// Atomic counterpart of `Counts`.
 #[derive(Debug, Default)]
 pub(super) struct AtomicCounts {
     pub fresh: AtomicU64,
@@ -360,7 +360,7 @@ impl AtomicCounts {
 }
 
 impl Link {
-    /// What went over it so far.
+    /// Returns the counters.
     pub fn counted(&self) -> Counts {
         let of = |count: &AtomicU64| count.load(Ordering::Relaxed);
         Counts {
@@ -402,7 +402,7 @@ mod tests {
         link.sends(now);
         link.sends(now);
         link.comes(now);
-        // Another one came meanwhile: nothing is written off.
+        // Another answer has arrived: nothing is given up.
         link.write_off(0);
         assert_eq!(link.owed(now).0, 1);
         link.write_off(1);
@@ -439,9 +439,9 @@ mod tests {
         let told = link.tell();
         assert_eq!(told, Some(Cause::NoPower.error()));
         assert_eq!((link.unfit(), link.tell()), (None, None));
-        // What was ordered before it was told does not count.
+        // Orders older than the report are ignored.
         assert!(link.is_cut());
-        // And as long as it is so, told or not.
+        // A lasting reason applies before and after it is reported.
         link.set_unfit(Some(Cause::NotReady));
         for _ in 0..3 {
             assert_eq!(link.tell(), Some(Cause::NotReady.error()));

@@ -1,4 +1,4 @@
-//! The driver: an Inverse3 as a device of a loop.
+//! Driver of the Inverse3.
 
 mod address;
 mod events;
@@ -25,30 +25,30 @@ pub use link::Counts;
 use link::{Arrival, Link, Order};
 pub use open::{Found, OpenError, devices};
 
-/// Where the service answers if nothing else is said.
+/// Default address of the service.
 pub const SERVICE: &str = "ws://localhost:10001";
 
-/// Largest force that is commanded `[N]`.
+/// Largest commanded force `[N]`.
 pub const LARGEST_FORCE: f64 = 10.0;
 
-/// Which device, and how it is talked to.
+/// Choice of the device, and communication settings.
 #[derive(Clone, Debug)]
 pub struct Inverse3Options {
-    /// Where the service's simulation channel is: `ws://HOST:PORT`.
+    /// Address of the service's simulation channel: `ws://HOST:PORT`.
     pub service: String,
-    /// Where its events channel is, usually on port 10020; `None`: not listened to. It tells sooner,
-    /// and in more words, why a device is gone.
+    /// Address of the events channel, usually on port 10020; `None`: not used. It reports earlier and in more detail
+    /// why a device is gone.
     pub events: Option<String>,
-    /// The device's name; `None`: the only one there is.
+    /// Name of the device; `None`: the only one present.
     pub device_id: Option<String>,
-    /// The form of the interface; `None`: what the first frame looks like.
+    /// Version of the interface; `None`: detected from the first frame.
     pub form: Option<Form>,
-    /// When to send what.
+    /// Timing of messages.
     pub pace: Pace,
-    /// Priority under SCHED_FIFO of the two threads that talk to the service, 1 to 99; `None`: with
-    /// everybody else. Below the loop's: it does not wait for them.
+    /// SCHED_FIFO priority of the two threads that communicate with the service, 1 to 99; `None`: normal scheduling.
+    /// Choose it below the loop's priority: the loop does not wait for these threads.
     pub priority: Option<u8>,
-    /// How long to wait for the service's first frame, and for the device to be ready.
+    /// Time limit for the service's first frame, and for the device to become ready.
     pub patience: Duration,
 }
 
@@ -66,25 +66,25 @@ impl Default for Inverse3Options {
     }
 }
 
-/// When to send what. A written force goes out at once, or as soon as the answer to the message
-/// before has come; no force goes out at once in any case.
+/// Timing of messages. A written force is sent at once, or as soon as the previous message is answered. Zero force is
+/// always sent at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pace {
-    /// How long after a message the next one goes out though nothing new was written: how old a
-    /// sample may become, and what keeps the service from idling under a slow loop.
+    /// Time after which a message is repeated without a new force. It bounds the age of a sample, and keeps the service
+    /// from idling under a slow loop.
     pub exchange_every: Duration,
-    /// How long an answer may take, or three times the median round trip if that is longer. What
-    /// comes later is no sample, and the service counts as standing still: it is commanded no force.
+    /// Time limit for an answer, or three times the median round trip if that is longer. A later answer is not used as
+    /// a sample; the service counts as stalled and is commanded zero force.
     pub reply_timeout: Duration,
-    /// How long the service may stand still before the device counts as gone.
+    /// Duration of a stall after which the device counts as gone.
     pub give_up_after: Duration,
-    /// How long a written force is held though nothing was written since. Longer than any period:
-    /// [`for_period`](Self::for_period) sees to that.
+    /// Time for which a written force is held without another write. It must exceed the loop period;
+    /// [`for_period`](Self::for_period) ensures that.
     pub hold: Duration,
 }
 
 impl Default for Pace {
-    /// Twice a period of 1 kHz, 10 ms, 1 s, and 0.1 s.
+    /// Half a period of 1 kHz, 10 ms, 1 s, and 0.1 s.
     fn default() -> Self {
         Self {
             exchange_every: Duration::from_micros(500),
@@ -96,7 +96,7 @@ impl Default for Pace {
 }
 
 impl Pace {
-    /// For a loop of this period: the usual one, but a force is held for three periods at least.
+    /// Returns the default timing for a loop of this period; a force is held for at least three periods.
     #[must_use]
     pub fn for_period(period: Duration) -> Self {
         let usual = Self::default();
@@ -109,21 +109,19 @@ impl Pace {
 
 /// A Haply Inverse3 behind its service.
 ///
-/// JSON and WebSocket allocate and wait, so two threads of the driver do that. `read` and `write`
-/// hand over a sample or a force, and neither waits, locks or allocates. A sample's time is when its
-/// frame came, on the loop's clock: the service sends none. What is asked for beyond 10 N is
-/// shortened to 10 N, in the same direction.
+/// JSON and WebSocket allocate and block, so two threads of the driver use them. `read` and `write` transfer a sample
+/// or a force without waiting, locking or allocating. The time of a sample is the arrival of its frame on the loop's
+/// clock, because the service sends no time. A force above 10 N is reduced to 10 N in the same direction.
 ///
-/// **Rates.** A loop faster than the exchange finds nothing new now and then: one such period in a
-/// row costs nothing, of two the second is without a force. So the period should be no less than the
-/// [round trip](Self::round_trip), and half of it is too little. In a slower loop the exchange goes
-/// on by itself ([`Pace::exchange_every`]), and `read` returns what came last.
+/// **Rates.** A loop faster than the exchange sometimes finds no new sample. One such period has no effect; of two in a
+/// row the second is without a force. The period should be at least the [round trip](Self::round_trip); half of it is
+/// too short. With a slower loop the exchange continues by itself ([`Pace::exchange_every`]), and `read` returns the
+/// latest sample.
 ///
-/// **Zero.** When this is dropped, a message without a force is the last one. When the loop stands
-/// still, its supervisor's zero writer has the next message carry none, and without a supervisor
-/// [`Pace::hold`] does. When the service stands still, none is the force from then on. When this
-/// program is killed, the service idles the device some time after the last message: it does not
-/// latch a force.
+/// **Zero.** When this is dropped, the last message commands zero force. If the loop stalls, its supervisor's zero
+/// writer makes the next message command zero force; without a supervisor [`Pace::hold`] does. If the service stalls,
+/// the force is zero from then on. If this program is killed, the service idles the device some time after the last
+/// message: it does not latch a force.
 #[derive(Debug)]
 pub struct Inverse3<C> {
     clock: C,
@@ -139,22 +137,22 @@ pub struct Inverse3<C> {
     seen: u64,
     writer: Thread,
     threads: Vec<JoinHandle<()>>,
-    /// The events' connection, which its thread waits on.
+    /// Connection of the events thread.
     events: Option<TcpStream>,
 }
 
-/// What to look at while, or after, a loop has the device.
+/// Access to the connection's state during and after a loop.
 #[derive(Clone, Debug)]
 pub struct Inspector(Arc<Link>);
 
 impl Inspector {
-    /// What went over the connection so far.
+    /// Returns the counters of the connection.
     #[must_use]
     pub fn counts(&self) -> Counts {
         self.0.counted()
     }
 
-    /// Why the device is gone, if it is.
+    /// Returns the reason why the device is gone, if it is.
     #[must_use]
     pub fn lost(&self) -> Option<&'static str> {
         let error = self.0.error()?;
@@ -163,40 +161,39 @@ impl Inspector {
 }
 
 impl<C> Inverse3<C> {
-    /// The name by which commands address it.
+    /// Returns the name that addresses the device in commands.
     #[must_use]
     pub fn device_id(&self) -> &str {
         &self.device_id
     }
 
-    /// The form of the interface that is spoken.
+    /// Returns the version of the interface.
     #[must_use]
     pub fn form(&self) -> Form {
         self.form
     }
 
-    /// Where the cursor was when it was opened `[m]`.
+    /// Returns the position of the cursor at opening `[m]`.
     #[must_use]
     pub fn opened_at(&self) -> Vector {
         self.opened_at
     }
 
-    /// How long an exchange took at the median, when it was opened.
+    /// Returns the median round trip measured at opening.
     #[must_use]
     pub fn round_trip(&self) -> Duration {
         self.round_trip
     }
 
-    /// Something to look at its connection with from elsewhere.
+    /// Returns an inspector of the connection, for use elsewhere.
     #[must_use]
     pub fn inspector(&self) -> Inspector {
         Inspector(Arc::clone(&self.link))
     }
 }
 
-/// What an Inverse3 can do: force, stiffness and damping as the author of Haply's CHAI3D driver has
-/// them. Its workspace of 0.15 m about its middle is not here: where the middle is in the service's
-/// frame depends on the service's mount.
+/// Returns the capabilities of an Inverse3: force, stiffness and damping from Haply's CHAI3D driver. The workspace of
+/// 0.15 m about its centre is not included, because the centre in the service's frame depends on the service's mount.
 fn capabilities() -> Capabilities {
     Capabilities {
         largest_force: Some(LARGEST_FORCE),
@@ -239,12 +236,12 @@ impl<C: Clock> Device for Inverse3<C> {
             force: given,
             at: self.clock.now(),
         });
-        // After the order is there: until then the cut holds.
+        // After writing the order: until then the cut holds.
         self.link.uncut();
         self.writer.unpark();
         let not_finite = DeviceError::new(DeviceErrorKind::Refused, "the force is not finite");
         match self.link.error() {
-            // No force is what it is given then, and so it is taken.
+            // The device already receives zero force, so a zero order is accepted.
             Some(error) if error.kind != DeviceErrorKind::Refused || given != [0.0; 3] => {
                 Err(error)
             }
@@ -270,7 +267,7 @@ impl<C: Clock> Device for Inverse3<C> {
     }
 }
 
-/// A force no longer than the largest; what is not finite is none.
+/// Limits the force to the largest length; returns `None` if it is not finite.
 fn bounded(force: Vector) -> Option<Vector> {
     let largest = force.iter().fold(0.0_f64, |most, f| most.max(f.abs()));
     if !force.iter().all(|f| f.is_finite()) {
@@ -279,14 +276,14 @@ fn bounded(force: Vector) -> Option<Vector> {
     if largest == 0.0 {
         return Some(force);
     }
-    // Scaled first: the square of a large number is infinite.
+    // Scale first: the square of a large number overflows.
     let square: f64 = force.iter().map(|f| (f / largest).powi(2)).sum();
     let length = largest * square.sqrt();
     let part = (LARGEST_FORCE / length).min(1.0);
     Some(force.map(|f| f * part))
 }
 
-/// Nothing came within the socket's time, which says nothing.
+/// Returns whether the error is only a timeout of the socket.
 fn is_a_pause(error: &std::io::Error) -> bool {
     use std::io::ErrorKind::{Interrupted, TimedOut, WouldBlock};
     matches!(error.kind(), WouldBlock | TimedOut | Interrupted)

@@ -1,4 +1,4 @@
-//! Opening a device: find the service, choose, look whether it can be used, start the threads.
+//! Opening a device: find the service, choose the device, check its readiness, start the threads.
 
 use std::io;
 use std::sync::Arc;
@@ -18,90 +18,90 @@ use super::reader::Reader;
 use super::writer::Writer;
 use super::{Inverse3, Inverse3Options, capabilities, events};
 
-/// Exchanges of which the round trip is the median.
+/// Number of exchanges for the median round trip.
 const TRIED: usize = 31;
 
-/// An answer that takes this many times the median is still one, from however far it comes.
+/// Limit of a reply time, in median round trips.
 const SLOWER: u32 = 3;
 
-/// Pause between two looks at a device that is not ready.
+/// Interval between checks of a device that is not ready.
 const AGAIN: Duration = Duration::from_millis(50);
 
-/// Why a device is not opened.
+/// Reason why a device could not be opened.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OpenError {
     /// There is no service.
     #[error(transparent)]
     Connect(#[from] ConnectError),
-    /// The service does not send what it has to.
+    /// The service sends unexpected data.
     #[error("{url}: {what}")]
     Service {
-        /// Where.
+        /// Address.
         url: String,
-        /// What is wrong.
+        /// Description of the error.
         what: String,
     },
-    /// A frame that is not believed.
+    /// A frame was rejected.
     #[error("{url}: {error}")]
     Frame {
-        /// Where.
+        /// Address.
         url: String,
-        /// What is wrong with it.
+        /// Reason.
         error: FrameError,
     },
     /// The service has no Inverse3.
     #[error("{url} has no Inverse3: plug one in, and see that its light is on")]
     NoDevice {
-        /// Where.
+        /// Address.
         url: String,
     },
-    /// It has others.
+    /// The service has other devices only.
     #[error("{url} has no device {wanted}; it has {there}")]
     NotThere {
-        /// Where.
+        /// Address.
         url: String,
-        /// Which one was asked for.
+        /// Requested name.
         wanted: String,
-        /// The names of those that it has.
+        /// Names of the present devices.
         there: String,
     },
-    /// It has several: a force on the wrong one hits somebody who does not expect it.
+    /// The service has several devices; a force on the wrong one could surprise its user.
     #[error("{url} has several devices: {there}; choose one by --device-id")]
     Several {
-        /// Where.
+        /// Address.
         url: String,
         /// Their names.
         there: String,
     },
-    /// The device cannot be used as it is.
+    /// The device is not ready.
     #[error("device {device}: {unfit}")]
     Unfit {
-        /// Which.
+        /// Device id.
         device: String,
-        /// Why not.
+        /// Reason.
         unfit: Unfit,
     },
-    /// The system gives no thread.
+    /// The operating system cannot create a thread.
     #[error("no thread for the device: {0}")]
     Thread(#[from] io::Error),
 }
 
-/// A device that a service has.
+/// A device of a service.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
     /// Its name.
     pub device_id: String,
-    /// What it is, as the service calls it.
+    /// Model, with the service's name for it.
     pub model: String,
-    /// Why it cannot be used as it is, if so.
+    /// Reason why it cannot be used, if any.
     pub unfit: Option<Unfit>,
 }
 
-/// The devices that a service has.
+/// Returns the devices of a service.
 ///
 /// # Errors
-/// There is no service, or it does not send what it has to.
+/// There is no service, or it sends unexpected data.
 pub fn devices(service: &str, patience: Duration) -> Result<Vec<Found>, OpenError> {
     let address = Address::parse(service)?;
     let (_, _, frame) = first_frame(&address, patience)?;
@@ -116,12 +116,11 @@ pub fn devices(service: &str, patience: Duration) -> Result<Vec<Found>, OpenErro
 }
 
 impl<C: Clock> Inverse3<C> {
-    /// Opens a device; its samples are stamped on `clock`, which is the loop's. Opening it again
-    /// after it was lost is opening it.
+    /// Opens a device; its samples are stamped on `clock`, which is the loop's clock. A lost device is opened again in
+    /// the same way.
     ///
     /// # Errors
-    /// There is no service, or no such device, or the device cannot be used as it is: says what to
-    /// do.
+    /// There is no service, no such device, or the device is not ready. The error contains the remedy.
     pub fn open(options: &Inverse3Options, clock: C) -> Result<Self, OpenError> {
         let address = Address::parse(&options.service)?;
         let events = match &options.events {
@@ -129,7 +128,7 @@ impl<C: Clock> Inverse3<C> {
             None => None,
         };
         let deadline = Instant::now() + options.patience;
-        // A session that has just ended may still have the device.
+        // A session that has just ended may still hold the device.
         let (mut socket, half, device) = loop {
             let (socket, half, frame) = first_frame(&address, options.patience)?;
             let device = choose(&frame, &address, options.device_id.as_deref())?;
@@ -156,7 +155,7 @@ impl<C: Clock> Inverse3<C> {
         });
         let mut commands = Commands::new(&device.device_id, form);
         let round_trip = round_trip(&mut socket, &mut commands, &address, options.patience)?;
-        // From here on the writer watches over the time.
+        // From here on the writer enforces the time limits.
         socket.get_ref().stream().set_read_timeout(None)?;
         let mut options = options.clone();
         options.pace.reply_timeout = options.pace.reply_timeout.max(round_trip * SLOWER);
@@ -245,7 +244,8 @@ impl<C: Clock> Inverse3<C> {
 
     fn listen(&mut self, (socket, half): (WebSocket<Half>, Half)) -> Result<(), OpenError> {
         half.stream().set_read_timeout(None)?;
-        // First: a thread that nobody could end would be waited for, for ever.
+        // Keep the connection before starting the thread: without it, the thread could not be ended and joining would
+        // hang.
         self.events = Some(half.stream().try_clone()?);
         let (id, link) = (self.device_id.clone(), Arc::clone(&self.link));
         let listening = Builder::new()
@@ -256,7 +256,7 @@ impl<C: Clock> Inverse3<C> {
     }
 }
 
-/// A connection, and the frame that the service sends at once.
+/// Connects, and reads the frame that the service sends at once.
 fn first_frame(
     address: &Address,
     patience: Duration,
@@ -270,7 +270,7 @@ fn first_frame(
     Ok((socket, half, frame))
 }
 
-/// The next text that comes.
+/// Returns the next text message.
 fn next(
     socket: &mut WebSocket<Half>,
     address: &Address,
@@ -320,7 +320,7 @@ fn choose<'a>(
     }
 }
 
-/// How long an exchange takes at the median: of some, or of as many as fit into the patience.
+/// Measures the median round trip of up to `TRIED` exchanges within the time limit.
 fn round_trip(
     socket: &mut WebSocket<Half>,
     commands: &mut Commands,

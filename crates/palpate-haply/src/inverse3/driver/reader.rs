@@ -1,4 +1,4 @@
-//! The thread that waits for what the service sends.
+//! Receiver thread of the service's frames.
 
 use std::sync::Arc;
 use std::thread::Thread;
@@ -13,10 +13,10 @@ use super::super::frame::{Frame, FrameError};
 use super::address::Half;
 use super::link::{Arrival, AtomicCounts, Cause, Fits, Link};
 
-/// Frames in a row that are none, after which somebody has to look at it.
+/// Number of successive invalid frames after which the connection is reported as unreadable.
 const TOO_MANY: u32 = 100;
 
-/// Reads frames, stamps them with the time of their arrival and hands samples to the loop.
+/// Reads frames, adds the time of arrival, and passes samples to the loop.
 pub(super) struct Reader<C> {
     pub socket: WebSocket<Half>,
     pub clock: C,
@@ -58,7 +58,7 @@ impl<C: Clock> Reader<C> {
             Fits::Answers(age) => age,
             Fits::Surplus => return AtomicCounts::add(&counts.surplus),
         };
-        // A late answer says where the device was when nobody knows.
+        // The time at which a late answer's position was measured is unknown.
         if age > self.reply_timeout {
             return AtomicCounts::add(&counts.late);
         }
@@ -85,7 +85,7 @@ impl<C: Clock> Reader<C> {
         }
     }
 
-    /// Where the device is; nothing: it is not there any more.
+    /// Returns the position, or `None` if the frame does not contain the device.
     fn read(&self, text: &str) -> Result<Option<[f64; 3]>, FrameError> {
         let frame = Frame::parse(text)?;
         let Some(device) = frame.device(&self.device_id) else {
@@ -93,7 +93,7 @@ impl<C: Clock> Reader<C> {
         };
         let unfit = Unfit::of(&device.status).map(Cause::from);
         if unfit.is_some() {
-            // Where it is may not be said while it is so: that is no reason not to hear it.
+            // The position may be missing in this state; report the reason nevertheless.
             self.link.set_unfit(unfit);
         }
         let sample = device.sample()?;

@@ -1,4 +1,4 @@
-//! The thread that sends: the loop's last order, at once; and in between, so that the next sample
+//! Sender thread. It sends the loop's last order at once. Between orders it repeats a message, so that the next sample
 //! is fresh and the service does not idle.
 
 use std::net::Shutdown;
@@ -18,13 +18,13 @@ use super::link::{AtomicCounts, Cause, Link, Order};
 
 const NONE: Vector = [0.0; 3];
 
-/// How often the service is asked while nobody wants to know.
+/// Interval of position requests while the loop is inactive.
 const AT_REST: Duration = Duration::from_millis(5);
 
-/// How long the last answers are waited for.
+/// Time limit for the last answers.
 const FAREWELL: Duration = Duration::from_millis(100);
 
-/// Sends what the loop ordered last.
+/// Sender of the loop's last order.
 pub(super) struct Writer<C> {
     socket: WebSocket<Half>,
     clock: C,
@@ -32,31 +32,31 @@ pub(super) struct Writer<C> {
     pace: Pace,
     link: Arc<Link>,
     orders: Output<Order>,
-    /// What was sent last: the order's number, the force if one was commanded, and when.
+    /// Last sent message: the order's number, the force if one was commanded, and the time.
     order: u64,
     force: Option<Vector>,
     at: Instant,
     stall: Option<Stall>,
 }
 
-/// The service stands still.
+/// Stall of the service.
 #[derive(Clone, Copy)]
 struct Stall {
     since: Instant,
-    /// Answers that were there when it began.
+    /// Number of answers at its beginning.
     heard: u64,
 }
 
-/// The loop's last order, and whether no force goes out whatever it says. The order is read last: one
-/// from before a cut must not be taken for the one that has ended it.
+/// Returns the loop's last order, and whether the force must be zero. The order is read last: otherwise an order from
+/// before a cut could pass for the order that ended it.
 fn look(link: &Link, read: impl FnOnce() -> Order) -> (Order, bool) {
-    // What is over once it is told has cut by then.
+    // A reason that ends by being reported has set the cut before.
     let is_unfit = link.unfit().is_some();
     let is_cut = link.is_cut();
     (read(), is_unfit || is_cut)
 }
 
-/// What is to be sent.
+/// Message to send.
 #[derive(Clone, Copy, PartialEq)]
 enum Wanted {
     Probe,
@@ -86,8 +86,8 @@ impl<C: Clock> Writer<C> {
         }
     }
 
-    /// Sends until the device is let go of or the connection is lost. However it ends, the last
-    /// message commands no force, and the connection is closed.
+    /// Sends until the device is released or the connection is lost. In each case the last message commands zero force,
+    /// and the connection is closed.
     pub fn run(mut self) {
         while !self.link.is_ending() && !self.link.is_lost() {
             let wait = self.step(Instant::now());
@@ -101,7 +101,7 @@ impl<C: Clock> Writer<C> {
         self.wait_for_answers();
     }
 
-    /// Sends what is due; how long nothing will be, unless somebody wakes this thread.
+    /// Sends a due message, and returns the time until the next one unless this thread is woken.
     fn step(&mut self, now: Instant) -> Duration {
         let (order, is_held_back) = look(&self.link, || *self.orders.read());
         let wanted = self.wanted(&order, is_held_back);
@@ -117,7 +117,7 @@ impl<C: Clock> Writer<C> {
             }
             return due - now;
         }
-        // No force does not wait for anybody's answer.
+        // Zero force does not wait for an answer.
         if wanted == Wanted::Force(NONE) && self.force.is_some_and(|force| force != NONE) {
             self.send(wanted, now);
             return self.pace.reply_timeout;
@@ -128,9 +128,8 @@ impl<C: Clock> Writer<C> {
         self.stalled(now, order.number > 0)
     }
 
-    /// An answer is overdue. One more message, without a force, waits in the connection for the
-    /// service to come back; then nothing is sent until all answers are there, or until it is clear
-    /// that some will not come.
+    /// Handles an overdue answer. One more message, without a force, waits in the connection until the service
+    /// continues. Afterwards nothing is sent until all answers have arrived or the missing ones are given up.
     fn stalled(&mut self, now: Instant, commanded: bool) -> Duration {
         let (heard, quiet) = self.link.heard(now);
         let Some(stall) = self.stall else {
@@ -164,7 +163,7 @@ impl<C: Clock> Writer<C> {
         Wanted::Force(if none { NONE } else { order.force })
     }
 
-    /// Whether the loop has said nothing for so long that its last order no longer counts.
+    /// Returns whether the loop has been silent for so long that its last order is no longer valid.
     fn is_forsaken(&self, order: &Order) -> bool {
         self.clock.now().saturating_sub(order.at) > self.pace.hold
     }
@@ -176,7 +175,7 @@ impl<C: Clock> Writer<C> {
         }
     }
 
-    /// How long until the same is sent again.
+    /// Returns the interval of repeated messages.
     fn every(&self, order: &Order) -> Duration {
         if order.number == 0 || self.is_forsaken(order) {
             AT_REST
@@ -190,7 +189,7 @@ impl<C: Clock> Writer<C> {
             Wanted::Probe => self.commands.probe(),
             Wanted::Force(force) => {
                 self.force = Some(force);
-                // What is not finite has not come this far; if it had, it would be no force.
+                // Earlier checks reject non-finite forces; one that passed them must not become a command.
                 self.commands
                     .force(force)
                     .unwrap_or_else(|_| self.commands.probe())
@@ -218,7 +217,7 @@ impl<C: Clock> Writer<C> {
 }
 
 impl<C> Drop for Writer<C> {
-    /// Whatever happens to this thread: without a connection the service lets go of the device.
+    /// Closes the connection however the thread ends: without a connection the service releases the device.
     fn drop(&mut self) {
         let _ = self.socket.get_ref().stream().shutdown(Shutdown::Both);
         self.link.lose(Cause::Cut);
@@ -235,7 +234,7 @@ mod tests {
         at: Duration::ZERO,
     };
 
-    /// The loop's next order comes, and ends the cut, just after the one before was read.
+    /// The loop's next order arrives, and ends the cut, just after the previous one was read.
     #[test]
     fn a_force_that_was_cut_is_not_put_on_again_by_the_order_behind_it() {
         let link = Link::new();
@@ -246,7 +245,7 @@ mod tests {
         };
         assert!(look(&link, read).1);
         assert!(!look(&link, || FORCE).1);
-        // Likewise where the loop has just been told why it was kept from forces.
+        // The same applies if the loop has just received the reason of a cut.
         link.was_unfit(Cause::Safety);
         let read = || {
             assert!(link.tell().is_some());

@@ -1,4 +1,4 @@
-//! The serial ports that the Linux kernel lists in `/sys/class/tty`.
+//! Serial ports that the Linux kernel lists in `/sys/class/tty`.
 
 use std::fs;
 use std::io;
@@ -6,15 +6,15 @@ use std::path::Path;
 
 use super::{Connection, Usb};
 
-/// What to open in `dev` for every terminal of `class` that is a device's, and how it is connected.
-/// Terminals without hardware, such as consoles and pseudo-terminals, are left out.
+/// Returns the path in `dev` and the kind of connection for every terminal of `class` with hardware. Terminals without
+/// hardware, such as consoles and pseudo-terminals, are omitted.
 ///
 /// # Errors
-/// `class` is there and cannot be read.
+/// `class` exists and cannot be read.
 pub fn ports(class: &Path, dev: &Path) -> io::Result<Vec<(String, Connection)>> {
     let entries = match fs::read_dir(class) {
         Ok(entries) => entries,
-        // A container may have no such folder, and then it has no ports either.
+        // A container may have no such folder, and then has no ports.
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
         Err(error) => return Err(error),
     };
@@ -37,14 +37,14 @@ pub fn ports(class: &Path, dev: &Path) -> io::Result<Vec<(String, Connection)>> 
     Ok(ports)
 }
 
-/// How the device of a terminal is connected; `None` without hardware that is known.
+/// Returns the kind of connection of a terminal; `None` without known hardware.
 fn connection(device: &Path) -> Option<Connection> {
     let device = device.canonicalize().ok()?;
     let subsystem = device.join("subsystem").canonicalize().ok()?;
     match subsystem.file_name()?.to_str()? {
-        // The interface of a USB device that is a terminal by itself, as an Arduino's is.
+        // Interface of a USB device with a built-in terminal, such as an Arduino.
         "usb" => usb(device.parent()?),
-        // The port of a converter, below its interface.
+        // Port of a USB converter, below its interface.
         "usb-serial" => usb(device.parent()?.parent()?),
         "pci" => Some(Connection::Pci),
         "amba" | "pnp" | "serial-base" => Some(Connection::Other),
@@ -87,7 +87,7 @@ mod tests {
             self.0.path().join(path)
         }
 
-        /// A terminal whose device is the folder `device` and belongs to `subsystem`.
+        /// Adds a terminal whose device is the folder `device` and belongs to `subsystem`.
         fn add(&self, terminal: &str, device: &str, subsystem: &str) {
             let bus = self.at("bus").join(subsystem);
             fs::create_dir_all(&bus).unwrap();
@@ -146,7 +146,7 @@ mod tests {
         machine.add("rfcomm0", "devices/blue", "bluetooth");
         machine.add("ttyS0", "devices/00:05", "pnp");
         machine.add("ttyS4", "devices/0000:00", "pci");
-        // The machine's own terminals, a phantom port, and a port without a file to open.
+        // A console, a phantom port, and a port without a device file.
         fs::create_dir(machine.at("class/tty0")).unwrap();
         fs::write(machine.at("dev/tty0"), "").unwrap();
         machine.add("ttyS9", "devices/serial8250", "platform");

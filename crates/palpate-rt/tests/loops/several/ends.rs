@@ -1,4 +1,4 @@
-//! How a loop of two devices ends, and devices that take their time.
+//! Endings of a loop with two devices, and slow devices.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -15,13 +15,13 @@ use palpate_rt::{ControlLoop, Ending, LoopThread, StopFlag};
 use super::{Several, two_points};
 use crate::wide;
 
-/// A device that is pressed 2 mm into the table, holds what it is told, and does what it is asked to.
+/// A device pressed 2 mm into the table, which holds its commands and panics on request.
 struct Pressed {
     clock: SteppedClock,
     capabilities: Capabilities,
     held: Arc<AtomicU64>,
     panics: Arc<AtomicBool>,
-    /// How long it takes to answer.
+    /// Response time.
     takes: Duration,
 }
 
@@ -102,7 +102,7 @@ fn however_a_loop_ends_all_devices_are_without_a_force() {
     assert_eq!(control.run(&stop, None), Ending::Stopped);
     assert_eq!(forces(&held), [0.0; 2]);
 
-    // One that panics, and goes on doing so in both ways to let go of it: the other one is let go of.
+    // One device panics repeatedly, in `write` and in its zero writer: the output of the other device is disabled.
     for at_fault in [0, 1] {
         let (control, held) = begin();
         let running = LoopThread::start(control, Request::nothing(), &StopFlag::new(), None);
@@ -118,7 +118,7 @@ fn however_a_loop_ends_all_devices_are_without_a_force() {
     }
 }
 
-/// The times of all answers are in the tick, and a device that takes too long takes the force off all.
+/// A tick contains the response times of all devices, and a device that is too slow removes all forces.
 #[test]
 fn answers_of_several_devices_take_their_time_one_after_the_other() {
     let micros = Duration::from_micros;
@@ -133,11 +133,11 @@ fn answers_of_several_devices_take_their_time_one_after_the_other() {
             assert!((device.time - time).abs() < 1e-12, "{device:?}");
             assert!((device.round_trip - answer).abs() < 1e-12, "{device:?}");
         }
-        // The time of the newest sample.
+        // Time of the newest sample.
         assert_eq!(tick.time, said[1].time);
         assert_eq!(forces(&held), [2.0; 2]);
     }
-    // Together they are too late for each deadline, and the loop goes on with every second one.
+    // Together they miss each deadline, and the loop continues with every second one.
     let (mut control, held) = pressed([micros(700), micros(600)]);
     for _ in 0..10 {
         assert!(control.tick().tick.flags.has(Flags::MISSED_DEADLINE));

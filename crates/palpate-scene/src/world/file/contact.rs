@@ -28,7 +28,7 @@ impl Reading {
         let stiffness = self
             .places
             .take(place, Field::Stiffness, raw.stiffness_n_per_m);
-        // What is wrong with the stiffness is said once.
+        // Report a wrong stiffness only once.
         let is_wrong = out_of_range("", stiffness, Range::Positive).is_some();
         let usual = if is_wrong { 1.0 } else { stiffness };
         let mut or = |field, value: Option<Spanned<f64>>, default: f64| {

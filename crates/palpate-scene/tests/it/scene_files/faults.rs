@@ -1,4 +1,4 @@
-//! Every fault a scene file can have: place, message, and what is marked.
+//! All errors of a scene file: position, message, and marked text.
 
 use palpate_scene::{Intention, SceneFile};
 
@@ -16,7 +16,7 @@ pub fn assert_faults(table: &str, rows: usize) {
             panic!("{} is accepted", row[0]);
         };
         let error = errors.first();
-        // One fault is told as one.
+        // A single error is reported once.
         assert_eq!(
             errors.to_string(),
             format!("scene.toml:{}", row[1].trim()),

@@ -1,4 +1,4 @@
-//! Every fault of a loop, its actuator and its transmission: place, message, and what is marked.
+//! All errors of a loop, its actuator and its transmission: position, message, and marked text.
 
 use crate::scene_files::faults::assert_faults;
 

@@ -3,7 +3,7 @@
 use palpate::all_settings;
 use palpate_scene::method::{MethodName, Setting, SettingValues};
 
-/// A row for each setting; methods that say the same of it share a row.
+/// Returns a row for each setting; methods with the same description share a row.
 fn rows() -> Vec<String> {
     let mut rows: Vec<(Vec<&str>, &Setting)> = Vec::new();
     for key in all_settings().map(|setting| setting.key) {

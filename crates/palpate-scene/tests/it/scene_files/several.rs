@@ -1,10 +1,10 @@
-//! A scene with several mistakes shows all of them at once, each in its place.
+//! A scene with several errors reports all of them at once, each at its position.
 
 use palpate_scene::{HandForceAt, SceneFile};
 
 use super::{GOOD, edited};
 
-/// What is said of the good file with these edits, line by line.
+/// Returns the error lines of the valid file with these edits.
 fn said(edits: &[(&str, &str)]) -> Vec<String> {
     let text = edits.iter().fold(GOOD.to_owned(), |text, (from, to)| {
         assert_eq!(text.matches(from).count(), 1, "{from}");
@@ -62,14 +62,13 @@ fn several_ranges_of_device_contact_loop_and_method_are_told_together() {
     );
 }
 
-/// What is derived from a wrong number, or contradicts what stands in the place of a fault, is no fault
-/// of its own.
+/// A value that is derived from a wrong number, or contradicts the substitute of a faulty value, is not reported.
 #[test]
 fn a_fault_draws_no_others_after_it() {
     // K T/2 of the damper and 3 K T of the controllers would be negative.
     let stiffness = ("stiffness_n_per_m = 400", "stiffness_n_per_m = -400");
     assert_eq!(said(&[stiffness]).len(), 1);
-    // Without its preset the device is no pantograph, in whose motors the hand's force could act.
+    // Without its preset the device is not a pantograph, so the hand's force cannot act through its motors.
     let text = edited(
         "kind = \"point-mass\"\nmass_kg = 0.25",
         "kind = \"pantograph\"\npreset = \"x\"",
@@ -134,7 +133,7 @@ fn a_pantograph_is_in_the_hand_of_a_constant_force() {
             only("20:13", "release_s"),
         ]
     );
-    // Where the device itself is wrong, what its hand may have is not known.
+    // If the device itself is invalid, the valid properties of its hand are unknown.
     let errors = SceneFile::parse("scene.toml", &hand.replace("paper-like", "sigma")).unwrap_err();
     assert_eq!(errors.iter().count(), 1, "{errors}");
 }

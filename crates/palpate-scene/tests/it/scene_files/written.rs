@@ -8,7 +8,7 @@ use palpate_testbed::recorded_path::RecordedPath;
 use super::{GOOD, edited};
 use crate::common;
 
-/// Checks that `text` reads to the same scene as what is written of it.
+/// Checks that `text` reads to the same scene as its written form.
 #[track_caller]
 fn assert_written(name: &str, text: &str) -> Scene {
     let read = |text: &str| {

@@ -1,4 +1,4 @@
-//! What a scene file of format 2 says of its devices: their axes, torques and masses.
+//! Devices of a scene file of format 2: axes, torques and masses.
 
 use palpate_scene::world::WorldFile;
 
@@ -187,7 +187,7 @@ fn a_device_says_whether_it_gives_a_torque() {
         "{wrong:?}"
     );
 
-    // A virtual coupling needs nothing for a turn that nobody feels; a god-object turns no tool.
+    // A virtual coupling needs no rotational keys for a torque-free device; a god-object does not turn a tool.
     let coupling = "method = \"virtual-coupling\"\ncoupling_stiffness_n_per_m = 1000.0\ncoupling_mass_kg = 0.1\ndamping_n_s_per_m = 2.0";
     let stylus = with(&format!("{inertia}\ngives_torque = false"));
     let coupled = stylus.replace("method = \"coupled\"", coupling);

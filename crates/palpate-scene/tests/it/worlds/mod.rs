@@ -1,4 +1,4 @@
-//! Scene files of format 2: what they say, and how their faults are said.
+//! Scene files of format 2, and their error messages.
 #![allow(missing_docs)]
 
 mod devices;
@@ -77,7 +77,7 @@ fn a_world_is_read_with_its_devices_bodies_and_contacts() {
     // Without a place of its own the hand's spring rests where the device begins.
     assert_eq!(device.hand.rest, device.position);
     assert_eq!(scene.render.device_mass, [[0.375; 3]]);
-    // Without [told], a renderer is told what is true.
+    // Without `[told]`, the model values equal the true ones.
     assert_eq!(scene.render.actuator, scene.timing.actuator);
     let [ball, floor] = &scene.world.bodies[..] else {
         panic!("two bodies")
@@ -123,7 +123,7 @@ fn every_fault_is_said_at_its_place() {
     );
 }
 
-/// Where a key is at fault, what would follow from it is not said to be wrong too.
+/// Consequences of a faulty key are not reported.
 #[test]
 fn a_fault_is_said_once() {
     let mesh = "shape = { mesh = { fil = \"ball.stl\" } }";
@@ -166,7 +166,7 @@ fn a_fault_is_said_once() {
         ),
     ] {
         assert!(BALL.contains(wrong), "{wrong}");
-        // The name of the tool stands in contacts too.
+        // Contacts also contain the name of the tool.
         let text = BALL.replacen(wrong, instead, 1).replace(
             "[\"tool\", \"*\"]",
             if instead.starts_with("name") {
@@ -183,7 +183,7 @@ fn a_fault_is_said_once() {
     }
 }
 
-/// What a terminal would take for a command.
+/// Characters that a terminal would interpret as a command.
 #[test]
 fn a_body_has_no_control_character_in_its_name() {
     let said = said(&BALL.replace("floor", "flo\\u001b[31mor"));
@@ -241,7 +241,7 @@ fn a_world_without_bodies_is_said_to_have_none() {
 
 #[test]
 fn a_mass_for_all_axes_or_for_each_and_nothing_else() {
-    // Only the value at fault is said, not what lacks that value then.
+    // Only the faulty value is reported, not the parts that depend on it.
     let message =
         "expected a number for all axes of the device, or one for each, such as [x, y, z]";
     for (given, length) in [("[]", 0), ("[0.1, 0.1, 0.1, 0.1]", 4)] {
@@ -404,7 +404,7 @@ fn a_guard_is_read_and_its_faults_are_said() {
             "{guard}: {said:?}"
         );
     }
-    // What a renderer alone knows is said at its key.
+    // An error that only a renderer detects is reported at its key.
     let late = with("{ mode = \"limit\", late_samples = 9 }");
     let file = WorldFile::parse("ball.toml", &late).unwrap();
     let faults = file.scene.renderer("coupled").unwrap_err();

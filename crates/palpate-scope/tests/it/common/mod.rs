@@ -21,7 +21,7 @@ use serde_json::Value;
 use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket};
 
-/// What nobody waits longer for.
+/// Longest wait.
 pub const PATIENCE: Duration = Duration::from_secs(20);
 
 /// The scene of `palpate live`, at 1 kHz.
@@ -91,7 +91,7 @@ impl Devices for Pointers {
     }
 }
 
-/// What is played.
+/// Configuration of a test session.
 pub struct Play {
     pub scene: Scene,
     pub methods: Vec<MethodName>,
@@ -270,7 +270,7 @@ impl Samples {
     }
 }
 
-/// Something that was told.
+/// Received message.
 #[derive(Clone, Debug)]
 pub enum Told {
     Text(Value),
@@ -366,12 +366,12 @@ impl Client {
         }
     }
 
-    /// Loop and server go on: the loop ticks, and this client is told of it.
+    /// Checks that loop and server continue: the loop ticks, and this client receives its status.
     pub fn is_well(&mut self) {
         let ticks = |text: &Value| text["lanes"][0]["ticks"].as_u64().unwrap();
         let mut told = vec![ticks(&self.text("status"))];
-        // Half a second lies between two of them. A restart that was asked for before begins the
-        // count of ticks anew, so some pairs may fall.
+        // Two status messages are half a second apart. An earlier restart request resets the count of ticks, so some
+        // pairs may decrease.
         while !told.windows(2).any(|pair| pair[1] > pair[0] + 50) {
             assert!(told.len() < 12, "ticks of a lane: {told:?}");
             told.push(ticks(&self.text("status")));

@@ -123,9 +123,8 @@ pub fn lifted_object(hand: &Trajectory, period: f64, unilateral: bool) -> Replay
     Replay::new(setup, &hand.times, &hand.positions).unwrap()
 }
 
-/// Recordings of free hand motion, 2 kHz, where this machine has them beside the repository.
-/// Where it has not, says so on standard error, past the test runner's capture: the caller then
-/// checks less.
+/// Returns recordings of free hand motion, 2 kHz, if this machine has them beside the repository. Otherwise prints a
+/// note to standard error, past the test runner's capture; the caller then checks less.
 pub fn recorded_hands(caller: &str) -> Vec<Trajectory> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/human");
     if !folder.is_dir() {

@@ -130,7 +130,7 @@ fn known(bench: &WorldBench, scene: &WorldScene) -> f64 {
     error(&bench.run("coupled", &renderer).unwrap())
 }
 
-/// The scene as told by somebody who knows the matrix at the start only.
+/// Returns the scene with only the initial mass matrix as its model value.
 fn told_the_start(scene: &WorldScene) -> WorldScene {
     let mut told = scene.clone();
     told.world.tools[0].mass_table = None;

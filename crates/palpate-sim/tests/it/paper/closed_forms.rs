@@ -107,8 +107,8 @@ fn every_closed_form_is_the_quotient_of_eq_9() {
     }
 }
 
-/// HFCR with Eq. (9) as printed: a quotient, with or without the work of f_V in Eq. (8). Where
-/// the device has not moved there is no quotient, and the spring force stands in.
+/// HFCR with Eq. (9) as printed: a quotient, with or without the work of f_V in Eq. (8). If the device has not moved,
+/// the quotient is undefined and the spring force is used.
 #[derive(Clone, Copy, Debug)]
 struct Printed {
     smooth_transition: bool,

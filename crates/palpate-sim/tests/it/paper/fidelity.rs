@@ -97,8 +97,8 @@ fn the_square_of_the_error_is_that_of_the_floor_and_of_the_mean_force_error() {
             worst = worst.max((judged.force_rendering_error.powi(2) / square - 1.0).abs());
             let wrong = judged.mean_force_error;
             eprintln!("{name} {method}: E {wrong:.2e} %");
-            // Told the mass, on scenes with nothing wrong but their sampling, coupled leaves only
-            // the floor.
+            // With the true model mass, on scenes that are perfect except for sampling, coupled leaves only the hold
+            // bound.
             match method {
                 MethodName::Coupled => assert!(wrong < 0.001, "{name}"),
                 _ => assert!(wrong > 5.0, "{name} {method}"),

@@ -1,4 +1,4 @@
-//! What the modified force still leaks: Eq. (10) in closed form.
+//! Remaining leak of the modified force: Eq. (10) in closed form.
 
 use palpate::{AnyParams, HfcrParams, Phase};
 
@@ -79,9 +79,8 @@ fn the_remaining_leak_is_a_product_of_device_displacements() {
 
 /// Source: Eq. (10) for the spring force K p_i, with the work of f_V; derived here.
 ///
-/// The spring force takes the device to stand still. While contact lasts it leaks
-/// `K dxi (dxi/2 - deta)`: on a wall half of K times the square of every displacement, always
-/// created, never given back.
+/// The spring force assumes that the device is at rest. While contact lasts it leaks `K dxi (dxi/2 - deta)`: on a wall
+/// half of K times the square of every displacement, always generated, never dissipated.
 #[test]
 fn the_spring_force_leaks_k_dxi_times_half_dxi_less_deta() {
     let mut random = Random(11);

@@ -77,7 +77,7 @@ fn in_closed_loops_the_order_of_leaks_holds_mostly() {
     );
     assert!(least > loops * 7 / 10, "{least}");
     assert!(below_basic > loops * 9 / 10, "{below_basic}");
-    // The order is no law.
+    // The order does not hold in every loop.
     assert!(in_order < loops);
 }
 

@@ -144,8 +144,8 @@ fn a_wall_never_moves() {
     }
 }
 
-/// Source: derived here: what a held force moves the device too far or not far enough is made up
-/// for by placing the wall, and a wall that is left alone has nothing to make up for.
+/// Source: derived here. The position error of a held force is corrected by an offset of the wall. A wall without
+/// contact has no error to correct.
 #[test]
 fn coupled_places_a_wall_by_its_shifts_while_it_is_touched_and_puts_it_back() {
     let mut scene = scene("wall");

@@ -1,9 +1,8 @@
 //! Claims of the paper, one test each.
 //!
-//! Each test names its source: an equation or a figure of *Energy-Consistent Haptic Rendering of
-//! Contact Forces* (IROS 2013, DOI 10.1109/IROS.2013.6697005; "the paper"), a source the paper
-//! cites, or "derived here". Where this project departs from the letter of the paper, the test
-//! carries a `DIFFERENCE` note; they mark two departures, both in `closed_forms`.
+//! Each test names its source: an equation or a figure of *Energy-Consistent Haptic Rendering of Contact Forces* (IROS
+//! 2013, DOI 10.1109/IROS.2013.6697005; "the paper"), a source the paper cites, or "derived here". A `DIFFERENCE` note
+//! marks a departure from the letter of the paper; there are two, both in `closed_forms`.
 
 mod trial;
 

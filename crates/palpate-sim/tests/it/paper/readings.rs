@@ -1,4 +1,4 @@
-//! Where the paper can be read in several ways: what each reading makes of its claims.
+//! Ambiguous statements of the paper, and the effect of each interpretation on its claims.
 //!
 //! docs/readings.md has the readings and these numbers in tables.
 

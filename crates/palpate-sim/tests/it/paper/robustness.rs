@@ -1,4 +1,4 @@
-//! What an optimum is worth: the same setting from 21 heights.
+//! Robustness of an optimum: the same setting from 21 heights.
 
 use palpate_scene::method::{MethodName, Settings};
 
@@ -127,8 +127,7 @@ fn the_committed_settings_are_the_best_of_their_grids() {
     }
 }
 
-/// Source: derived here. Where the loop is chaotic the error is a jagged function of a setting, and
-/// a best value is an accident.
+/// Source: derived here. In a chaotic loop the error is a jagged function of a setting, and an optimum is accidental.
 #[test]
 fn in_the_second_experiment_the_best_damper_is_no_robust_setting() {
     let grid = errors_on_grid("experiment2", MethodName::VirtualDamper, 0.01, 800, damping);

@@ -42,7 +42,7 @@ impl Trial {
         output
     }
 
-    /// What the next sample would be answered, without taking it.
+    /// Returns the output for the next sample, without taking it.
     pub fn peek(&self, device: f64) -> (Output<f64>, Ledger<f64>) {
         let mut state = self.state;
         let sample = Sample::at(device).with_virtual_force(self.virtual_force);

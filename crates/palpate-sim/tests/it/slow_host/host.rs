@@ -260,7 +260,7 @@ impl Host {
         [force, cross(arm, force)]
     }
 
-    /// What a tool at `centre` stores `[J]`.
+    /// Returns the stored energy for a tool at `centre` `[J]`.
     pub fn stored(&self, centre: Vector) -> f64 {
         let depth = (self.scene.tool() - self.distance(centre).0).max(0.0);
         0.5 * STIFFNESS * depth * depth

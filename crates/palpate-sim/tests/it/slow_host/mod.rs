@@ -1,4 +1,4 @@
-//! A slow host and a fast loop: the forces by a local model against those of the ideal.
+//! A low-rate simulator and a fast loop: the forces of a local model compared with those of the ideal.
 //!
 //! ```text
 //! cargo test --release -p palpate-sim --test it slow_host:: -- --nocapture
@@ -28,7 +28,7 @@ fn best(outcomes: impl Iterator<Item = Outcome>) -> Outcome {
     outcomes.min_by(|a, b| a.error.total_cmp(&b.error)).unwrap()
 }
 
-/// What a user without a local model has: the best of four dampings, and of 16 couplings.
+/// Returns the outcomes without a local model: the best of four dampings, and of 16 couplings.
 fn without(bench: &Bench, pace: Pace) -> [Outcome; 2] {
     let dampings = [0.0, 1.0, 3.0, 10.0];
     // Fewer where the host's queries take their time.
@@ -111,7 +111,7 @@ fn forces_by_a_local_model_are_near_the_ideal_at_every_rate_of_the_host() {
             if bench.scene.mesh.is_some() {
                 continue;
             }
-            // What is told counts: a part that is not told is felt at 100 Hz and below.
+            // Incomplete local models cause larger errors at 100 Hz and below.
             if every >= 10 {
                 let [_, no_floor, flat, _] = variants;
                 let blind = if bench.scene.floor.is_some() {
@@ -128,7 +128,8 @@ fn forces_by_a_local_model_are_near_the_ideal_at_every_rate_of_the_host() {
     }
 }
 
-/// What the juggled ball costs at 20 Hz is the way of the copy back to the host's ball, which a mean wrench has put elsewhere.
+/// At 20 Hz the error of the juggled ball comes from pulling the copy back to the simulator's ball, whose position a
+/// mean wrench has changed.
 #[test]
 fn a_copy_that_does_not_go_back_to_the_host_is_nearer_to_the_ideal() {
     let ball = Bench::new(scenes().remove(0));

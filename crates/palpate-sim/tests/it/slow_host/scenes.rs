@@ -22,7 +22,7 @@ pub const GRAVITY: f64 = 9.81;
 pub const STIFFNESS: f64 = 1500.0;
 pub const FLOOR: f64 = 3000.0;
 
-/// What the tool touches.
+/// Body that the tool touches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Body {
     /// A ball of this radius that moves.

@@ -1,4 +1,4 @@
-//! Ways to render what a slow host computes.
+//! Methods for rendering the results of a low-rate simulator.
 
 use std::time::Instant;
 
@@ -44,14 +44,14 @@ fn median(mut times: Vec<f64>) -> f64 {
     times.get(times.len() / 2).copied().unwrap_or_default()
 }
 
-/// What is told of the local model.
+/// Contents of the local model.
 #[derive(Clone, Copy, Debug)]
 pub struct Told {
     pub is_curved: bool,
     pub with_floor: bool,
     /// Longest part into which the host divides its steps `[s]`.
     pub part: f64,
-    /// Mass of the device as the renderer is told, over the true one.
+    /// Model mass of the device over the true one.
     pub mass: f64,
 }
 

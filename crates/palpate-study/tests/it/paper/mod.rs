@@ -1,7 +1,7 @@
-//! Claims of the paper that studies check: those of its text and of its scenes over start heights.
+//! Claims of the paper that the studies check: claims of its text, and of its scenes over start heights.
 //!
-//! The claims that single runs and single intervals show are in `crates/palpate-sim/tests/it/paper/`, whose
-//! first lines say what "the paper" is and what a test's source means.
+//! Claims about single runs and single intervals are in `crates/palpate-sim/tests/it/paper/`. Its module comment
+//! defines "the paper" and the meaning of a test's source.
 
 mod readings;
 mod scenes;

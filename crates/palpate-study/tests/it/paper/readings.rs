@@ -9,7 +9,7 @@ use crate::common::{PAPER_SCENES, experiments, scene};
 /// 21 on the paper's three scenes.
 type Row = (&'static str, [[f64; 3]; 3]);
 
-/// The columns that have nothing to choose.
+/// Columns without several dampings.
 const ROWS: [Row; 10] = [
     (
         "damper, spring-and-damper, B = K T/2",

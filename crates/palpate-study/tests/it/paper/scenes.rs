@@ -51,14 +51,14 @@ fn who_leaves_the_box_depends_on_its_size() {
     assert_eq!(left[1], [Some(0.34), Some(0.56), Some(0.82), None]);
     assert_eq!(left[2], [Some(0.56), Some(0.74), None, None]);
     assert_eq!(left[3], [Some(0.76), None, None, None]);
-    // Coupled rendering is near its floor in every box: it never needs the motors outside.
+    // Coupled rendering is near its hold bound in every box: it never needs the motors outside.
     for columns in &at {
         let coupled = columns[3].own;
         assert!(coupled.force_rendering_error < coupled.hold_floor + 0.5);
     }
 }
 
-/// Source: derived here: whether HFCR stays in a box depends on its damping b as well.
+/// Source: derived here. Whether HFCR stays in a box also depends on its damping b.
 #[test]
 fn hfcr_stays_in_the_box_that_fits_with_little_damping_only() {
     let scene = scene("fig5_box");
@@ -67,7 +67,7 @@ fn hfcr_stays_in_the_box_that_fits_with_little_damping_only() {
     let at = swept(&scene, Quantity::Damping, &dampings, &hfcr);
     let stays: Vec<bool> = at.iter().map(|of| of[0].left_box_at.is_none()).collect();
     assert_eq!(stays, [true, true, true, false, false]);
-    // The committed b is the one of least error with which it stays.
+    // The committed b has the lowest error of all values with which HFCR stays.
     let grid: Vec<f64> = (0..=7).map(|step| 0.01 * f64::from(step)).collect();
     let at = swept(&scene, Quantity::Damping, &grid, &hfcr);
     let errors: Vec<f64> = at
@@ -109,8 +109,8 @@ fn over_ten_collisions_the_damping_of_leak_dissipation_matters() {
     );
 }
 
-/// Source: the paper calls SEH almost stable in its first experiment. Which estimate it holds is not
-/// said, and the friction of its device is not known. Here *almost stable* is a number:
+/// Source: the paper calls SEH almost stable in its first experiment. It does not state the estimate that SEH holds,
+/// and the friction of its device is unknown. Here *almost stable* is a number:
 /// [`palpate_study::sweep::ALMOST_STABLE_UP_TO`].
 #[test]
 fn seh_is_almost_stable_by_some_estimates_with_much_friction() {
@@ -153,7 +153,7 @@ fn seh_is_almost_stable_by_some_estimates_with_much_friction() {
     assert!((at[1][0].ideal_peak_force - 4.10).abs() < 0.02);
 }
 
-/// Source: derived here. A sweep changes what it says and nothing else.
+/// Source: derived here. A sweep changes only its quantity.
 #[test]
 fn a_sweep_at_the_scene_s_own_value_is_the_scene() {
     let fig4 = scene("fig4");
@@ -167,20 +167,20 @@ fn a_sweep_at_the_scene_s_own_value_is_the_scene() {
         let at = swept(&fig4, over, &[value], &hfcr);
         assert_eq!(at[0][0].own, own, "{}", over.name());
     }
-    // Friction multiplies both kinds of it.
+    // The friction factor applies to both kinds of friction.
     let mut rough = fig4.clone();
     let params = &mut rough.device.pantograph_mut().unwrap().linkage.params;
     params.viscous_friction *= 3.0;
     params.coulomb_friction *= 3.0;
     let at = swept(&fig4, Quantity::Friction, &[3.0], &hfcr);
     assert_eq!(at[0][0].own, fidelity(&rough, MethodName::Hfcr));
-    // A box reaches as far up as down.
+    // A box extends equally far up and down.
     let damper = [Column::of(MethodName::VirtualDamper)];
     let at = swept(&scene("fig5"), Quantity::SafetyBox, &[0.11], &damper);
     let boxed = run(&scene("fig5_box"), MethodName::VirtualDamper);
     assert_eq!(Some(at[0][0].own), boxed.force.fidelity);
     assert_eq!(at[0][0].left_box_at, boxed.left_box_at);
-    // A rebound's energy goes with its speed squared.
+    // The rebound energy is proportional to the squared speed.
     let seh = [Column::of(MethodName::Seh)];
     let at = swept(&fig4, Quantity::Friction, &[1.0], &seh);
     let rebounds = run(&fig4, MethodName::Seh).rebounds;

@@ -7,11 +7,13 @@ use super::search::{ENDS, MOST_CONTACTS, Parts, Push, among, holding, parted};
 use super::triangles::TriangleMesh;
 use crate::world::vector::Vec3;
 
-/// A bent surface goes on through what a sphere of so many times the radius overlaps.
+/// Factor of the sphere's radius within which a bent surface is continued over the faces that the larger sphere
+/// overlaps.
 const WIDE: f64 = 1.05;
 
 impl TriangleMesh {
-    /// Those of one bent surface with the first, and the others; both in the order that they had. A sphere of this radius is at `centre`.
+    /// Splits parts into those of the first one's bent surface and the others, both in their original order. The sphere
+    /// has this radius and its centre at `centre`.
     pub(super) fn bent(
         &self,
         pushes: Vec<Push>,
@@ -86,8 +88,8 @@ impl TriangleMesh {
         below.max_by(|&a, &b| short(a).total_cmp(&short(b)))
     }
 
-    /// The faces that one comes to from some of them over edges that do not stand out and bend by less than 30°, through those
-    /// that a slightly wider sphere at `centre` overlaps.
+    /// Returns the faces that are reached from the given ones over edges that are not convex and bend by less than 30°,
+    /// through faces that a slightly larger sphere at `centre` overlaps.
     fn reached(
         &self,
         from: impl Iterator<Item = usize>,

@@ -1,4 +1,4 @@
-//! Moments of inertia of what a closed mesh encloses, from integrals over its surface.
+//! Moments of inertia of the volume inside a closed mesh, from integrals over its surface.
 
 use super::triangles::TriangleMesh;
 use crate::world::scene::Vector;
@@ -19,10 +19,10 @@ impl TriangleMesh {
         self.edges.iter().all(|edge| edge.faces.len() == 2)
     }
 
-    /// Moments of inertia `[kg m²]` about the origin along the axes of a body of `mass` `[kg]` that fills the mesh evenly;
-    /// infinite for an open mesh. The axes should be principal ones: products of inertia are not looked at.
+    /// Returns the moments of inertia `[kg m²]` about the origin along the axes of a body of `mass` `[kg]` that fills
+    /// the mesh evenly; infinite for an open mesh. The axes should be principal ones: products of inertia are ignored.
     ///
-    /// By the theorem of Gauss: ∫ x² dV = ∫ x³/3 n_x dA, and 1 in place of x² likewise.
+    /// Uses the divergence theorem: ∫ x² dV = ∫ x³/3 n_x dA, and ∫ dV = ∫ x n_x dA for the volume.
     #[must_use]
     pub fn inertia(&self, mass: f64) -> Vector {
         if !self.is_closed() {

@@ -1,4 +1,4 @@
-//! Surfaces of triangles, and what a sphere touches of them.
+//! Triangle meshes, and their contacts with a sphere.
 
 pub mod gallery;
 mod hollow;

@@ -11,12 +11,12 @@ pub(in crate::world) enum Part {
     Vertex(usize),
 }
 
-/// What a contact with a mesh is at.
+/// State of a contact with a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::world) enum OnMesh {
-    /// At nothing.
+    /// No contact.
     Nothing,
-    /// The sphere has been inside from the start, and has not come out.
+    /// The sphere has been inside since the start.
     Inside,
     /// Up to three parts that push together from in front of the surface.
     Before([Option<Part>; 3]),
@@ -24,7 +24,7 @@ pub(in crate::world) enum OnMesh {
     Behind(Part),
 }
 
-/// How a part lies with respect to a point.
+/// Position of a part relative to a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lie {
     /// Distance of the point in front of it, negative behind a face `[m]`.
@@ -36,7 +36,7 @@ pub(super) struct Lie {
 }
 
 impl TriangleMesh {
-    /// How `part` lies with respect to a point with a velocity.
+    /// Returns the position of `part` relative to a moving point.
     pub(super) fn lie(&self, part: Part, point: Vec3, velocity: Vec3) -> Lie {
         let round = |off: Vec3, moving: Vec3, fallback: Vec3| {
             let distance = off.norm();
@@ -79,8 +79,8 @@ impl TriangleMesh {
     }
 }
 
-/// Penetration `[m]` of a sphere, the unit normal, and its rate, while the sphere's centre moves with a velocity: by the
-/// formula of what the contact is at. All in the mesh's axes.
+/// Returns the penetration `[m]` of a sphere, the unit normal, and its rate, for a sphere whose centre moves with
+/// `velocity`, by the formula of the contact's part. All vectors are in the mesh's axes.
 pub(in crate::world) fn nearest(
     mesh: &TriangleMesh,
     at: OnMesh,

@@ -1,4 +1,4 @@
-//! Which parts of a mesh push a sphere, found by looking at all parts about it.
+//! Finds the parts of a mesh that push a sphere, from all parts near it.
 
 use std::collections::BTreeSet;
 
@@ -12,7 +12,7 @@ pub(in crate::world) const MOST_CONTACTS: usize = 4;
 const STEEP: f64 = 3.0;
 /// A way ends on a part, or beyond it, if it falls short by no more than this share of the largest depth.
 pub(super) const ENDS: f64 = 1e-10;
-/// What is beyond its end by less than this share is not.
+/// Relative tolerance at the end of a part.
 const SLACK: f64 = 1e-12;
 
 /// A part with the sphere's depth in it.
@@ -23,8 +23,8 @@ pub(super) struct Push {
     pub normal: Vec3,
 }
 
-/// What each of the contacts should be at, if they are at `now`, and the sphere's centre is at `centre` in the mesh's
-/// axes.
+/// Returns the required state of each contact, for the present states `now` and the sphere's centre at `centre` in the
+/// mesh's axes.
 pub(in crate::world) fn wanted(
     mesh: &TriangleMesh,
     now: &[OnMesh; MOST_CONTACTS],
@@ -36,7 +36,7 @@ pub(in crate::world) fn wanted(
         behind @ OnMesh::Behind(_) => vec![behind],
         _ => mesh.in_front(now, radius, centre),
     };
-    // Each goes where the one was that is most like it.
+    // Each state goes to the most similar present contact.
     let normal = |at| match at {
         OnMesh::Nothing | OnMesh::Inside => Vec3::ZERO,
         at => nearest(mesh, at, radius, centre, Vec3::ZERO).1,
@@ -46,7 +46,7 @@ pub(in crate::world) fn wanted(
     for at in found.into_iter().take(MOST_CONTACTS) {
         let likeness = |place: usize| before[place].dot(normal(at));
         let free = (0..MOST_CONTACTS).filter(|&place| wanted[place] == OnMesh::Nothing);
-        // Of equals, the first.
+        // Ties go to the first.
         let best = free.reduce(|best, place| {
             if likeness(place) > likeness(best) {
                 place
@@ -145,7 +145,7 @@ impl TriangleMesh {
     /// The part of the whole mesh that is nearest, and its distance `[m]`.
     fn nearest_of_all(&self, point: Vec3) -> (Part, f64) {
         let mut reach = self.cell_side();
-        // The furthest that a double can say, from anywhere.
+        // Limit of the reach in double precision.
         while reach < 1e100 {
             let near = self.near(point, reach);
             let found = near.into_iter().map(|face| self.on_face(face, point));
@@ -188,7 +188,8 @@ impl TriangleMesh {
         }
     }
 
-    /// From a part over the faces around it to nearer ones, as far as that goes; and on which side of the last the point is.
+    /// Moves from a part over adjacent faces to nearer ones as far as possible. Returns the last one, and the side of
+    /// the point.
     fn downhill(&self, from: Part, point: Vec3) -> (Part, f64) {
         let mut best = (from, f64::INFINITY);
         let mut faces = match from {
@@ -377,8 +378,9 @@ pub(super) fn parted(pushes: Vec<Push>, with: &BTreeSet<usize>) -> (Vec<Push>, V
         .partition(|_| joined.next().unwrap_or(false))
 }
 
-/// The shortest way out of all parts, the deepest of which comes first, and those, at most three, on whose surfaces it ends: the
-/// same as now, of which `depth` says how deep they are, if they still give that way. `None` if there is no way.
+/// Returns the shortest way out of all parts, the deepest of which comes first, and the at most three parts on whose
+/// surfaces it ends. Keeps the present parts, with the depths of `depth`, if they still give that way. `None` if there
+/// is no way.
 pub(super) fn holding(
     pushes: &[Push],
     now: &[OnMesh; MOST_CONTACTS],
@@ -386,7 +388,7 @@ pub(super) fn holding(
 ) -> Option<(Vec3, Parts)> {
     let slack = ENDS * pushes.first()?.depth;
     let found = shortest(pushes, &[], slack)?;
-    // At the tip of a cone any three of its faces give it.
+    // At the tip of a cone any three of its faces determine the way.
     let same = now.iter().find_map(|at| {
         let OnMesh::Before(parts) = at else {
             return None;
@@ -407,7 +409,7 @@ pub(super) fn holding(
     Some((found.way, parts))
 }
 
-/// Of these, the one at this part.
+/// Returns the push at a given part.
 pub(super) fn among(pushes: &[Push]) -> impl Fn(Part) -> Option<Push> {
     |part| pushes.iter().find(|push| push.part == part).copied()
 }
@@ -481,7 +483,7 @@ mod tests {
         pushes
     }
 
-    /// In a cone, whose faces stand all around: the way out leads to its tip.
+    /// In a cone, whose faces surround the sphere, the way out leads to the tip.
     #[test]
     fn a_cone_of_many_faces_is_one_surface() {
         for from_axis in [0.4, 0.8, 1.3_f64] {
@@ -500,7 +502,7 @@ mod tests {
             let (way, parts) =
                 holding(&pushes, &[OnMesh::Nothing; MOST_CONTACTS], among(&pushes)).unwrap();
             assert!((way - tip).norm() < 1e-9 * tip.norm(), "{way:?}");
-            // They stay those that hold while the sphere is pressed in a little deeper.
+            // The same parts hold while the sphere is pressed in slightly deeper.
             let deeper = ring(96, from_axis, |about| {
                 let (sine, cosine) = about.sin_cos();
                 let normal = Vec3([

@@ -10,9 +10,9 @@ use crate::world::field::Field;
 use crate::world::scene::Vector;
 use crate::world::vector::Vec3;
 
-/// Cosine of the angle between normals from which on their faces are surfaces of their own: 30°.
+/// Cosine of the angle between normals above which their faces are separate surfaces: 30°.
 pub(super) const SHARP: f64 = 0.866_025_403_784_438_6;
-/// Sine of the angle below which an edge neither stands out nor is hollow.
+/// Sine of the angle below which an edge counts as flat, neither convex nor concave.
 const FLAT: f64 = 1e-3;
 
 /// A triangle mesh that is not one.
@@ -22,7 +22,7 @@ const FLAT: f64 = 1e-3;
 pub struct InvalidMesh {
     /// Number of the triangle, from 0.
     pub triangle: usize,
-    /// What is wrong with it.
+    /// Reason for rejecting it.
     pub reason: &'static str,
 }
 
@@ -31,7 +31,7 @@ pub struct InvalidMesh {
 pub(super) struct Edge {
     pub ends: [usize; 2],
     pub faces: Vec<usize>,
-    /// Whether it does not stand out and its faces differ by less than 30°.
+    /// Whether it is not convex and its faces differ by less than 30°.
     pub is_bend: bool,
 }
 
@@ -71,8 +71,8 @@ impl fmt::Debug for TriangleMesh {
 }
 
 impl TriangleMesh {
-    /// The same surface with points `[m]` by which it touches other shapes than spheres; `shared_by` of them, at least one,
-    /// share a contact's law.
+    /// Returns the same surface with points `[m]` for contacts with shapes other than spheres; `shared_by` of them, at
+    /// least one, share a contact's law.
     #[must_use]
     pub fn with_points(self, points: &[Vector], shared_by: usize) -> Self {
         let points = points.iter().map(|&point| Vec3(point)).collect();
@@ -82,7 +82,7 @@ impl TriangleMesh {
         }
     }
 
-    /// The same surface with the function that the points of other meshes meet.
+    /// Returns the same surface with a distance function for contacts with the points of other meshes.
     #[must_use]
     pub fn with_field(self, field: Field) -> Self {
         Self {

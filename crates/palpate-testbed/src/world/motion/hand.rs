@@ -9,7 +9,7 @@ pub(in crate::world) fn hand_force(device: &WorldDevice, time: f64, placed: &Pla
     hand_force_at(device, time, placed.position, placed.velocity)
 }
 
-/// The same at a place with a velocity.
+/// Force of the hand on its device at a position with a velocity `[N]`.
 pub(in crate::world) fn hand_force_at(
     device: &WorldDevice,
     time: f64,

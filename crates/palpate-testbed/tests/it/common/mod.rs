@@ -137,7 +137,7 @@ pub fn assert_close(what: &str, given: f64, expected: f64, tolerance: f64) {
     );
 }
 
-/// Name, scene, period, collisions in the window, hold floor in percent.
+/// Name, scene, period, collisions in the window, hold bound in percent.
 pub const PAPER: [(&str, PointMassScene, f64, usize, f64); 3] = [
     ("falling block", FALLING_BLOCK, 0.01, 3, 11.03),
     ("heavy device", HEAVY_DEVICE, 0.02, 3, 17.32),

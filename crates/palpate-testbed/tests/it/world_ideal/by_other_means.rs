@@ -1,7 +1,7 @@
-//! The ideal against a scheme of small fixed steps that knows no modes and no events.
+//! Compares the ideal with a scheme of small fixed steps without modes and events.
 //!
-//! A half kick, a drift with return mapping of the bristle, a half kick: of low order, and written for spheres and
-//! one floor only. Its error goes to 0 with its step, so what it tends to is what the ideal has to be.
+//! The scheme is a half kick, a drift with return mapping of the bristle, and a half kick. It is of low order and
+//! supports spheres and one floor only. Its error goes to 0 with its step, so its limit must equal the ideal.
 
 use palpate_testbed::world::{ContactLaw, Member, Shape, Tool, Vector, WorldScene};
 

@@ -25,7 +25,7 @@ fn below(radius: f64, half_length: f64, orientation: [f64; 4]) -> WorldBody {
     one
 }
 
-/// One stands on another one's end, or lies along another one, which is shorter, equal or longer.
+/// One cylinder rests on another one's end, or lies along another one, which is shorter, equal or longer.
 #[test]
 fn two_cylinders_have_all_of_the_stiffness_on_their_ends_and_half_of_it_along_their_sides() {
     let standing = [1.0, 0.0, 0.0, 0.0];
@@ -99,8 +99,8 @@ fn two_cylinders_keep_energy_momentum_and_angular_momentum() {
     }
 }
 
-/// It stands on a point of its rim that is below its centre: one of the four that share the law if it is the shorter one, and all
-/// of the law at one place if it is the longer one.
+/// The cylinder rests on a point of its rim that is below its centre. The shorter cylinder has one of the four points
+/// that share the law; the longer one has the whole law at one point.
 #[test]
 fn the_shorter_of_two_cylinders_has_the_points_that_share_the_law() {
     let reach = HALF_LENGTH.hypot(RADIUS);

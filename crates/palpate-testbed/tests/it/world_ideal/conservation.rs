@@ -148,7 +148,7 @@ fn the_hand_pays_for_what_a_push_takes() {
     let end = &ideal.states.last().unwrap().books;
     println!("{end:?}");
     assert!(end.hand_work > 0.005 && end.dissipated > 1e-4);
-    // What the contacts do to the device, its profile has.
+    // The profile contains the impulses of the contacts on the device.
     let contacts = ideal.encounters.iter().filter(|e| e.is_of_device(0));
     let of_contacts: f64 = contacts.map(|encounter| encounter.impulse[0]).sum();
     let of_profile: f64 = ideal.devices[0].impulses.iter().map(|j| j[0]).sum();

@@ -1,4 +1,4 @@
-//! What has no ideal, and how that is said.
+//! Scenes without an ideal, and their error messages.
 
 use std::sync::Arc;
 

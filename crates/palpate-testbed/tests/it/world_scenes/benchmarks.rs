@@ -328,8 +328,8 @@ fn the_scene_files_say_the_same_scenes() {
         let mut devices = file["device"].as_array().unwrap().iter();
         devices.all(|device| device.get("inertia_kg_m2").is_none())
     };
-    // Meshes that move, hulls, capsules and cylinders stand in files only: `crates/palpate-sim/tests/it/worlds.rs` has them. So do the bowl
-    // (`hard_worlds.rs` there) and scenes of six axes (`six_axes.rs`).
+    // Moving meshes, hulls, capsules and cylinders exist only in files: see `crates/palpate-sim/tests/it/worlds.rs`.
+    // The same applies to the bowl (`hard_worlds.rs` there) and scenes of six axes (`six_axes.rs`).
     let in_files_only = ["angle", "bowl", "cairn", "cans", "gem", "knob", "logs"];
     let is_in_code = |path: &Path| {
         !in_files_only

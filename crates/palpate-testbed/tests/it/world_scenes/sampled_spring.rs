@@ -1,7 +1,6 @@
-//! The simplest loops in random worlds: the spring force at the sample, and the best damper beside it.
+//! The simplest loops in random worlds: the spring force at the sample, alone and with the best damper.
 //!
-//! The loop is written here once more, for spheres and planes only, so that the judge is tried by something that
-//! knows nothing of it.
+//! The loop is implemented here independently, for spheres and planes only, to test the evaluation.
 
 use palpate_testbed::world::random_worlds::{RandomHands, RandomWorld, WorldKind, random_worlds};
 use palpate_testbed::world::{

@@ -1,14 +1,14 @@
-//! The same laws of a cylinder on a half-space, a box, a hull and another cylinder.
+//! Tests of the pair laws for a cylinder with a half-space, a box, a hull and another cylinder.
 
 use super::cylinders::{Cylinders, Form};
 use super::rims::Cylinder;
 use super::*;
 
-/// The cylinder, and how many points share the law.
+/// The cylinder pair, and the number of points that share the law.
 pub(super) struct OnForm(pub(super) Cylinders, usize);
 
 impl OnForm {
-    /// `None` where no plane is looked for between the two.
+    /// Returns `None` for shapes without a separating-plane search.
     pub(super) fn between(shapes: [&crate::Shape; 2]) -> Option<Self> {
         let blocks = Blocks::between(shapes, [0, 1], 0)?;
         match blocks.solids {
@@ -34,7 +34,7 @@ impl Pair for OnForm {
     }
 }
 
-/// An upright prism of five sides.
+/// Returns an upright prism with five sides.
 fn prism() -> Arc<Corners> {
     let corners: Vec<Vector3> = (0..10)
         .map(|number| {
@@ -79,7 +79,7 @@ fn force_and_torque_of_a_cylinder_are_the_gradient_of_the_energy() {
 #[test]
 fn the_energy_of_a_cylinder_has_no_jump() {
     for kind in KINDS {
-        // Where the two overlap by more than half of the thinner one, other places of least overlap are nearer.
+        // For an overlap of more than half of the thinner solid, other local minima are nearer.
         let within = if kind == "half-space" {
             f64::INFINITY
         } else {
@@ -90,14 +90,14 @@ fn the_energy_of_a_cylinder_has_no_jump() {
     }
 }
 
-/// The nearest place of a cylinder.
+/// Returns the point of a cylinder nearest to `own`.
 fn into_cylinder(cylinder: &Cylinder, own: Vector3) -> Vector3 {
     let across = own.xy() * (cylinder.radius / own.xy().norm()).min(1.0);
     let (low, high) = (-cylinder.half_length, cylinder.half_length);
     Vector3::new(across.x, across.y, own.z.clamp(low, high))
 }
 
-/// The nearest place of a solid.
+/// Returns the point of a solid nearest to `own`.
 fn into(form: &Form, own: Vector3) -> Vector3 {
     match form {
         Form::Cylinder(cylinder) => into_cylinder(cylinder, own),
@@ -109,7 +109,7 @@ fn into(form: &Form, own: Vector3) -> Vector3 {
     }
 }
 
-/// Solids that are apart have no energy, and ones with a common place have some.
+/// Separated solids have no energy, and solids with a common point have some.
 #[test]
 fn cylinders_push_if_and_only_if_they_overlap() {
     for kind in KINDS {
@@ -125,7 +125,7 @@ fn cylinders_push_if_and_only_if_they_overlap() {
             here.place([first, second], None);
             let (plane, depth) = here.least(None);
             let normal = here.normal(plane);
-            // From one solid to the nearest place of the other and back: ends at a common place, if there is one.
+            // Alternating projection between the solids converges to a common point, if there is one.
             let (cylinder, other) = here.solids();
             let from = |rigid: &Rigid, place: Vector3| {
                 rigid.orientation.inverse() * (place - rigid.position)
@@ -144,14 +144,14 @@ fn cylinders_push_if_and_only_if_they_overlap() {
                 }
             }
             if depth < 0.0 {
-                // The plane is between the two, by as much.
+                // The plane separates the two by the depth.
                 let gap = normal.dot(&(ends[0] - ends[1]));
                 assert!(gap > -depth - 1e-9, "{kind} {plane:?} {depth} {gap}");
                 apart += 1;
             } else {
                 together += 1;
             }
-            // From place to place the way shortens slowly where the two overlap little.
+            // Convergence is slow for small overlaps.
             assert!(way < 1e-5 || depth < 0.01, "{kind} {plane:?} {depth} {way}");
             assert!(way > 1e-9 || depth > 0.0, "{kind} {plane:?} {depth}");
         }
@@ -159,14 +159,15 @@ fn cylinders_push_if_and_only_if_they_overlap() {
     }
 }
 
-/// Where the rims of two cylinders cross, only the plane that touches both parts them, and where they overlap by little it
-/// costs least.
+/// For crossing rims, only the plane tangent to both separates the cylinders, and for small overlaps it has the
+/// lowest energy.
 #[test]
 fn rims_that_cross_are_apart_by_the_plane_that_touches_both() {
     let mut pair = pair("cylinder", true).0;
     let first = rigid(Vector3::zeros(), Vector3::zeros());
     let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
-    // Out of the first at its upper rim, and axis and radius of the second, which go up and aside from there.
+    // Normal of the first at its upper rim, and axis and radius of the second, which extends upwards and sideways
+    // from there.
     let out = (x + z).normalize();
     for lean in [0.3, 0.8, 1.3_f64] {
         let (sine, cosine) = lean.sin_cos();
@@ -184,7 +185,7 @@ fn rims_that_cross_are_apart_by_the_plane_that_touches_both() {
             let (plane, depth) = pair.least(None);
             assert_eq!(plane, Plane::Edges([3, 0]), "{lean} {gap}");
             if gap > 0.0 {
-                // Any plane that parts them will do.
+                // Any separating plane is acceptable.
                 assert!(depth < 0.0 && depth > -gap - 1e-12, "{lean} {gap} {depth}");
                 continue;
             }
@@ -199,7 +200,8 @@ fn rims_that_cross_are_apart_by_the_plane_that_touches_both() {
     }
 }
 
-/// The plane at the side of a cylinder is not looked for where it cannot cost least: what is taken is the same to the last bit.
+/// Skipping the plane at the side of a cylinder where it cannot have the lowest energy leaves the result
+/// bit-identical.
 #[test]
 fn a_plane_that_is_not_looked_for_would_not_be_taken() {
     let at_side = Plane::Edges([2, 0]);

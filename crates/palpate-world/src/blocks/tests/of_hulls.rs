@@ -1,8 +1,8 @@
-//! The same laws of hulls.
+//! Tests of the pair laws for hulls.
 
 use super::*;
 
-/// A tetrahedron, a box, and solids of some random corners; about their centres of mass, more or less.
+/// Returns a tetrahedron, a box, and solids with random corners, roughly centred at their centres of mass.
 fn solids(numbers: &mut Numbers) -> Vec<Arc<Corners>> {
     let mut all = vec![Corners::of_box(Vector3::new(0.5, 0.3, 0.4))];
     for count in [4, 8, 12, 16] {
@@ -21,7 +21,7 @@ fn placed(pair: &[Arc<Corners>; 2], first: &Rigid, second: &Rigid) -> Hulls {
     hulls
 }
 
-/// Pairs of all solids with each other.
+/// Returns pairs of all solids with each other.
 fn pairs(numbers: &mut Numbers) -> Vec<[Arc<Corners>; 2]> {
     let all = solids(numbers);
     let each = |one: &Arc<Corners>| {
@@ -57,7 +57,7 @@ fn force_and_torque_of_hulls_are_the_gradient_of_the_energy() {
     assert!(seen.iter().all(|&seen| seen > 50), "{seen:?}");
 }
 
-/// As long as no more corners are behind a face than share the law.
+/// Valid as long as the number of corners behind a face is at most the number that shares the law.
 #[test]
 fn the_energy_of_hulls_has_no_jump_where_they_overlap_little() {
     let mut numbers = Numbers(5);
@@ -80,7 +80,8 @@ fn a_box_is_a_hull() {
         let second = rigid(numbers.vector() * 1.2, numbers.vector() * 3.0);
         let (_, of_boxes) = super::placed(&first, &second).least(None);
         let (_, of_hulls) = placed(&pair, &first, &second).least(None);
-        // Apart, an edge that is not nearest may say a larger gap than a face, or a corner a smaller one.
+        // For separated boxes the gap of a distant edge can exceed that of a face, and that of a corner can be
+        // smaller.
         assert_eq!(of_boxes > 0.0, of_hulls > 0.0, "{of_boxes} {of_hulls}");
         if of_boxes > 0.0 {
             assert!((of_boxes - of_hulls).abs() < 1e-9, "{of_boxes} {of_hulls}");

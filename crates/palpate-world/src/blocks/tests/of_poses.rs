@@ -1,4 +1,4 @@
-//! Cylinders at poses at which a direction or a place is not determined: something is taken all the same, and it is sound.
+//! Degenerate cylinder poses with an undefined direction or position: the result is arbitrary but valid.
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 
@@ -6,7 +6,7 @@ use super::of_cylinders::OnForm;
 use super::*;
 use crate::Shape;
 
-/// What a cylinder of this radius and half length may meet, each of about its size.
+/// Returns solids of about the size of a cylinder with this radius and half-length.
 fn others(radius: f64, half_length: f64) -> Vec<Shape> {
     let hull = |sides: usize| {
         let corners: Vec<[f64; 3]> = (0..2 * sides)
@@ -41,7 +41,7 @@ fn others(radius: f64, half_length: f64) -> Vec<Shape> {
     others
 }
 
-/// Turns, some of them by so little that it is lost when it is squared.
+/// Returns rotations, some of them so small that their square is lost to rounding.
 fn turns() -> Vec<Rotation> {
     let about = |axis: Vector3| Rotation::from_scaled_axis(axis);
     let little = |x: f64| Rotation::new_unchecked(nalgebra::Quaternion::new(1.0, x, 0.0, 0.0));
@@ -135,7 +135,7 @@ fn cylinders_take_a_sound_plane_where_none_is_determined() {
                     };
                     let depth = check(&at(turn, way));
                     seen += u32::from(depth > 0.0);
-                    // Nothing jumps there.
+                    // No jump near the degenerate pose.
                     for by in [1e-9, -1e-9] {
                         let near =
                             Vector3::new(0.3, -0.2, 0.5) * (by * size.min(radius.min(half_length)));

@@ -1,4 +1,4 @@
-//! The same laws of a capsule on a box, a capsule, a cylinder and a hull.
+//! Tests of the pair laws for a capsule with a box, a capsule, a cylinder and a hull.
 
 use super::*;
 
@@ -57,7 +57,7 @@ fn force_and_torque_of_a_capsule_are_the_gradient_of_the_energy() {
     }
 }
 
-/// From far away to deep inside.
+/// From far apart to deep penetration.
 #[test]
 fn the_energy_of_a_capsule_has_no_jump() {
     for other in others() {
@@ -66,7 +66,8 @@ fn the_energy_of_a_capsule_has_no_jump() {
     }
 }
 
-/// No plane that has all of the other solid behind it costs less than the one that is taken, and that one has it behind it.
+/// No plane with the whole other solid behind it has lower energy than the selected plane, which also has it behind
+/// it.
 #[test]
 fn no_plane_costs_less() {
     let mut numbers = Numbers(37);
@@ -82,7 +83,7 @@ fn no_plane_costs_less() {
         }
         touching += 1;
         let axis = first.orientation * Vector3::new(0.0, 0.0, rod.half_length);
-        // E over K/2 of the plane across a direction.
+        // E over K/2 of the plane normal to a direction.
         let cost = |out: Vector3| {
             let own = second.orientation.inverse_transform_vector(&out);
             let height = hull.places.iter().map(|place| own.dot(place));

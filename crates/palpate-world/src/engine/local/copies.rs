@@ -1,4 +1,4 @@
-//! How the copies of the host's bodies go on when a model comes.
+//! Update of the copies of the host's bodies by a new model.
 
 use super::model::LocalModel;
 use super::past::Then;
@@ -9,8 +9,8 @@ use crate::engine::meeting::Meeting;
 use crate::engine::touch::Touch;
 use crate::{Effort, SubSteps};
 
-/// How finely a step of the host is computed once more, by the phase of its fastest contact: in at most 640 sub-steps. The time of
-/// ticks that the loop has missed is computed as finely.
+/// Sub-step limits for recomputing a host step, by the phase of its fastest contact: at most 640 sub-steps. Ticks
+/// that the loop has missed use the same limits.
 pub(super) const HOST_STEPS: SubSteps = SubSteps {
     least: 16,
     most: 512,
@@ -19,14 +19,15 @@ pub(super) const HOST_STEPS: SubSteps = SubSteps {
     refined: 8,
 };
 
-/// Length of so many periods `[s]`.
+/// Returns the duration of this number of periods `[s]`.
 #[expect(clippy::cast_precision_loss, reason = "a number of ticks")]
 pub(super) fn duration(ticks: u64, period: f64) -> f64 {
     ticks as f64 * period
 }
 
 impl LocalState {
-    /// Moves the copies by what the model says beyond what was expected. The contacts are still those of the last model.
+    /// Moves the copies by the difference between the model and the prediction. The contacts are still those of the
+    /// last model.
     pub(super) fn take_bodies(&mut self, model: &LocalModel, period: f64, return_time: f64) {
         let now = self.progress.tick;
         let before = self.model_tick.unwrap_or(model.tick);
@@ -65,7 +66,7 @@ impl LocalState {
         self.is_known = true;
     }
 
-    /// What the tools did to copies and host's bodies up to the model's tick.
+    /// Records the work of the tools on the copies and on the host's bodies up to the model's tick.
     fn book_slow_ports(&mut self, model: &LocalModel, step: f64) {
         for (body, described) in model.bodies.iter().enumerate() {
             let host = Image::of(described, &ImageOffset::none());
@@ -82,8 +83,9 @@ impl LocalState {
         }
     }
 
-    /// Computes where the host's step up to `tick`, which is `step` `[s]` long, should have brought its bodies under the mean
-    /// wrenches of the tools. `false` where that is no number, or a contact of the host's own is so fast that it would grow.
+    /// Predicts the bodies after the host's step of `step` `[s]` up to `tick`, under the mean wrenches of the tools.
+    /// Returns `false` if the result is not finite or if a contact between the host's own bodies makes the
+    /// integration unstable.
     fn foresee(&mut self, tick: u64, step: f64, period: f64) -> bool {
         if step <= 0.0 {
             return true;
@@ -112,7 +114,7 @@ impl LocalState {
             self.host.touches.fill(Touch::apart());
             put_fixed_world(&mut self.host);
         }
-        // The sample is not refused for it.
+        // An unstable prediction does not invalidate the sample.
         let effort = Effort {
             unstable: false,
             ..effort
@@ -122,14 +124,14 @@ impl LocalState {
     }
 }
 
-/// What never moves has the image after the last body's.
+/// Sets the image of the fixed world, which is stored after the last body's.
 pub(super) fn put_fixed_world(meeting: &mut Meeting) {
     if let Some(last) = meeting.images.last_mut() {
         *last = Image::of(&BodyNow::fixed([0.0; 3]), &ImageOffset::none());
     }
 }
 
-/// A copy of which nothing is known.
+/// Returns an undefined copy.
 pub(super) fn nowhere() -> Then {
     Then::of(&Image::nowhere(), nalgebra::Vector6::zeros(), 0.0)
 }

@@ -1,4 +1,4 @@
-//! The time of a tick that comes too late.
+//! Compensation for late ticks.
 
 use super::copies::{HOST_STEPS, duration};
 use super::state::LocalState;
@@ -7,12 +7,13 @@ use crate::engine::image::Image;
 use crate::engine::touch::Touch;
 use crate::interval::whole;
 
-/// This part of a period is rounded.
+/// Tolerance for rounding, as a fraction of a period.
 const ROUNDING: f64 = 1e-6;
 
 impl LocalState {
-    /// A sample has come `elapsed` `[s]` after the one before. Each whole period that the loop is behind by then counts as a tick.
-    /// The copies go on over it under the mean wrench that the tools had in the last period, as the devices were held for as long.
+    /// Processes a sample that arrives `elapsed` `[s]` after the previous one. Each whole period of accumulated delay
+    /// counts as a tick. Over these ticks the copies move under the tools' mean wrench of the last period, because
+    /// the devices were held for the same time.
     pub(super) fn catch_up(&mut self, elapsed: f64, period: f64) {
         self.behind += elapsed / period - 1.0;
         let missed = whole((self.behind + ROUNDING).floor());
@@ -40,7 +41,7 @@ impl LocalState {
         self.progress.tick = before + missed;
     }
 
-    /// The copies go on for `h` `[s]`. They stay where they are if what comes out is no number.
+    /// Advances the copies by `h` `[s]`. The copies keep their state if the result is not finite.
     fn go_on(&mut self, h: f64, period: f64) {
         let bodies = self.at_model.len();
         let (meeting, late) = (&mut self.engine.meeting, &mut self.late);
@@ -58,7 +59,7 @@ impl LocalState {
         let effort = late.advance(before, &self.pairs, &HOST_STEPS, 1, h, h.max(period));
         let sum: f64 = late.images.iter().map(Image::sum).sum();
         let is_known = sum.is_finite() && !effort.unstable;
-        // The sample is not refused for it.
+        // An unstable prediction does not invalidate the sample.
         let effort = Effort {
             unstable: false,
             ..effort

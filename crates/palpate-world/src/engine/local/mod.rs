@@ -1,6 +1,7 @@
-//! A local model: how a fast loop renders contact with what a slow host computes.
+//! Multirate local model: a fast loop renders contact with objects of a low-rate simulator (the host).
 //!
-//! The host is a physics engine, a game or a query of a large mesh, at 20 to 200 Hz. The fast loop renders at 1 kHz, say.
+//! The host is a physics engine, a game or a query of a large mesh, at 20 to 200 Hz. The fast loop runs at, for
+//! example, 1 kHz.
 //!
 //! ```text
 //! host, slow        its bodies as they are now, their mobility, and what else accelerates them; the places where a tool may
@@ -10,19 +11,21 @@
 //! loop, fast        copies of the bodies go on from period to period, and meet the avatars, as `coupled` renders
 //! ```
 //!
-//! The host steps over the time that has passed, under the mean wrench of the tools in it ([`LocalProgress::wrench_since`]), and
-//! publishes what came out. Each model says up to which tick of the loop it has the tools' impulses in it.
+//! The host steps over the elapsed time under the tools' mean wrench over that time ([`LocalProgress::wrench_since`])
+//! and publishes the result. Each model states the loop tick up to which it includes the tools' impulses.
 //!
-//! When a model comes, the loop computes by the last model where the host's step should have brought each body, with the same
-//! mean wrench. What the host says beyond that is what the loop did not know, and each copy is moved by it. So the difference of
-//! a held mean wrench and a force that changes, which is large over a step of a slow host, does not move the copies. What is left
-//! between host and copy goes away in [`LocalParams::return_time`].
+//! When a model arrives, the loop predicts each body from the last model over the host's step, under the same mean
+//! wrench. Each copy is moved by the difference between the new model and this prediction, which is new information.
+//! The difference between a mean wrench and a varying force, which is large over a step of a low-rate simulator,
+//! therefore does not move the copies. The remaining difference between host and copy decays with
+//! [`LocalParams::return_time`].
 //!
-//! A loop that misses ticks counts them when it comes back, so the time of the ticks is the time that has passed, to less than a
-//! period. Over what it has missed the copies go on under the mean wrench of the tools in the last period, as the device was held.
+//! A loop that misses ticks counts them at its next tick, so tick time follows elapsed time to within one period.
+//! Over missed ticks the copies move under the tools' mean wrench of the last period, because the device was held for
+//! the same time.
 //!
-//! What a model changes of a contact that touches comes in over [`LocalParams::settle`]: the force does not step. The energy of
-//! the change is booked as `outside`.
+//! A model's change of an active contact is blended in over [`LocalParams::settle`], so the force is continuous. The
+//! energy of the change is recorded as `outside`.
 
 mod copies;
 mod late;

@@ -1,4 +1,4 @@
-//! What a host publishes, and what is checked of it.
+//! Model published by a host, and its checks.
 
 use nalgebra::UnitVector3;
 use palpate::Range;
@@ -9,7 +9,7 @@ use crate::fault::out_of_range;
 use crate::rigid::Vector3;
 use crate::{ContactLaw, Tool, Vector, WorldError, WorldField, WorldPart};
 
-/// What the fast loop is told: bodies and contacts of a host as of a tick. Made, and checked, by
+/// Input of the fast loop: bodies and contacts of a host at a tick. Created and checked by
 /// [`LocalRenderer::model`](super::LocalRenderer::model).
 #[derive(Clone, Debug, PartialEq)]
 pub struct LocalModel {
@@ -19,9 +19,9 @@ pub struct LocalModel {
     pub(super) contacts: Vec<Option<LocalContact>>,
 }
 
-/// A place where a sphere may touch a surface, with the bodies where the model says that they are.
+/// A possible contact of a sphere with a surface, with the bodies at the positions in the model.
 ///
-/// The surface is a plane or, with a curvature, a sphere. It is fixed to its body, and has no end.
+/// The surface is a plane or, with a curvature, a sphere. It is unbounded and fixed to its body.
 ///
 /// ```text
 ///           o  sphere: a tool, or a part of a body
@@ -31,39 +31,39 @@ pub struct LocalModel {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalContact {
-    /// What touches.
+    /// The sphere that touches the surface.
     pub touching: Touching,
-    /// Number of the body whose surface is touched; `None`: something that never moves.
+    /// Index of the body with the surface; `None` for a fixed surface.
     pub on: Option<usize>,
-    /// A point of the surface, along the world's axes: as a rule the one that is nearest to the sphere `[m]`.
+    /// A point of the surface, along the world's axes, usually the point nearest to the sphere `[m]`.
     pub place: Vector,
-    /// Unit vector out of the surface there, along the world's axes.
+    /// Outward unit normal of the surface there, along the world's axes.
     pub normal: Vector,
     /// Curvature of the surface `[1/m]`: 1/r of a ball of radius r, -1/r of the inside of one, 0 of a plane.
     pub curvature: f64,
-    /// What the contact does.
+    /// Contact law.
     pub law: ContactLaw,
 }
 
-/// What touches a surface: a sphere.
+/// The sphere that touches a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Touching {
-    /// The tool of this number. Its force is rendered.
+    /// The tool of this index. Its force is rendered.
     Tool(usize),
-    /// A sphere of a body: a contact of the host's own, for instance of a ball with a floor. The host computes its force, and the
-    /// loop computes what it makes of the body's copy between two models.
+    /// A sphere of a body: a contact between the host's own bodies, such as a ball on a floor. The host computes its
+    /// force. The loop computes its effect on the body's copy between two models.
     Body {
-        /// Number of the body.
+        /// Index of the body.
         body: usize,
-        /// Centre of the sphere, along the world's axes, with the body where the model says `[m]`.
+        /// Centre of the sphere, along the world's axes, with the body at the position in the model `[m]`.
         centre: Vector,
-        /// Its radius `[m]`; 0 for a corner.
+        /// Radius of the sphere `[m]`; 0 for a corner.
         radius: f64,
     },
 }
 
 impl LocalContact {
-    /// A flat surface of `on` that a tool may touch, through `place` `[m]`, with this normal.
+    /// Creates a flat surface of `on` through `place` `[m]` with this normal, for a tool.
     #[must_use]
     pub fn of_tool(
         tool: usize,
@@ -82,8 +82,8 @@ impl LocalContact {
         }
     }
 
-    /// The same by the signed `gap` `[m]` between the surface and the tool, a sphere of `radius` `[m]`, when the tool's centre
-    /// is at `centre` `[m]`: what most engines answer to a query. Below 0 they overlap.
+    /// Creates a flat surface at a signed `gap` `[m]` from a spherical tool of `radius` `[m]` with its centre at
+    /// `centre` `[m]`: the usual result of an engine's distance query. A negative gap is an overlap.
     #[must_use]
     pub fn at_gap(
         (tool, centre, radius): (usize, Vector, f64),
@@ -96,7 +96,7 @@ impl LocalContact {
         Self::of_tool(tool, on, place.into(), normal, law)
     }
 
-    /// A flat surface that a sphere of a body touches: see [`Touching::Body`].
+    /// Creates a flat surface that a sphere of a body touches ([`Touching::Body`]).
     #[must_use]
     pub fn of_body(
         (body, centre, radius): (usize, Vector, f64),
@@ -115,7 +115,7 @@ impl LocalContact {
         }
     }
 
-    /// The same with a surface that is bent by `curvature` `[1/m]`.
+    /// Sets the curvature of the surface `[1/m]`.
     #[must_use]
     pub fn curved(self, curvature: f64) -> Self {
         Self { curvature, ..self }
@@ -123,14 +123,14 @@ impl LocalContact {
 }
 
 impl LocalModel {
-    /// The tick of the loop up to which the model has the tools' impulses in it.
+    /// Returns the loop tick up to which the model includes the tools' impulses.
     #[must_use]
     pub fn tick(&self) -> u64 {
         self.tick
     }
 
-    /// Everything that is wrong with bodies and contacts; otherwise the model, with empty slots for the contacts that are not
-    /// given.
+    /// Returns all faults of bodies and contacts, or otherwise the model. Contacts that are not given become empty
+    /// slots.
     pub(super) fn checked(
         tick: u64,
         bodies: &[BodyNow],
@@ -208,7 +208,7 @@ impl LocalModel {
     }
 }
 
-/// How far the length of a normal may be from 1.
+/// Allowed deviation of a normal's length from 1.
 const LENGTH_TOLERANCE: f64 = 1e-3;
 
 impl LocalContact {

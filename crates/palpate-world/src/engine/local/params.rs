@@ -1,29 +1,30 @@
-//! The parameters of a local model, and their checks.
+//! Parameters of a local model, and their checks.
 
 use crate::{MOST_POINTS, WorldError, WorldField, WorldPart};
 
-/// Room for a local model, and how the loop goes over from one to the next.
+/// Capacity of a local model, and transitions between models.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalParams {
-    /// How many bodies a model has, at most 16. They are called by their numbers.
+    /// Number of bodies of a model, at most 16. They are referred to by index.
     pub bodies: usize,
-    /// How many contacts it has at most, 1 to 64, of tools with bodies and of bodies with each other.
+    /// Maximum number of contacts, 1 to 64, of tools with bodies and between bodies.
     pub contacts: usize,
-    /// Age of the newest model beyond which its contacts fade `[s]`: the time since the tick that it is of. At least one period
-    /// of the loop, and at most 1000 of them.
+    /// Age of the newest model, measured from its tick, beyond which its contacts fade `[s]`. At least 1 and at most
+    /// 1000 periods of the loop.
     pub stale_after: f64,
-    /// Time in which the contacts of a model fade that has become too old, and in which they come back `[s]`, above 0.
+    /// Time for contacts of a stale model to fade out, or back in `[s]`, above 0.
     pub fade: f64,
-    /// Time in which a change of a contact that touches comes in `[s]`, above 0; less where models come faster.
+    /// Time over which a change of an active contact is blended in `[s]`, above 0; shorter if models arrive faster.
     pub settle: f64,
-    /// Time in which a copy goes back to the host's body `[s]`, above 0. Shorter: the copy is where the host says. Longer: the
-    /// force is that of the copy's own motion, which no held wrench has moved.
+    /// Time in which a copy returns to the host's body `[s]`, above 0. A short time keeps the copy close to the
+    /// host's position. A long time keeps the force close to that of the copy's own motion, which no mean wrench has
+    /// disturbed.
     pub return_time: f64,
 }
 
 impl LocalParams {
-    /// Room for so many `bodies` and `contacts`. Models are too old after 0.2 s and fade in 0.1 s; changes come in over
-    /// 10 ms, and copies go back in 1 s.
+    /// Creates parameters for this number of `bodies` and `contacts`. Models are stale after 0.2 s and fade in 0.1 s.
+    /// Changes are blended in over 10 ms; copies return in 1 s.
     #[must_use]
     pub fn new(bodies: usize, contacts: usize) -> Self {
         Self {
@@ -86,8 +87,8 @@ impl LocalParams {
     }
 }
 
-/// Most bodies of a model.
+/// Maximum number of bodies of a model.
 const MOST_BODIES: usize = 16;
 
-/// Most periods that are remembered.
+/// Maximum number of stored periods.
 const MOST_PERIODS: f64 = 1000.0;

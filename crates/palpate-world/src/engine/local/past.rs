@@ -1,19 +1,19 @@
-//! What the copies did in the last ticks.
+//! History of the copies over the last ticks.
 
 use nalgebra::Vector6;
 
 use crate::engine::image::{Image, angular, linear};
 use crate::rigid::{Rotation, Vector3};
 
-/// A body's copy at the beginning of a tick's period.
+/// State of a body's copy at the beginning of a tick's period.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Then {
     pub position: Vector3,
     pub orientation: Rotation,
     pub twist: Vector6<f64>,
-    /// Impulse of the tools on it since the start `[N s]`, `[N m s]`.
+    /// Impulse of the tools on the copy since the start `[N s]`, `[N m s]`.
     pub impulse: Vector6<f64>,
-    /// Their work on the copy since the start `[J]`.
+    /// Work of the tools on the copy since the start `[J]`.
     pub work: f64,
 }
 
@@ -30,7 +30,7 @@ impl Then {
 }
 
 impl Then {
-    /// As the image of a body is, `since` `[s]` later, moved by nothing but what accelerates it.
+    /// Sets the state to that of the image `since` `[s]` later, under the image's acceleration only.
     pub fn goes_on_from(&mut self, image: &Image, since: f64) {
         let mut later = *image;
         later.shift(&(image.twist * since + image.acceleration * (0.5 * since * since)));
@@ -39,21 +39,21 @@ impl Then {
         self.twist = image.twist + image.acceleration * since;
     }
 
-    /// Is put elsewhere, by a translation `[m]` and a rotation vector `[rad]`, and moves otherwise by `twist`.
+    /// Displaces the copy by a translation `[m]` and a rotation vector `[rad]`, and adds `twist` to its velocity.
     pub fn correct(&mut self, way: &Vector6<f64>, twist: &Vector6<f64>) {
         self.position += linear(way);
         self.orientation = Rotation::from_scaled_axis(angular(way)) * self.orientation;
         self.twist += twist;
     }
 
-    /// Where it is less where an image is: translation `[m]` and rotation vector `[rad]`.
+    /// Returns the pose relative to an image: translation `[m]` and rotation vector `[rad]`.
     pub fn apart_from(&self, image: &Image) -> Vector6<f64> {
         let mut then = *image;
         self.put(&mut then);
         then.apart_from(image)
     }
 
-    /// Between this and an image at a later time, after this share of the time.
+    /// Interpolates between this state and a later image at a fraction `share` of the time.
     pub fn towards(&self, later: &Image, share: f64) -> Self {
         let mut between = *later;
         self.put(&mut between);
@@ -67,7 +67,7 @@ impl Then {
         }
     }
 
-    /// Puts an image there, as it moves then.
+    /// Sets the pose and velocity of an image to this state.
     pub fn put(&self, image: &mut Image) {
         image.position = self.position;
         image.orientation = self.orientation;
@@ -76,7 +76,7 @@ impl Then {
     }
 }
 
-/// The last ticks, each in the place of the one that is as many ticks ago as there are places.
+/// Ring buffer of the copies' states over the last ticks.
 #[derive(Clone, Debug)]
 pub(super) struct Past {
     bodies: usize,
@@ -84,7 +84,7 @@ pub(super) struct Past {
 }
 
 impl Past {
-    /// Room for so many `ticks`, at least 1. Before the first everything was as `start` says.
+    /// Creates a buffer for `ticks` ticks (at least 1), filled with `start`.
     pub fn new(bodies: usize, ticks: usize, start: Then) -> Self {
         Self {
             bodies,
@@ -92,12 +92,12 @@ impl Past {
         }
     }
 
-    /// How many ticks there is room for; 0 where there is no body.
+    /// Returns the capacity in ticks; 0 without bodies.
     pub fn ticks(&self) -> usize {
         self.rows.len().checked_div(self.bodies).unwrap_or(0)
     }
 
-    /// The body at a tick, which has to be one of the last.
+    /// Returns the state of a body at a tick, which must be one of the last [`ticks`](Self::ticks).
     pub fn at(&mut self, tick: u64, body: usize) -> Option<&mut Then> {
         let ticks = u64::try_from(self.ticks())
             .ok()

@@ -1,43 +1,45 @@
-//! What the loop gives back to the host.
+//! Result of the loop for the host.
 
 use super::state::ModelRefusal;
 use crate::Vector;
 use crate::engine::body::BodyWrench;
 
-/// How far the loop has come: what a host needs for its next step.
+/// Progress of the loop, needed by a host for its next step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LocalProgress {
-    /// Periods that have passed: those that the loop has rendered, and those that it has missed. A model that has all impulses of this progress in it is of this tick.
+    /// Number of elapsed periods, both rendered and missed. A model that includes all impulses of this progress has
+    /// this tick.
     pub tick: u64,
-    /// Time from sample to sample `[s]`.
+    /// Time between samples `[s]`.
     pub period: f64,
-    /// Where the avatar of each tool is at the end of the last period `[m]`: where the host looks for what the tool may touch.
+    /// Position of each tool's proxy at the end of the last period, where the host searches for contacts `[m]`.
     pub positions: Vec<Vector>,
-    /// Its velocity `[m/s]`.
+    /// Velocity of each proxy `[m/s]`.
     pub velocities: Vec<Vector>,
-    /// Impulse of the tools on each body since the start `[N s]`, and its moment about the body's reference point `[N m s]`.
+    /// Impulse of the tools on each body since the start `[N s]`, and its moment about the body's reference point `[N
+    /// m s]`.
     pub impulses: Vec<BodyImpulse>,
-    /// Where the copy of each body is `[m]`.
+    /// Position of each body's copy `[m]`.
     pub copies: Vec<Vector>,
-    /// Tick of the newest model, if there was one.
+    /// Tick of the newest model, if any.
     pub model_tick: Option<u64>,
-    /// Whether the contacts fade, or have faded, because there is no model or it is too old.
+    /// Whether the contacts are fading or have faded because the model is missing or stale.
     pub is_stale: bool,
-    /// Why the last model that came was not taken, if it was not.
+    /// Reason why the last model that arrived was rejected, if it was.
     pub refusal: Option<ModelRefusal>,
 }
 
-/// What tools gave to a body.
+/// Impulse of the tools on a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodyImpulse {
     /// Impulse `[N s]`.
     pub linear: Vector,
-    /// Its moment about the body's reference point `[N m s]`.
+    /// Moment of the impulse about the body's reference point `[N m s]`.
     pub angular: Vector,
 }
 
 impl LocalProgress {
-    /// Comes to be as `other`. It does not allocate where both are of one renderer.
+    /// Copies the values of `other`. It does not allocate if both are from the same renderer.
     pub fn copy_from(&mut self, other: &Self) {
         let Self {
             tick,
@@ -58,15 +60,15 @@ impl LocalProgress {
         (self.model_tick, self.is_stale, self.refusal) = (*model_tick, *is_stale, *refusal);
     }
 
-    /// Time from an earlier progress to this one `[s]`: what the host steps over.
+    /// Returns the time from an earlier progress to this one `[s]`, over which the host steps.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "a number of ticks")]
     pub fn time_since(&self, earlier: &Self) -> f64 {
         self.tick.saturating_sub(earlier.tick) as f64 * self.period
     }
 
-    /// The mean wrench of the tools on a body from an earlier progress to this one: what the host holds over its step. None
-    /// where no time has passed, and for a body that there is not.
+    /// Returns the tools' mean wrench on a body between an earlier progress and this one, which the host holds over
+    /// its step. The wrench is zero if no time has passed or the body does not exist.
     #[must_use]
     pub fn wrench_since(&self, earlier: &Self, body: usize) -> BodyWrench {
         let time = self.time_since(earlier);

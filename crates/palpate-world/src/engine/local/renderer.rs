@@ -1,4 +1,4 @@
-//! A tick with a local model.
+//! Ticks with a local model.
 
 use nalgebra::Vector6;
 
@@ -18,8 +18,8 @@ use crate::engine::state::BodyPortBook;
 use crate::engine::touch::Touch;
 use crate::{CoupledParams, Sample, Tool, Vector, WorldError, WorldLoop};
 
-/// Contacts of tools by the local models of a slow host, in one fast loop. Immutable: one renderer serves any number of
-/// [`LocalState`]s.
+/// Renderer for contacts of tools by the local models of a low-rate simulator, in one fast loop. It is immutable: one
+/// renderer serves any number of [`LocalState`]s.
 ///
 /// ```
 /// use palpate_world::engine::BodyNow;
@@ -51,16 +51,16 @@ use crate::{CoupledParams, Sample, Tool, Vector, WorldError, WorldLoop};
 pub struct LocalRenderer {
     coupling: Coupling,
     tools: Vec<Tool>,
-    /// Of each tool `[m]`.
+    /// Radius of each tool `[m]`.
     radii: Vec<f64>,
     params: LocalParams,
 }
 
 impl LocalRenderer {
-    /// Checks everything once.
+    /// Checks all inputs and creates the renderer.
     ///
     /// # Errors
-    /// Everything that is wrong: at least one fault.
+    /// Returns all faults (at least one).
     pub fn new(
         tools: &[Tool],
         params: LocalParams,
@@ -77,27 +77,27 @@ impl LocalRenderer {
         })
     }
 
-    /// The loop it is rendered in.
+    /// Returns the loop parameters.
     #[must_use]
     pub fn in_loop(&self) -> &WorldLoop {
         &self.coupling.in_loop
     }
 
-    /// Room for models, and how the loop goes over from one to the next.
+    /// Returns the capacity of models and the transition times.
     #[must_use]
     pub fn params(&self) -> &LocalParams {
         &self.params
     }
 
-    /// Checks what a host is to publish: its bodies and contacts as of a `tick`, that of the [`LocalProgress`] whose impulses
-    /// the bodies have in them. It allocates, and belongs into the host's thread.
+    /// Checks bodies and contacts of a host at `tick` and creates a model. `tick` is that of the [`LocalProgress`]
+    /// whose impulses the bodies include. This function allocates; call it from the host's thread.
     ///
-    /// A contact is known by its number: the contact of the same number in the next model is the same one, which has moved.
-    /// `None`, and a number that is missing, is no contact.
+    /// A contact is identified by its index: the contact with the same index in the next model is the same contact
+    /// after motion. `None` or a missing index means no contact.
     ///
     /// # Errors
-    /// Everything that is wrong with bodies and contacts, by number: too many, no numbers, a normal that is no unit vector, a
-    /// law out of its range, a tool or body that there is not.
+    /// Returns all faults of bodies and contacts by index: too many entries, non-finite numbers, a normal that is not
+    /// a unit vector, a law out of range, an unknown tool or body.
     pub fn model(
         &self,
         tick: u64,
@@ -107,7 +107,7 @@ impl LocalRenderer {
         LocalModel::checked(tick, bodies, contacts, &self.tools, &self.params)
     }
 
-    /// A new state: no model, nothing sampled, nothing touched, the books empty.
+    /// Creates a state before the first sample: no model, no contact, empty energy ledger.
     #[must_use]
     pub fn start(&self) -> LocalState {
         let (bodies, period) = (self.params.bodies, self.coupling.in_loop.period);
@@ -161,8 +161,8 @@ impl LocalRenderer {
         }
     }
 
-    /// One tick: a sample of all tools in, with the newest model if one has come since the last tick, and what each device is to
-    /// hold out. It does not allocate, lock or wait, and no NaN comes out for any input.
+    /// Performs one tick: takes a sample of all tools, and the newest model if one has arrived since the last tick,
+    /// and returns the forces to hold. It does not allocate, lock or wait. The output is free of NaN for any input.
     pub fn step<'s>(
         &self,
         state: &'s mut LocalState,
@@ -209,13 +209,13 @@ impl LocalRenderer {
         }
     }
 
-    /// Says what was really sent to a tool for the last [`step`](Self::step) `[N]`, where it is not that force. A force that is
-    /// not finite is left as it is.
+    /// Replaces the force of the last [`step`](Self::step) on a tool by the force that was actually sent `[N]`.
+    /// Non-finite values are ignored.
     pub fn report_sent(&self, state: &mut LocalState, tool: usize, force: Vector) {
         self.coupling.report_sent(&mut state.engine, tool, force);
     }
 
-    /// Of the newest model, at the beginning of the period that comes next `[s]`.
+    /// Returns the age of the newest model at the beginning of the next period `[s]`.
     fn age(&self, state: &LocalState) -> Option<f64> {
         let period = self.coupling.in_loop.period;
         let tick = state.model_tick?;
@@ -264,7 +264,7 @@ impl LocalRenderer {
         Ok(())
     }
 
-    /// A share of what has not come in yet does, and a model that is too old goes.
+    /// Advances the blending of changes by one period, and fades a stale model.
     fn go_over(&self, state: &mut LocalState) {
         let period = self.coupling.in_loop.period;
         let is_fresh = self
@@ -282,7 +282,7 @@ impl LocalRenderer {
         }
     }
 
-    /// The copies stand still until a model comes.
+    /// Removes the model: the copies stop until a new one arrives.
     fn forget(&self, state: &mut LocalState) {
         state.is_known = false;
         state.is_stale = true;
@@ -297,7 +297,7 @@ impl LocalRenderer {
         put_fixed_world(&mut state.engine.meeting);
     }
 
-    /// What is remembered of the tick, and given back to the host.
+    /// Stores the results of the tick, and updates the progress for the host.
     fn remember(&self, state: &mut LocalState) {
         state.progress.tick += 1;
         let meeting = &state.engine.meeting;

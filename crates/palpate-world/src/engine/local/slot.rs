@@ -1,4 +1,4 @@
-//! A contact of the local model in the loop: how strong it is, and what of a change has not come in yet.
+//! Slot for a contact of the local model: its strength, and the part of a change that is not yet blended in.
 
 use nalgebra::UnitQuaternion;
 
@@ -10,28 +10,28 @@ use crate::law::PointLaw;
 use crate::part::Part;
 use crate::rigid::{Rotation, Vector3};
 
-/// A contact of the model.
+/// Slot for a contact of the model.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slot {
-    /// At full strength.
+    /// Law at full strength.
     law: PointLaw,
-    /// What it was by the model before, and the share of that which is left.
+    /// Law of the previous model, and its remaining fraction.
     law_before: PointLaw,
     law_left: f64,
-    /// Share of the law that acts, 0 to 1.
+    /// Fraction of the law that acts, 0 to 1.
     pub strength: f64,
-    /// Whether the newest model has it.
+    /// Whether the newest model contains the contact.
     is_wanted: bool,
-    /// What the contact was beyond its surface when the newest model came.
+    /// Difference between contact and surface when the newest model arrived.
     shift: Shift,
-    /// Share of the shift that is left.
+    /// Remaining fraction of the shift.
     left: f64,
-    /// Whether it fades where it was, because the newest model has it far away.
+    /// Whether the contact fades at its old position, because the newest model has it far away.
     is_leaving: bool,
     before: Option<Before>,
 }
 
-/// Where a contact was, just before a model came.
+/// Contact geometry just before a model arrived.
 #[derive(Clone, Copy, Debug)]
 struct Before {
     found: Found,
@@ -46,7 +46,7 @@ const NO_LAW: PointLaw = PointLaw {
     friction_damping: 0.0,
 };
 
-/// A pair that cannot touch.
+/// Returns a pair that cannot touch.
 pub(super) fn closed(body: usize) -> Pair {
     Pair {
         toucher: Toucher::Tool(0),
@@ -82,7 +82,7 @@ impl Slot {
         }
     }
 
-    /// A model has come: remembers where the contact is by the last.
+    /// Stores the contact geometry of the last model before a new model is applied.
     pub fn look_back(&mut self, pair: &Pair, tools: &[Part], images: &[Image]) {
         let now = found(tools, images, pair).filter(|_| self.strength > 0.0);
         self.before = now.map(|found| Before {
@@ -91,7 +91,7 @@ impl Slot {
         });
     }
 
-    /// Takes what the model says of it. `hosts` are the bodies as the host has them, with the fixed world last.
+    /// Applies a model's contact. `hosts` are the poses of the bodies in the model, with the fixed world last.
     pub fn take(
         &mut self,
         pair: &mut Pair,
@@ -104,7 +104,7 @@ impl Slot {
             .is_some_and(|before| before.found.penetration > 0.0)
             && pair.toucher.tool().is_some();
         let contact = contact.filter(|contact| {
-            // What a tool still feels fades before the slot is another's.
+            // An active contact fades before its slot serves another tool.
             !is_felt
                 || contact.touching == Touching::Tool(pair.toucher.tool().unwrap_or(usize::MAX))
         });
@@ -149,7 +149,7 @@ impl Slot {
         }
     }
 
-    /// The copies have been moved: the contact stays where it was for now, or begins.
+    /// Computes the shift that keeps an existing contact at its old geometry, after the copies have been moved.
     pub fn compare(&mut self, pair: &mut Pair, tools: &[Part], images: &[Image]) {
         pair.shift = None;
         self.left = 0.0;
@@ -173,7 +173,8 @@ impl Slot {
         if !is_deep && from <= 0.0 {
             return;
         }
-        // What comes out of nothing begins no farther away than it is to be deep: the force takes half of the time.
+        // A new contact starts at a distance of at most its final depth, so the force starts within half of the
+        // settling time.
         self.left = 1.0;
         self.shift = Shift {
             depth: if is_deep { from.max(-to) } else { from } - to,
@@ -183,7 +184,7 @@ impl Slot {
         self.is_leaving = to < -from;
     }
 
-    /// A tick is over: a share of what has not come in yet does. `settling` and `fading` are the shares.
+    /// Advances the blending after a tick. `settling` and `fading` are the fractions per tick.
     pub fn go_over(&mut self, pair: &mut Pair, is_stale: bool, settling: f64, fading: f64) {
         let is_of_tool = pair.toucher.tool().is_some();
         if is_of_tool && pair.is_open {
@@ -212,7 +213,7 @@ impl Slot {
             pair.shift = Some(self.shift);
             return;
         }
-        // It is gone from where it was, and comes back where it is.
+        // A leaving contact has faded at its old position; let it reappear at its new one.
         self.left = if self.is_leaving {
             0.0
         } else {
@@ -229,7 +230,7 @@ impl Slot {
 }
 
 impl Slot {
-    /// At full strength, with what is left of the one before.
+    /// Returns the law at full strength, blended with the previous law.
     fn law_now(&self) -> PointLaw {
         let (now, before, left) = (&self.law, &self.law_before, self.law_left);
         let of = |entry: fn(&PointLaw) -> f64| entry(now) + (entry(before) - entry(now)) * left;
@@ -243,7 +244,7 @@ impl Slot {
     }
 }
 
-/// The rotation that brings the z axis to a unit vector.
+/// Returns the rotation from the z axis to a unit vector.
 fn turned_to(normal: &Vector3) -> Rotation {
     UnitQuaternion::rotation_between(&Vector3::z(), normal)
         .unwrap_or_else(|| Rotation::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI))

@@ -1,32 +1,32 @@
-//! A grid as bytes: making one takes a while.
+//! Serialisation of a grid, which takes long to compute.
 
 use super::super::build::Mesh;
 use super::super::tree::size;
 use super::{DistanceGrid, GridError, Nodes};
 use crate::rigid::Vector3;
 
-/// What is wrong with the bytes of a grid.
+/// Fault of serialised grid data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GridBytesError {
-    /// Something else.
+    /// The data are not a grid.
     #[error(
         "it is no distance grid of palpate: it does not begin with the words that one begins with"
     )]
     NotAGrid,
-    /// Cut off, or changed.
+    /// The data are truncated or corrupted.
     #[error(
         "it is a distance grid that was cut off or changed: its length or its checksum is wrong"
     )]
     Broken,
 }
 
-/// The first bytes of a grid.
+/// Magic bytes at the start of a grid.
 const MAGIC: &[u8] = b"palpate distance grid 1\n";
-/// Bytes before the coefficients, after the magic: nine numbers of eight bytes.
+/// Size of the header after the magic: nine numbers of eight bytes.
 const HEADER: usize = 9 * 8;
 
-/// A number that is another one for other bytes, but for one case in 2^64 (Fowler, Noll, Vo: FNV-1a).
+/// 64-bit FNV-1a hash (Fowler, Noll, Vo).
 struct Fnv(u64);
 
 impl Fnv {
@@ -41,7 +41,7 @@ impl Fnv {
     }
 }
 
-/// Of all numbers that a grid follows from.
+/// Returns the hash of all inputs of a grid.
 pub(super) fn fingerprint(mesh: &Mesh, spacing: f64) -> u64 {
     let mut of = Fnv::new();
     of.take(&spacing.to_le_bytes());
@@ -57,7 +57,7 @@ pub(super) fn fingerprint(mesh: &Mesh, spacing: f64) -> u64 {
 }
 
 impl DistanceGrid {
-    /// The grid as bytes, to be kept beside the mesh: making one takes a while.
+    /// Serialises the grid for storage with the mesh, because computing it takes long.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let nodes = &*self.nodes;
@@ -84,11 +84,11 @@ impl DistanceGrid {
         bytes
     }
 
-    /// The grid that [`to_bytes`](Self::to_bytes) wrote, if it is of this mesh with this spacing `[m]`; `None` where it is of
-    /// another one.
+    /// Restores a grid from the data of [`to_bytes`](Self::to_bytes) if it belongs to this mesh and spacing `[m]`, or
+    /// returns `None` if it does not.
     ///
     /// # Errors
-    /// Bytes that are not a whole grid.
+    /// The data are not a complete grid.
     pub fn from_bytes(
         bytes: &[u8],
         mesh: &Mesh,

@@ -1,6 +1,6 @@
-//! The cubic spline through the values at the nodes of a grid.
+//! Cubic spline through the values at the nodes of a grid.
 
-/// Turns the values at the nodes into the coefficients of the spline that passes through them, which is straight at its
+/// Converts the values at the nodes to the coefficients of the interpolating spline, which has zero curvature at its
 /// ends.
 pub(super) fn through(values: &mut [f64], counts: [usize; 3]) {
     let [nx, ny, nz] = counts;
@@ -25,7 +25,7 @@ pub(super) fn through(values: &mut [f64], counts: [usize; 3]) {
     }
 }
 
-/// Solves c[k - 1] + 4 c[k] + c[k + 1] = 6 f[k], with c = f at both ends, in place (Thomas).
+/// Solves c[k - 1] + 4 c[k] + c[k + 1] = 6 f[k] in place, with c = f at both ends (Thomas algorithm).
 fn spline(line: &mut [f64], ratios: &mut [f64]) {
     let last = line.len() - 1;
     ratios[0] = 0.0;
@@ -39,7 +39,8 @@ fn spline(line: &mut [f64], ratios: &mut [f64]) {
     }
 }
 
-/// Weights of four neighbouring B-splines in a cell, at a share of its width, and their slopes by that share.
+/// Returns the weights of four neighbouring B-splines at a relative position in a cell, and their derivatives with
+/// respect to it.
 pub(super) fn weights(share: f64) -> ([f64; 4], [f64; 4]) {
     let rest = 1.0 - share;
     let (square, cube) = (share * share, share * share * share);

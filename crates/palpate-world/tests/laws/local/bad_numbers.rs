@@ -1,4 +1,4 @@
-//! Numbers that are none, and motions that overflow.
+//! Non-finite numbers, and motions that overflow.
 
 use palpate::Fault;
 use palpate_world::engine::BodyNow;
@@ -7,7 +7,7 @@ use palpate_world::{ContactLaw, Sample};
 
 use super::{Led, at_depth, plane, renderer, soft};
 
-/// Bad numbers give no force, no NaN and no end, and a good sample and a good model go on.
+/// Invalid numbers cause no force, NaN or infinity; afterwards valid samples and models are processed normally.
 #[test]
 fn nothing_that_comes_makes_a_force_that_is_no_number() {
     let renderer = renderer(LocalParams::new(2, 4), 0.2);
@@ -76,7 +76,7 @@ fn nothing_that_comes_makes_a_force_that_is_no_number() {
     }
     println!("{faults} faults, {refusals} refusals, {felt} forces");
     assert!(faults > 100 && refusals > 50 && felt > 500);
-    // A good host, and a good hand.
+    // A valid host and a valid hand.
     let bodies = [BodyNow::fixed([0.0; 3]); 2];
     let mut last = [0.0; 3];
     for _ in 0..500 {
@@ -128,13 +128,13 @@ fn a_copy_that_overflows_is_a_fault_and_a_good_model_goes_on() {
     assert!((last[2] - 1.0).abs() < 1e-9, "{last:?}");
 }
 
-/// What is too fast for its masses is refused while it comes in, too, before it is felt.
+/// A contact that is too fast for its masses is rejected also while it is blended in, before it is felt.
 #[test]
 fn a_contact_that_is_too_fast_is_never_felt_and_another_one_is() {
     let device = 0.1;
     let renderer = renderer(LocalParams::new(0, 1), device);
     let mut state = renderer.start();
-    // On 0.1 kg 256 sub-steps of 1 ms follow up to 6.5 GN/m.
+    // For 0.1 kg, 256 sub-steps of 1 ms are stable up to 6.5 GN/m.
     let (mut refused, mut felt) = (0, 0.0_f64);
     for tick in 0..400 {
         let stiff = ContactLaw::spring(if tick < 300 { 7e9 } else { 4e3 });

@@ -1,4 +1,4 @@
-//! Meshes by formula, and a device in a hand that is held between samples.
+//! Analytic meshes, and a device in a hand that is held between samples.
 
 use std::sync::Arc;
 
@@ -9,8 +9,8 @@ use palpate_world::{
 
 pub const PERIOD: f64 = 0.001;
 
-/// A patch of a surface over a square of half the side `half`, `cells` by `cells` squares of two triangles each; the
-/// diagonals turn from square to square, so that corners are of all kinds.
+/// Returns a surface patch over a square of half side `half`, with `cells` by `cells` squares of two triangles each.
+/// The diagonals alternate between squares, so all kinds of corners occur.
 pub fn patch(half: f64, cells: u32, place: impl Fn(f64, f64) -> Vector) -> Mesh {
     let at = |k: u32| half * (2.0 * f64::from(k) / f64::from(cells) - 1.0);
     let row = cells + 1;
@@ -30,7 +30,7 @@ pub fn patch(half: f64, cells: u32, place: impl Fn(f64, f64) -> Vector) -> Mesh 
     Mesh::new(&vertices, &faces).unwrap()
 }
 
-/// Two meshes as one.
+/// Merges two meshes.
 pub fn both(one: &Mesh, other: &Mesh) -> Mesh {
     let mut vertices = one.vertices();
     let first = u32::try_from(vertices.len()).unwrap();
@@ -45,7 +45,7 @@ pub fn both(one: &Mesh, other: &Mesh) -> Mesh {
     Mesh::new(&vertices, &faces).unwrap()
 }
 
-/// A block along the axes, each face cut into `cells` by `cells` squares.
+/// Returns an axis-aligned block with each face divided into `cells` by `cells` squares.
 pub fn block(half: Vector, cells: u32) -> Mesh {
     let mut all: Option<Mesh> = None;
     for axis in 0..3 {
@@ -53,7 +53,7 @@ pub fn block(half: Vector, cells: u32) -> Mesh {
             let face = patch(1.0, cells, |u, v| {
                 let mut place = [0.0; 3];
                 place[axis] = side * half[axis];
-                // So that the normal points outwards.
+                // Outward normal.
                 let [one, other] = if side > 0.0 { [u, v] } else { [v, u] };
                 place[(axis + 1) % 3] = one * half[(axis + 1) % 3];
                 place[(axis + 2) % 3] = other * half[(axis + 2) % 3];
@@ -85,11 +85,11 @@ pub fn world(radius: f64, bodies: Vec<Body>, law: ContactLaw) -> World {
     }
 }
 
-/// A device of 0.15 kg that a hand pulls about.
+/// A device of 0.15 kg moved by a hand.
 pub struct Hand {
     pub position: Vector,
     pub velocity: Vector,
-    /// Where its spring pulls to at a time `[m]`.
+    /// Rest position of its spring at a time `[m]`.
     pub rest: Box<dyn Fn(f64) -> Vector>,
 }
 
@@ -121,7 +121,7 @@ pub fn coupled(world: &World) -> WorldRenderer {
     WorldRenderer::new(world, WorldLoop::new(PERIOD), method).unwrap()
 }
 
-/// Runs a loop for so many samples; `look` is called with each answer.
+/// Runs a loop for a number of samples; `look` is called with each output.
 pub fn run(
     renderer: &WorldRenderer,
     mut hand: Hand,
@@ -139,7 +139,7 @@ pub fn run(
     state
 }
 
-/// Forces of the same hand in two worlds, and the largest difference between them `[N]`.
+/// Returns the largest force of the same hand in two worlds, and the largest difference between the forces `[N]`.
 pub fn compare(one: &World, other: &World, hand: impl Fn() -> Hand, samples: u32) -> (f64, f64) {
     let mut forces = Vec::new();
     let mut largest = 0.0_f64;
@@ -158,7 +158,8 @@ pub fn compare(one: &World, other: &World, hand: impl Fn() -> Hand, samples: u32
     (largest, apart)
 }
 
-/// An outline in the plane of x and y, counter-clockwise and cut into `triangles`, drawn out along z from -`half` to `half`.
+/// Extrudes an outline along z from -`half` to `half`. The outline is in the xy plane, counter-clockwise and divided
+/// into `triangles`.
 pub fn drawn_out(outline: &[[f64; 2]], triangles: &[[u32; 3]], half: f64) -> Mesh {
     let count = u32::try_from(outline.len()).unwrap();
     let at = |z: f64| outline.iter().map(move |&[x, y]| [x, y, z]);

@@ -1,4 +1,4 @@
-//! A grid of distances by itself: what it says of its mesh, and how it is kept.
+//! Distance grid alone: accuracy with respect to its mesh, and serialisation.
 
 use palpate_world::{DistanceGrid, GridBytesError, InvalidGrid, Mesh, Vector};
 
@@ -6,7 +6,7 @@ use super::common::drawn_out;
 
 type Vector3 = nalgebra::Vector3<f64>;
 
-/// A block of 14 x 12 x 20 mm with a groove of 6 mm along z in its top: a solid with hollow edges.
+/// Returns a block of 14 x 12 x 20 mm with a groove of 6 mm along z in its top: a solid with concave edges.
 fn grooved() -> Mesh {
     let outline = [
         [0.0, 0.0],
@@ -38,7 +38,7 @@ fn spread(number: u32) -> Vector3 {
     Vector3::new(part(0.754_877), part(0.569_840), part(0.430_160))
 }
 
-/// Places in and about the block.
+/// Returns positions in and around the block.
 fn places() -> impl Iterator<Item = Vector3> {
     (1..3000).map(|number| {
         let low = Vector3::new(-1.2e-3, -1.2e-3, -11.2e-3);
@@ -58,7 +58,7 @@ fn the_mesh_of_these_tests_is_a_block_with_a_groove() {
     );
 }
 
-/// Away from edges the distance is that from a plane. The spline swings about it by a quarter as much from node to node.
+/// Away from edges the distance is that from a plane. The spline's overshoot decreases by a factor of four per node.
 #[test]
 fn a_flat_side_is_flat() {
     let grid = DistanceGrid::of(&grooved(), 0.5e-3).unwrap();
@@ -72,7 +72,7 @@ fn a_flat_side_is_flat() {
     }
 }
 
-/// Value and gradient belong to one smooth function: a point that is led around gets back what it gave.
+/// Value and gradient belong to one smooth function: the work over a closed path is zero.
 #[test]
 fn the_gradient_is_that_of_the_distance_and_does_not_jump() {
     let grid = DistanceGrid::of(&grooved(), 0.7e-3).unwrap();
@@ -100,7 +100,7 @@ fn the_surface_is_as_near_to_the_mesh_as_it_says() {
     for spacing in [1.2e-3, 0.6e-3, 0.3e-3] {
         let error = DistanceGrid::of(&mesh, spacing).unwrap().error();
         assert!(error.root_mean_square <= error.largest);
-        // Corners are rounded by a part of the spacing.
+        // Corners are rounded over a fraction of the spacing.
         assert!(
             error.largest < 0.7 * spacing && error.largest < 0.8 * before,
             "{spacing} {error:?}"

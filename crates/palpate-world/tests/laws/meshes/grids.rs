@@ -1,5 +1,5 @@
-//! Meshes that touch by a shell of points what has a grid of distances.
-#![allow(clippy::print_stdout)] // what was measured
+//! Contacts of meshes with point shells and solids with distance grids.
+#![allow(clippy::print_stdout)] // prints the measured values
 
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ fn with_grid(mesh: Mesh, spacing: f64) -> Mesh {
     mesh.with_grid(grid).unwrap()
 }
 
-/// An L of 40 mm by 30 mm, 16 mm thick, about its middle.
+/// Returns an L of 40 mm by 30 mm, 16 mm thick, about its centre.
 fn angle() -> Mesh {
     let outline = [
         [0.0, 0.0],
@@ -38,7 +38,7 @@ fn angle() -> Mesh {
     drawn_out(&outline, &triangles, 8e-3)
 }
 
-/// A U of 60 mm by 40 mm with a slot of 24 mm by 28 mm, 50 mm long.
+/// Returns a U of 60 mm by 40 mm with a slot of 24 mm by 28 mm, 50 mm long.
 fn slotted() -> Mesh {
     let outline = [
         [-30.0, -12.0],
@@ -79,7 +79,7 @@ fn falls(shape: Shape) -> Body {
     Body::new("falls", shape, Motion::Free(free())).at([0.002, 0.001, 0.035])
 }
 
-/// Where a body is that falls on a floor, while the tool is elsewhere.
+/// Returns the positions of a body that falls on a floor, with the tool out of reach.
 fn places(bodies: Vec<Body>, law: ContactLaw, samples: u32) -> Vec<Vector> {
     let world = world(0.006, bodies, law);
     let method = CoupledParams::new(vec![[0.1; 3]]);
@@ -94,7 +94,7 @@ fn places(bodies: Vec<Body>, law: ContactLaw, samples: u32) -> Vec<Vector> {
         .collect()
 }
 
-/// The corners of a block by its mesh are those of a box; a slab by its grid is the half-space below its top.
+/// The shell of a block's corners acts like a box; the grid of a slab acts like the half-space below its top.
 #[test]
 fn a_shell_of_corners_is_a_box_and_the_grid_of_a_slab_a_floor() {
     let slab = with_grid(block([0.12, 0.12, 0.02], 2), 2.5e-3);
@@ -124,8 +124,8 @@ fn a_shell_of_corners_is_a_box_and_the_grid_of_a_slab_a_floor() {
     }
 }
 
-/// An angle that tumbles in a slot meets flat sides, hollow edges and sharp ones; nothing takes energy, and none comes. Of a large
-/// shell, what is not near is not looked at.
+/// An angle that tumbles in a slot touches flat sides, concave edges and sharp ones; energy is conserved. Distant
+/// points of a large shell are not evaluated.
 #[test]
 fn what_tumbles_in_a_slot_keeps_its_energy() {
     for points in [48, 300] {
@@ -155,7 +155,7 @@ fn what_tumbles_in_a_slot_keeps_its_energy() {
     }
 }
 
-/// A hull that is a box is touched as the box is, on its faces, edges and corners.
+/// Points touch a box-shaped hull as they touch the box, on its faces, edges and corners.
 #[test]
 fn points_touch_the_hull_of_a_box_as_the_box() {
     let half_extents = [0.012, 0.015, 0.01];
@@ -175,13 +175,13 @@ fn points_touch_the_hull_of_a_box_as_the_box() {
         let moved = on_box.last().unwrap();
         println!("{points} points on a box and on its hull: {off:.1e} m apart, at {moved:?}");
         assert!(off < 1e-9, "{off}");
-        // It has been held up: without the box it would be 0.14 m lower.
+        // It has been supported: without the box it would be 0.14 m lower.
         assert!(moved[2] > -0.02, "{moved:?}");
     }
 }
 
-/// An angle and a wedge that tumble into each other by the points of the angle keep momentum and, without damping and friction,
-/// energy.
+/// An angle and a wedge that tumble and collide at the angle's points conserve momentum and, without damping and
+/// friction, energy.
 #[test]
 fn an_angle_and_a_hull_that_collide_keep_momentum_and_energy() {
     let wedge = [
@@ -231,7 +231,7 @@ fn an_angle_and_a_hull_that_collide_keep_momentum_and_energy() {
     assert!(worst < 5e-4 * start && off < 1e-13, "{worst} {off}");
 }
 
-/// Says how many points lie in one plane, where more do than may touch at a time.
+/// The error states how many points lie in one plane, if there are more than may touch at a time.
 #[test]
 fn a_shell_with_too_many_points_in_a_plane_is_refused() {
     let refused = PointShell::over(&block(HALF, 3), 600)
@@ -249,7 +249,7 @@ fn upright() -> [f64; 4] {
     [half, half, 0.0, 0.0]
 }
 
-/// A tool of six axes that is a mesh, led about in a slot.
+/// A six-axis mesh tool on a prescribed motion in a slot.
 #[test]
 fn the_books_of_a_tool_with_a_shell_balance() {
     let tool = Tool {

@@ -1,4 +1,4 @@
-//! Laws of contact with triangle meshes, each beside the shape that the mesh is one of.
+//! Contact with triangle meshes, compared with the shapes that they approximate.
 
 mod common;
 mod distance_grid;

@@ -1,5 +1,5 @@
-//! Meshes and hulls that move: beside the box that they are one of, and their mass.
-#![allow(clippy::print_stdout)] // what was measured
+//! Moving meshes and hulls: comparison with the equivalent box, and mass properties.
+#![allow(clippy::print_stdout)] // prints the measured values
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use super::common::{block, plane, world};
 use crate::balance::{Balance, of_bodies};
 
 const HALF: Vector = [0.03, 0.02, 0.015];
-/// Of where the block stands in its file: no axis is a principal one, and its middle is not at the origin.
+/// Pose of the block in its file: no file axis is principal, and its centre is not at the origin.
 const TURN: [f64; 4] = [0.5, 0.1, -0.7, 0.5];
 const OFF: Vector = [0.04, -0.02, 0.07];
 
@@ -27,7 +27,7 @@ fn turned([w, x, y, z]: [f64; 4], [a, b, c]: Vector) -> Vector {
     [0, 1, 2].map(|i| v[i] + 2.0 * (w * cross[i] + twice[i]))
 }
 
-/// The block as somebody has drawn it in a file.
+/// Returns the block as drawn in a file.
 fn drawn() -> Mesh {
     let block = block(HALF, 3);
     let vertices: Vec<Vector> = block
@@ -53,7 +53,7 @@ fn free() -> Free {
     }
 }
 
-/// What the tool's force was, where the block was, and the state at the end.
+/// Returns the tool forces, the block positions and the final balance.
 fn run(falls: Body, friction: f64) -> (Vec<Vector>, Vec<Vector>, Balance) {
     let law = ContactLaw::spring(5000.0)
         .with_damping(4.0)
@@ -91,7 +91,7 @@ fn a_block_of_triangles_that_moves_and_its_hull_are_a_box() {
     let at = [0.002, 0.001, 0.035];
     let half_extents = HALF;
     let of_box = Body::new("falls", Shape::Box { half_extents }, Motion::Free(free())).at(at);
-    // The file's axes, turned so that the block lies as the box does.
+    // File axes, rotated so that the block has the orientation of the box.
     let back = inverse(TURN);
     let to = turned(back, OFF);
     let drawn = drawn();
@@ -115,7 +115,7 @@ fn a_block_of_triangles_that_moves_and_its_hull_are_a_box() {
                 "a falling box and its {word}, friction {friction}: {force:.1e} of {most:.1} N and {place:.1e} m apart"
             );
             assert!(most > 1.0 && force < allowed * most, "{force} {most}");
-            // With friction, round-off decides in which sub-step sticking becomes sliding.
+            // With friction, rounding decides in which sub-step sticking becomes sliding.
             assert!(place < 1e-3 * allowed, "{place}");
         }
     }
@@ -151,7 +151,7 @@ fn a_closed_mesh_has_the_centre_and_the_moments_of_its_solid() {
     let expected = Shape::Box { half_extents }.moments(0.3).unwrap();
     for axis in 0..3 {
         assert!((centre[axis] - OFF[axis]).abs() < 1e-14, "{centre:?}");
-        // Each principal axis is along one of the block's, of the same moment.
+        // Each principal axis is parallel to one of the block's, with the same moment.
         let mut unit = [0.0; 3];
         unit[axis] = 1.0;
         let own = turned(inverse(TURN), turned(orientation, unit));
@@ -160,7 +160,7 @@ fn a_closed_mesh_has_the_centre_and_the_moments_of_its_solid() {
         assert!((own[along].abs() - 1.0).abs() < 1e-12, "{own:?}");
         assert!((moments[axis] / expected[along] - 1.0).abs() < 1e-12);
     }
-    // Axes that are principal stay as they are.
+    // Axes that are already principal are kept.
     let plain = block(HALF, 2).mass_properties(0.3).unwrap();
     assert_eq!((plain.centre, plain.orientation), ([0.0; 3], NOT_TURNED));
     for (one, other) in plain.moments.into_iter().zip(expected) {

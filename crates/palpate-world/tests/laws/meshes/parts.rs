@@ -1,10 +1,10 @@
-//! Meshes of several parts: which are inside out, and which touch.
+//! Meshes of several parts: inverted parts, and touching parts.
 
 use palpate_world::{Mesh, MeshError, Vector};
 
 type Triangles = (Vec<Vector>, Vec<[u32; 3]>);
 
-/// A cube of this side with its least corner at a place; the same diagonals on opposite sides.
+/// Returns a cube of this side with its lowest corner at `place`, with the same diagonals on opposite sides.
 fn cube(place: Vector, side: f64) -> Triangles {
     let corners =
         (0..8_u32).map(|k| [0, 1, 2].map(|axis| place[axis] + side * f64::from(k >> axis & 1)));
@@ -58,7 +58,7 @@ fn assert_is_solid(mesh: &Mesh, volume: f64, triangles: usize) {
 fn solids_that_touch_along_a_face_an_edge_or_a_corner_are_one_mesh() {
     let first = cube([0.0; 3], 1.0);
     for (place, triangles) in [
-        // Neither needs the two triangles of the face between them.
+        // The two triangles of the face between them are not needed.
         ([1.0, 0.0, 0.0], 20),
         ([0.0, 0.0, -1.0], 20),
         ([1.0, 1.0, 0.0], 24),
@@ -69,7 +69,7 @@ fn solids_that_touch_along_a_face_an_edge_or_a_corner_are_one_mesh() {
         assert_is_solid(&mesh, 2.0, triangles);
         assert_eq!(mesh.turned(), 0);
     }
-    // Four about an edge, of which two opposite ones are missing or not.
+    // Four cubes around an edge; two opposite ones may be missing.
     let about = [
         [0.0, 0.0, 0.0],
         [-1.0, 0.0, 0.0],
@@ -78,7 +78,7 @@ fn solids_that_touch_along_a_face_an_edge_or_a_corner_are_one_mesh() {
     ];
     let all = about.map(|place| cube(place, 1.0));
     assert_is_solid(&together(&all).unwrap(), 4.0, 32);
-    // A small one on the middle of a face of a large one.
+    // A small cube on the centre of a face of a large one.
     let mesh = together(&[cube([0.0; 3], 3.0), cube([1.0, 1.0, 3.0], 1.0)]).unwrap();
     assert_is_solid(&mesh, 28.0, 24);
 }
@@ -101,7 +101,7 @@ fn parts_that_are_inside_out_are_turned_and_cavities_are_not() {
     let mesh = together(&hollow.map(inside_out)).unwrap();
     assert_is_solid(&mesh, 125.0 - 27.0 + 1.0, 36);
     assert_eq!(mesh.turned(), 3);
-    // Solids that overlap stay solids.
+    // Overlapping solids remain solids.
     let mesh = together(&[cube([-1.0; 3], 3.0), one]).unwrap();
     assert_is_solid(&mesh, 28.0, 24);
 }

@@ -1,4 +1,4 @@
-//! Meshes that are refused, and what is said of them.
+//! Rejected meshes and their messages.
 
 use std::sync::Arc;
 
@@ -94,14 +94,14 @@ fn a_mesh_that_moves_has_to_have_an_inertia_and_to_meet_what_it_can() {
     );
     assert!(said.contains("give three moments of inertia"), "{said}");
     assert!(made(world(0.01, vec![free(open(), Some([1e-5; 3]))], law)).is_ok());
-    // Beside its centre of mass.
+    // Displaced from its centre of mass.
     let beside = block([0.01; 3], 2).vertices().into_iter();
     let beside: Vec<Vector> = beside.map(|[x, y, z]| [x + 0.002, y, z]).collect();
     let beside = || Mesh::new(&beside, block([0.01; 3], 2).faces()).unwrap();
     let said = faults(world(0.01, vec![free(beside(), None)], law))[0].to_string();
     assert!(said.contains("centre of mass at [0.002"), "{said}");
     assert!(made(world(0.01, vec![free(beside(), None).balanced()], law)).is_ok());
-    // A cavity that reaches out of the part: a hollow where nothing is.
+    // A cavity that extends outside the part: a hollow without material.
     let (part, hollow) = (block([0.01; 3], 1), block([0.008; 3], 1));
     let mut vertices = part.vertices();
     let first = u32::try_from(vertices.len()).unwrap();
@@ -122,7 +122,7 @@ fn a_mesh_that_moves_has_to_have_an_inertia_and_to_meet_what_it_can() {
         assert!(said.contains("the mesh passes through itself"), "{said}");
     }
     assert!(made(world(0.01, vec![free(odd(), Some([1e-5; 3]))], law)).is_ok());
-    // Round parts have a hull of many corners, and flat ones have none.
+    // Round parts have a hull with many corners, and flat parts have none.
     let floor = || plane("floor", [0.0, 0.0, 1.0], 0.0);
     let ball = patch(1.0, 12, |u, v| {
         let (u, v) = (3.0 * u, 1.5 * v);
@@ -186,7 +186,7 @@ fn what_is_wrong_with_the_points_of_a_hull_is_named() {
         simplified.left_out() > 0.01 && simplified.left_out() < 0.1,
         "{simplified:?}"
     );
-    // Its own corners are all there, and a point outside is as far out as it says.
+    // Its corners are kept exactly, and the reported distance of an outside point is correct.
     let again = Hull::around(&simplified.corners()).unwrap();
     assert_eq!(again.corners().len(), simplified.corners().len());
     assert!(again.left_out() < 1e-5);
@@ -194,7 +194,7 @@ fn what_is_wrong_with_the_points_of_a_hull_is_named() {
     assert!(coarse.corners().len() < 60, "{coarse:?}");
 }
 
-/// Plates, discs and chamfered boxes turned anyhow have corners that lie in a plane but for round-off.
+/// Plates, discs and chamfered boxes in any orientation have corners that are coplanar up to rounding.
 #[test]
 fn plates_discs_and_chamfered_boxes_have_hulls_however_they_are_turned() {
     let turned = |points: &[Vector], turn: f64, rounding: f64| -> Vec<Vector> {

@@ -1,12 +1,12 @@
-//! On which side of a surface a tool is.
-#![allow(clippy::print_stdout)] // what was measured
+//! Side of a surface on which a tool is.
+#![allow(clippy::print_stdout)] // prints the measured values
 
 use palpate_world::{ContactLaw, Mode, Sample};
 
 use super::common::{Hand, block, coupled, fixed, run, world};
 
-/// A wall of 0.5 mm pushes back to the side that the tool came from, also when the tool is nearer to its other side or
-/// beyond it.
+/// A wall of 0.5 mm pushes the tool back to the side of entry, even if the tool is nearer to the other side or beyond
+/// it.
 #[test]
 fn a_tool_does_not_pop_through_a_thin_wall() {
     let wall = fixed("wall", block([0.00025, 0.02, 0.02], 12));
@@ -16,7 +16,7 @@ fn a_tool_does_not_pop_through_a_thin_wall() {
             vec![wall.clone()],
             ContactLaw::spring(1000.0),
         ));
-        // Pressed in by about 2 mm and led along the wall.
+        // Pressed in by about 2 mm and moved along the wall.
         let hand = Hand::at([0.01, 0.0, 0.0], |time: f64| {
             [-0.008, 0.01 * (5.0 * time).sin(), 0.01 * (3.0 * time).sin()]
         });
@@ -34,7 +34,7 @@ fn a_tool_does_not_pop_through_a_thin_wall() {
     }
 }
 
-/// A tool that begins inside of a solid is not pushed until it has come out; then the surface is there.
+/// A tool that starts inside a solid is not pushed until it has come out; then the surface is active.
 #[test]
 fn a_tool_that_begins_inside_is_let_out() {
     let renderer = coupled(&world(

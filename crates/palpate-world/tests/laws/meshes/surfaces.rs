@@ -1,5 +1,5 @@
-//! A mesh of a shape pushes as that shape does.
-#![allow(clippy::print_stdout)] // what was measured
+//! A mesh of a shape pushes like the shape.
+#![allow(clippy::print_stdout)] // prints the measured values
 
 use palpate_world::{Body, ContactLaw, Sample, Vector, WorldLoop, WorldRenderer};
 
@@ -11,19 +11,19 @@ fn law() -> ContactLaw {
         .with_friction(0.4)
 }
 
-/// Pressed down and led over hundreds of triangles, along their edges and over their corners too.
+/// Returns a hand that presses and moves over hundreds of triangles, along their edges and over their corners.
 fn slides_over() -> Hand {
     Hand::at([0.0, 0.0, 0.012], |time| {
         let (x, y) = (0.03 * (3.0 * time).sin(), 0.03 * (2.0 * time).sin());
-        // For a while along an edge of the triangles, exactly.
+        // For a while exactly along an edge of the triangles.
         [x, if time < 0.5 { 0.0 } else { y }, -0.003]
     })
 }
 
-/// Edges between triangles of a plane are not felt.
+/// Edges between coplanar triangles are not felt.
 #[test]
 fn a_floor_of_triangles_is_a_half_space() {
-    // Between sticking and sliding, round-off decides in which sub-step one becomes the other.
+    // Rounding decides in which sub-step sticking becomes sliding.
     for (friction, slack) in [(0.0, 1e-9), (0.4, 1e-5)] {
         for radius in [0.0, 0.005, 0.01] {
             let law = law().with_friction(friction);
@@ -40,13 +40,14 @@ fn a_floor_of_triangles_is_a_half_space() {
     }
 }
 
-/// Walls of a groove of an opening angle, along y, its bottom at the origin: as half-spaces, and of triangles.
+/// Returns the walls of a groove along y with an opening angle and its bottom at the origin: as half-spaces, and as
+/// triangles.
 fn groove(degrees: f64) -> (Vec<Body>, Body) {
     let (sine, cosine) = (0.5 * degrees.to_radians()).sin_cos();
     let wall = |side: f64| {
         patch(0.05, 25, move |along, y| {
             let up = along + 0.05;
-            // Counter-clockwise from within the groove.
+            // Counter-clockwise seen from inside the groove.
             let y = if side > 0.0 { y } else { -y };
             [side * up * sine, y, up * cosine]
         })
@@ -59,7 +60,7 @@ fn groove(degrees: f64) -> (Vec<Body>, Body) {
     )
 }
 
-/// A sphere that is pressed into a groove is pushed by both of its walls at once, each with the whole law.
+/// A sphere pressed into a groove is pushed by both walls, each with the whole law.
 #[test]
 fn a_groove_of_triangles_is_two_half_spaces() {
     for degrees in [60.0, 90.0, 120.0] {
@@ -84,8 +85,8 @@ fn a_groove_of_triangles_is_two_half_spaces() {
     }
 }
 
-/// A point is behind the surface wherever it touches it, and there is one way out, the shortest. At 90 degrees that is
-/// what the springs of two half-spaces do together.
+/// A point is behind the surface at any contact, and there is one shortest way out. At 90 degrees it equals the sum
+/// of the springs of two half-spaces.
 #[test]
 fn a_point_in_a_right_angle_is_pushed_as_by_two_half_spaces() {
     let (half_spaces, triangles) = groove(90.0);
@@ -118,7 +119,7 @@ fn a_point_in_a_right_angle_is_pushed_as_by_two_half_spaces() {
     assert!(largest > 5.0, "{largest}");
 }
 
-/// Over faces, edges and corners that stand out.
+/// Over faces, convex edges and convex corners.
 #[test]
 fn a_block_of_triangles_is_a_box() {
     let half: Vector = [0.02, 0.015, 0.01];

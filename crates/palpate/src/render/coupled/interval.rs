@@ -1,5 +1,5 @@
-//! One interval of coupled rendering: how device and object move against each other, and what that makes
-//! of the object while the device feels another force.
+//! One interval of coupled rendering: the relative motion of device and object, and the resulting motion of the object
+//! while the device feels the held force.
 
 use super::Coupled;
 use crate::Scalar;
@@ -10,43 +10,42 @@ use crate::relative_motion::{Course, Drive, Relative};
 use crate::render::method::Ended;
 use crate::response::Response;
 
-/// What the contact meets in the device's place.
+/// Proxy of the device in the contact. CHAI3D's proxy is constrained to the surface; this one is not.
 ///
-/// The contact acts continuously, the held force does not, so what the contact has moved is not where
-/// the device is. The relative motion is that of the avatar. By the end of the window that a command
-/// governs both have the same velocity; where a window ends between two samples, they differ at each
-/// sample.
+/// The contact acts continuously and the held force does not, so the position that results from the contact force is
+/// not that of the device. The relative motion is that of the proxy. At the end of the window that a command governs,
+/// proxy and device have the same velocity. If a window ends between two samples, the velocities differ at each sample.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Avatar<S> {
-    /// By how much a wall stands off its place, so that the device has the avatar's penetration `[m]`:
-    /// the avatar is as much behind the device. An object moves on from where it stands off.
+    /// Offset of a wall from its true position, which gives the device the proxy's penetration `[m]`: the proxy is
+    /// behind the device by the same distance. An object has no separate offset; it moves from its shifted position.
     pub wall_offset: S,
-    /// Its velocity less the device's `[m/s]`.
+    /// Velocity of the proxy minus that of the device `[m/s]`.
     pub speed: S,
-    /// Stretch of its transmission: what the device's would be under the contact's force.
+    /// Stretch of the proxy's transmission: that of the device under the contact force.
     pub sway: Sway<S>,
 }
 
-/// Time in which a wall in contact goes back to its place `[s]`. What is taken back while the force
-/// changes is energy, so it takes much longer than a collision.
+/// Time constant of a wall in contact for the return to its true position `[s]`. A return while the force changes
+/// generates energy, so it is much slower than a collision.
 const WALL_RETURN: f64 = 0.2;
-/// Most of its offset that a wall gives back in one interval: of a stiff one in a slow loop more would be
-/// energy, too.
+/// Largest part of the offset that a wall returns in one interval: with a stiff wall in a slow loop, a larger part
+/// would also generate energy.
 const WALL_RETURN_MOST: f64 = 0.03;
 /// Bound of a wall's offset: this factor times the distance that the contact's impulse moves the device in one
-/// interval. It limits the energy that an adversary who moves the device can get out of the wall.
+/// interval. It limits the energy that an adversary who moves the device can extract from the wall.
 const WALL_OFFSET_MOST: f64 = 16.0;
 
-/// How one interval goes: what moves device and object against each other, and where it ends.
+/// Motion over one interval: the drive of the relative motion, and its course.
 pub(super) struct Interval<S> {
     start: Relative<S>,
     drive: Drive<S>,
     /// Rate of the drive's acceleration `[m/s^3]`.
     ramp: S,
     pub course: Course<S>,
-    /// Stretch of the avatar's transmission at its end.
+    /// Stretch of the proxy's transmission at the end.
     sway: Sway<S>,
-    /// Whether the contact had its largest force for a part of it.
+    /// Whether the contact had its largest force in a part of the interval.
     pub is_saturated: bool,
     duration: S,
 }
@@ -82,8 +81,8 @@ impl<S: Scalar> Coupled<S> {
         }
     }
 
-    /// The same for an interval that is over, with the changes of the device's external acceleration
-    /// under the force that was held, and how its end answers to what it started from.
+    /// Computes the motion over an interval that has ended, with the changes of the device's external acceleration
+    /// under the held force, and the sensitivity of its end to its start.
     pub(super) fn interval_past(
         &self,
         motion: &ObjectMotion<S>,
@@ -146,8 +145,8 @@ impl<S: Scalar> Coupled<S> {
         }
     }
 
-    /// What the interval does to the object while the device feels what is `held`, how far placement
-    /// shifts it by that, and the avatar at its end.
+    /// Computes the motion of the object in the interval while the device feels the force `held`, the resulting shift
+    /// of the object, and the proxy at the end.
     pub(super) fn object_moved(
         &self,
         interval: &Interval<S>,
@@ -195,7 +194,7 @@ impl<S: Scalar> Coupled<S> {
                 let most = most.max(avatar.wall_offset.abs());
                 (S::ONE - back) * (avatar.wall_offset + placed).within(most)
             } else {
-                // As far as it stays free.
+                // The offset is kept while the wall stays free.
                 let apart = self.flexure.map_or(S::ZERO, |it| it.behind(sway));
                 (avatar.wall_offset + course.end.penetration - apart)
                     .max(S::ZERO)
@@ -215,7 +214,7 @@ impl<S: Scalar> Coupled<S> {
                 },
             };
         }
-        // By its own momentum.
+        // Motion by the object's own momentum.
         let own = (object_velocity + S::HALF * alpha * h) * h + moment_times(self.object_mobility);
         let by = if self.placement { placed } else { own };
         Moved {
@@ -230,15 +229,15 @@ impl<S: Scalar> Coupled<S> {
     }
 }
 
-/// What an interval does to the object.
+/// Motion of the object in an interval.
 pub(super) struct Moved<S> {
     pub object: Displacement<S>,
-    /// How far placement shifts it `[m]`.
+    /// Shift of the object by placement `[m]`.
     pub shift: S,
     pub avatar: Avatar<S>,
 }
 
-/// What a damping does to an interval of relative motion.
+/// Effect of damping on an interval of relative motion.
 struct Damped<S> {
     /// Change of the penetration at the interval's end `[m]`.
     penetration: S,
@@ -248,17 +247,17 @@ struct Damped<S> {
     pushed: S,
 }
 
-/// What the damping of hand and device does to the relative motion beyond the ramp under the force that
-/// is held. The ideal device's velocity follows the contact force as it comes and goes; what it deviates
-/// from a straight line is the device's share of how p' does,
+/// Computes the effect of damping in hand and device on the relative motion, beyond the ramp under the held force. The
+/// velocity of the ideal device follows the variations of the contact force. Its deviation from a straight line is the
+/// device's share of the deviation of p':
 ///
 /// ```text
 /// p'' = ... - c (p' - p'_line),    c = lambda theta / (theta + 1/M)
 /// ```
 ///
-/// to the first order of c, kept below 2/h, where the oscillation is gone after one interval. Nothing
-/// else takes energy from the oscillation of an object that lies on the device: the held force, its
-/// mean, shows the device next to nothing of it. `damping_rate`: lambda, as far as it is certain.
+/// to first order in c, which is limited to below 2/h, where the oscillation vanishes after one interval. No other term
+/// removes energy from the oscillation of an object that lies on the device: the held force is its mean and hardly
+/// transmits it to the device. `damping_rate`: the certain part of lambda.
 fn damped<S: Scalar>(
     damping_rate: S,
     device: &EstimatedMotion<S>,
@@ -273,7 +272,7 @@ fn damped<S: Scalar>(
         speed: S::ZERO,
         pushed: S::ZERO,
     };
-    // An estimate below zero would feed the oscillation.
+    // A negative estimate would feed the oscillation.
     if course.impulse <= S::ZERO || drive.mobility <= S::ZERO || damping_rate <= S::ZERO {
         return none;
     }
@@ -295,8 +294,8 @@ fn damped<S: Scalar>(
     }
 }
 
-/// What an interval holds, in the words that every method shares: `device_velocity` `[m/s]`, that of the
-/// device's last step, says where an entry takes place.
+/// Returns the rule of an interval in the form shared by all methods. `device_velocity` `[m/s]`, that of the device's
+/// last step, determines the position of an entry.
 pub(super) fn rule<S: Scalar>(interval: &Interval<S>, device_velocity: S) -> Rule<S> {
     let pressed = interval.start.penetration > S::ZERO;
     match interval.course.first_transition {

@@ -1,11 +1,11 @@
-//! A contact whose force is limited: a spring up to the force limit, and that force beyond it.
+//! Contact with a limited force: a spring up to the force limit, and that force beyond it.
 //!
 //! ```text
 //! p'' = a - mu min(K p, L)
 //! ```
 //!
-//! A device that is pressed in against a limited force has stored less energy than `K p^2/2`, and a limited force gives
-//! it back: so the prediction has to have the limit, too. Beyond `L/K` the motion is a parabola.
+//! A device that is pressed in against a limited force has stored less energy than `K p^2/2`, and receives less energy
+//! back. The prediction must therefore include the limit. Beyond `L/K` the motion is a parabola.
 
 use crate::Scalar;
 use crate::relative_motion::{Course, Drive, Relative};
@@ -20,22 +20,22 @@ pub(super) struct Saturation<S> {
     pub penetration: S,
 }
 
-/// Most changes between the spring and the largest force that are followed in an interval. After them it goes on by
-/// the spring.
+/// Maximum number of changes between spring and largest force in an interval. Afterwards the motion continues with the
+/// spring.
 const MOST_CHANGES: usize = 4;
 
 /// Continuation of the motion.
 enum Next<S> {
-    /// To the end, by the spring.
+    /// With the spring to the end.
     Spring,
-    /// By the spring until it has the largest force, after so long `[s]`.
+    /// With the spring until its force is the largest one, after this time `[s]`.
     Saturates(S),
-    /// With the largest force, for so long `[s]`.
+    /// With the largest force, for this time `[s]`.
     Saturated(S),
 }
 
 impl<S: Scalar> Saturation<S> {
-    /// The motion, and whether the force was the largest for a part of it.
+    /// Returns the motion, and whether the force was the largest one for a part of it.
     #[inline]
     pub fn over(&self, drive: &Drive<S>, start: Relative<S>, duration: S) -> (Course<S>, bool) {
         if self.is_out_of_reach(drive, start, duration) {
@@ -46,7 +46,7 @@ impl<S: Scalar> Saturation<S> {
         }
     }
 
-    /// The same with its response.
+    /// Returns the motion with its response.
     #[inline]
     pub fn over_with_response(
         &self,
@@ -68,7 +68,7 @@ impl<S: Scalar> Saturation<S> {
         start.penetration + way <= self.penetration
     }
 
-    // A call of its own: most intervals do not come near the limit.
+    // Not inlined: most intervals stay below the limit.
     #[inline(never)]
     fn follow(
         &self,
@@ -154,7 +154,7 @@ impl<S: Scalar> Saturation<S> {
         }
     }
 
-    /// Acceleration of the relative motion with the largest force `[m/s^2]`.
+    /// Returns the acceleration of the relative motion with the largest force `[m/s^2]`.
     fn acceleration(&self, drive: &Drive<S>) -> S {
         drive.acceleration - drive.mobility * self.force
     }
@@ -184,7 +184,7 @@ impl<S: Scalar> Saturation<S> {
         if from.speed <= S::ZERO || omega <= S::ZERO {
             return Next::Spring;
         }
-        // p = centre + x cos(omega t) + v/omega sin(omega t), at the limit for the first time.
+        // p = centre + x cos(omega t) + v/omega sin(omega t) reaches the limit for the first time.
         let centre = drive.acceleration / (omega * omega);
         let (x, y) = (from.penetration - centre, from.speed / omega);
         let aim = self.penetration - centre;
@@ -203,7 +203,7 @@ impl<S: Scalar> Saturation<S> {
     }
 }
 
-/// When `from + speed t + acceleration t^2/2`, with `from` not above 0, is 0 on its way up.
+/// Returns the time at which `from + speed t + acceleration t^2/2`, with `from` not above 0, rises through 0.
 fn rises<S: Scalar>(from: S, speed: S, acceleration: S) -> Option<S> {
     let square = speed * speed - (from + from) * acceleration;
     if square < S::ZERO {

@@ -1,4 +1,4 @@
-// As much of HDAPI as wall.cpp needs: what CI compiles without OpenHaptics.
+// Subset of HDAPI that wall.cpp needs, for CI without OpenHaptics.
 #pragma once
 
 using HDdouble = double;

@@ -1,5 +1,5 @@
-// As much of rclcpp as wall.cpp needs: what CI compiles without ROS 2. `spin` is a device of 100 g that is
-// pressed onto the floor with 0.5 N and held back by 1 N s/m, for two seconds.
+// Subset of rclcpp that wall.cpp needs, for CI without ROS 2. `spin` simulates a device of 100 g, pressed onto the
+// floor with 0.5 N and damped with 1 N s/m, for two seconds.
 #pragma once
 
 #include <cmath>

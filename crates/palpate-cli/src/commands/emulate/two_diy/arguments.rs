@@ -1,4 +1,4 @@
-//! What an emulated 2DIY is asked for.
+//! Arguments of an emulated 2DIY.
 
 use std::path::PathBuf;
 
@@ -16,28 +16,28 @@ pub struct TwoDiyArguments {
     #[arg(long, value_name = "1..3", default_value_t = 3,
           value_parser = clap::value_parser!(u8).range(1..=3))]
     pub generation: u8,
-    /// Board [default: the one that it came with]
+    /// Board [default: that of the generation]
     #[arg(long, value_name = "NAME", value_enum)]
     pub board: Option<BoardName>,
-    /// Wait for single bytes that are late; the real boards read 0xFF in their place
+    /// Wait for late bytes; the real boards read 0xFF instead
     #[arg(long)]
     pub tolerant: bool,
-    /// A symbolic link to the port, which stays when the device is plugged in again
+    /// A symbolic link to the port, which stays valid when the device is plugged in again
     #[arg(long, value_name = "PATH", value_hint = ValueHint::AnyPath)]
     pub link: Option<PathBuf>,
-    /// A Unix socket at this path in place of a pseudo-terminal: a busy machine does not delay its bytes
+    /// Path of a Unix socket instead of a pseudo-terminal: a busy machine does not delay its bytes
     #[arg(long, value_name = "PATH", value_hint = ValueHint::AnyPath, conflicts_with = "link")]
     pub socket: Option<PathBuf>,
-    /// How the motors are wired
+    /// Wiring of the motors
     #[arg(long, value_name = "NAME", value_enum, default_value_t = WiringName::AsSold)]
     pub wiring: WiringName,
     /// Angles of the arm at the start [degrees] [default: the start pose]
     #[arg(long, value_name = "A1,A2", value_parser = pair, allow_hyphen_values = true)]
     pub angles: Option<[f64; 2]>,
-    /// How long [s] [default: until ctrl-C]
+    /// Duration [s] [default: until ctrl-C]
     #[arg(long, value_name = "s", value_parser = number)]
     pub duration: Option<f64>,
-    /// Something that goes wrong, and when
+    /// Fault to inject, with its time
     #[cfg(unix)]
     #[arg(long, value_name = "KIND[=VALUE]@s", value_parser = str::parse::<TimedFault>)]
     pub fault: Vec<TimedFault>,
@@ -56,11 +56,11 @@ pub struct TwoDiyArguments {
 #[derive(Args, Debug, Clone, Copy)]
 #[command(next_help_heading = "USB")]
 pub struct UsbFlags {
-    /// Packets travel at the beginning of the next USB frame of this length, 0.001 on full-speed USB, 0 to
-    /// 0.1; 0: at any time [s]
+    /// Length of a USB frame: packets travel at the beginning of the next frame; 0.001 on full-speed USB, 0 to 0.1; 0:
+    /// at any time [s]
     #[arg(long, value_name = "s", value_parser = number, default_value = "0")]
     pub usb_frame: f64,
-    /// Time that a packet takes each way before it waits for a frame, 0 to 1 [s]
+    /// Travel time of a packet each way before it waits for a frame, 0 to 1 [s]
     #[arg(long, value_name = "s", value_parser = number, default_value = "0")]
     pub latency: f64,
 }
@@ -69,18 +69,18 @@ pub struct UsbFlags {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Hand")]
 pub struct HandArguments {
-    /// It pushes with this force [N]
+    /// Force of the hand [N]
     #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true,
           conflicts_with = "hold")]
     pub push: Option<[f64; 2]>,
-    /// It holds the handle at this place, by a spring [m]
+    /// Position at which a spring holds the handle [m]
     #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
     pub hold: Option<[f64; 2]>,
-    /// The place goes this far to either side [m]
+    /// Amplitude of the motion of that position [m]
     #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true,
           requires = "hold")]
     pub sway: Option<[f64; 2]>,
-    /// How long that takes there and back [s]
+    /// Period of that motion [s]
     #[arg(long, value_name = "s", value_parser = number, default_value = "1")]
     pub sway_period: f64,
     /// Stiffness of the spring [N/m]
@@ -91,23 +91,23 @@ pub struct HandArguments {
     pub hand_damping: f64,
 }
 
-/// How motors are wired.
+/// Wirings of the motors.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WiringName {
     /// As the generation was sold
     AsSold,
     /// Each motor's cable in the other's port
     Swapped,
-    /// Motor 1 the wrong way round
+    /// Motor 1 reversed
     #[value(name = "reversed-1")]
     Reversed1,
-    /// Motor 2 the wrong way round
+    /// Motor 2 reversed
     #[value(name = "reversed-2")]
     Reversed2,
-    /// Motor 1 does nothing
+    /// Motor 1 without effect
     #[value(name = "dead-1")]
     Dead1,
-    /// Motor 2 does nothing
+    /// Motor 2 without effect
     #[value(name = "dead-2")]
     Dead2,
 }

@@ -7,13 +7,13 @@ mod board_and_arm;
 use self::arguments::TwoDiyArguments;
 use crate::failure::Failure;
 
-/// Emulates until it is over.
+/// Emulates until the end.
 #[cfg(unix)]
 pub fn run(arguments: &TwoDiyArguments) -> Result<(), Failure> {
     board_and_arm::run(arguments)
 }
 
-/// Nothing that could be emulated is here.
+/// Fails, because emulation needs Unix.
 #[cfg(not(unix))]
 pub fn run(_: &TwoDiyArguments) -> Result<(), Failure> {
     Err(Failure::System(

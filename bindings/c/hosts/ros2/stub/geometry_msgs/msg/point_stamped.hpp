@@ -1,4 +1,4 @@
-// As much of the messages as wall.cpp needs.
+// Subset of the messages that wall.cpp needs.
 #pragma once
 #include <cstdint>
 
