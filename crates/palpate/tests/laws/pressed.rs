@@ -139,10 +139,17 @@ impl Pressed {
 #[test]
 fn a_contact_whose_force_was_limited_rests_as_the_ideal_one_does() {
     for by_object in [0.0, 0.5, 2.0] {
-        for kappa in [0.1, 0.5, 1.0, 2.0] {
-            for part in [0.5, 0.65, 0.8, 0.95] {
+        for (kappa, tap) in [
+            (0.1, 0.5),
+            (0.5, 0.2),
+            (1.0, 0.5),
+            (2.0, 1.0),
+            (3.0, 0.5),
+            (4.0, 0.2),
+        ] {
+            for part in [0.35, 0.5, 0.65, 0.8, 0.95] {
                 let pressed = Pressed {
-                    tap: 0.0005,
+                    tap: 1e-3 * tap,
                     force_limit: Some(LIMIT),
                     ..Pressed::new(kappa, by_object, part * LIMIT)
                 };

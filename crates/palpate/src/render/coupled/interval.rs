@@ -24,6 +24,8 @@ pub(super) struct Avatar<S> {
     pub speed: S,
     /// Stretch of the proxy's transmission: that of the device under the contact force.
     pub sway: Sway<S>,
+    /// Whether the contact had its largest force since a wall was last at its place.
+    pub was_limited: bool,
 }
 
 /// Time constant of a wall in contact for the return to its true position `[s]`. A return while the force changes
@@ -188,11 +190,17 @@ impl<S: Scalar> Coupled<S> {
         };
         if self.object_mobility == S::ZERO {
             let gives_way = self.placement && device.mobility > S::ZERO;
+            let back = (h / S::from_f64(WALL_RETURN)).min(S::from_f64(WALL_RETURN_MOST));
+            let was_limited = interval.is_saturated || avatar.was_limited;
             let wall_offset = if course.impulse > S::ZERO && gives_way {
-                let back = (h / S::from_f64(WALL_RETURN)).min(S::from_f64(WALL_RETURN_MOST));
                 let most = S::from_f64(WALL_OFFSET_MOST) * device.mobility * course.impulse * h;
                 let most = most.max(avatar.wall_offset.abs());
                 (S::ONE - back) * (avatar.wall_offset + placed).within(most)
+            } else if was_limited && avatar.wall_offset < S::ZERO {
+                // A wall that goes back at once is farther away from the device: the hand's work over this distance is
+                // generated energy. Without a limit it averages out over the collisions; with one, a device in a hand
+                // that presses can keep bouncing at one phase of the samples.
+                (S::ONE - back) * avatar.wall_offset
             } else {
                 // The offset is kept while the wall stays free.
                 let apart = self.flexure.map_or(S::ZERO, |it| it.behind(sway));
@@ -211,6 +219,7 @@ impl<S: Scalar> Coupled<S> {
                     wall_offset,
                     speed,
                     sway: *sway,
+                    was_limited: was_limited && wall_offset != S::ZERO,
                 },
             };
         }
